@@ -1,0 +1,230 @@
+//! The error model: h_m = S C (A h + b_m) + b_0 = M h + b (eq. 1 to 8), and its inverse h = M^-1 (h_m - b) (eq. 11).
+//!
+//! The gauge: raw samples determine M only up to a rotation, since M and M R map the same sphere to the same
+//! ellipsoid. A [`Calibration`] holds the symmetric positive definite M; [`Calibration::from_any`] brings any
+//! invertible M there by the polar decomposition M = P R and hands back the rotation R it dropped.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Why a pair (M, b) is no calibration.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// A value is NaN or infinite.
+    #[error("calibration holds a value that is not finite; check the numbers it was built from")]
+    NotFinite,
+    /// M has no inverse, or one too large to use.
+    #[error(
+        "soft iron matrix is singular (smallest over largest singular value {ratio:.1e}); no field can be recovered through it"
+    )]
+    Singular {
+        /// Smallest over largest singular value of M.
+        ratio: f64,
+    },
+    /// M is not symmetric positive definite.
+    #[error("soft iron matrix is not symmetric positive definite; bring it to the gauge with Calibration::from_any")]
+    NotSymmetricPositiveDefinite,
+    /// det M < 0: the raw axes are left-handed.
+    #[error("soft iron matrix mirrors the field (negative determinant); flip the sign of one raw axis first")]
+    Mirrored,
+    /// The field strength is not a positive number.
+    #[error("field strength must be positive, got {field_strength_ut} uT")]
+    FieldStrength {
+        /// The value given, microtesla.
+        field_strength_ut: f64,
+    },
+}
+
+/// Smallest ratio of singular values of M that is still taken as invertible; phones stay above 0.3.
+const SMALLEST_RATIO: f64 = 1e-6;
+
+/// M, b and the strength of the field they were found in: h_m = M h + b.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CalibrationParts", into = "CalibrationParts")]
+pub struct Calibration {
+    soft_iron: Matrix3<f64>,
+    soft_iron_inverse: Matrix3<f64>,
+    hard_iron_ut: Vector3<f64>,
+    field_strength_ut: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct CalibrationParts {
+    soft_iron: Matrix3<f64>,
+    hard_iron_ut: Vector3<f64>,
+    field_strength_ut: f64,
+}
+
+impl TryFrom<CalibrationParts> for Calibration {
+    type Error = CalibrationError;
+    fn try_from(parts: CalibrationParts) -> Result<Self, CalibrationError> {
+        Self::new(parts.soft_iron, parts.hard_iron_ut, parts.field_strength_ut)
+    }
+}
+
+impl From<Calibration> for CalibrationParts {
+    fn from(c: Calibration) -> Self {
+        Self { soft_iron: c.soft_iron, hard_iron_ut: c.hard_iron_ut, field_strength_ut: c.field_strength_ut }
+    }
+}
+
+impl Calibration {
+    /// A calibration from a symmetric positive definite M (dimensionless), b (uT) and the field strength |h| (uT).
+    ///
+    /// # Errors
+    /// [`CalibrationError`] when a value is not finite, M is not symmetric positive definite (to a relative 1e-9)
+    /// or is singular, or the field strength is not positive.
+    pub fn new(
+        soft_iron: Matrix3<f64>,
+        hard_iron_ut: Vector3<f64>,
+        field_strength_ut: f64,
+    ) -> Result<Self, CalibrationError> {
+        check_finite(&soft_iron, &hard_iron_ut, field_strength_ut)?;
+        let asymmetry = (soft_iron - soft_iron.transpose()).abs().max();
+        let symmetric = (soft_iron + soft_iron.transpose()) * 0.5;
+        if asymmetry > 1e-9 * soft_iron.abs().max() || symmetric.cholesky().is_none() {
+            return Err(CalibrationError::NotSymmetricPositiveDefinite);
+        }
+        let values = symmetric.symmetric_eigenvalues();
+        let ratio = values.min() / values.max();
+        if ratio < SMALLEST_RATIO {
+            return Err(CalibrationError::Singular { ratio });
+        }
+        Self::from_symmetric(symmetric, hard_iron_ut, field_strength_ut)
+            .ok_or(CalibrationError::Singular { ratio: 0.0 })
+    }
+
+    /// For callers that know M to be exactly symmetric, positive definite and finite: no checks, same numbers.
+    pub(crate) fn from_symmetric(
+        soft_iron: Matrix3<f64>,
+        hard_iron_ut: Vector3<f64>,
+        field_strength_ut: f64,
+    ) -> Option<Self> {
+        let inverse = soft_iron.try_inverse()?;
+        let soft_iron_inverse = (inverse + inverse.transpose()) * 0.5;
+        Some(Self { soft_iron, soft_iron_inverse, hard_iron_ut, field_strength_ut })
+    }
+
+    /// A calibration from any invertible M, brought to the gauge: M = P R with P symmetric positive definite.
+    ///
+    /// Returns the calibration with soft iron P, and R: since M h = P (R h), the field corrected with P is R h.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] when a value is not finite, M is singular or mirrors, or the field strength is not positive.
+    pub fn from_any(
+        m: Matrix3<f64>,
+        hard_iron_ut: Vector3<f64>,
+        field_strength_ut: f64,
+    ) -> Result<(Self, Rotation3<f64>), CalibrationError> {
+        check_finite(&m, &hard_iron_ut, field_strength_ut)?;
+        let squared = (m * m.transpose()).symmetric_eigen();
+        let (low, high) = (squared.eigenvalues.min().max(0.0), squared.eigenvalues.max());
+        let ratio = if high > 0.0 { (low / high).sqrt() } else { 0.0 };
+        if ratio < SMALLEST_RATIO {
+            return Err(CalibrationError::Singular { ratio });
+        }
+        if m.determinant() < 0.0 {
+            return Err(CalibrationError::Mirrored);
+        }
+        let root = Matrix3::from_diagonal(&squared.eigenvalues.map(f64::sqrt));
+        let p = squared.eigenvectors * root * squared.eigenvectors.transpose();
+        let calibration = Self::from_symmetric((p + p.transpose()) * 0.5, hard_iron_ut, field_strength_ut)
+            .ok_or(CalibrationError::Singular { ratio })?;
+        let rotation = Rotation3::from_matrix_unchecked(calibration.soft_iron_inverse * m);
+        Ok((calibration, rotation))
+    }
+
+    /// No disturbance: M = I, b = 0.
+    #[must_use]
+    pub fn identity(field_strength_ut: f64) -> Self {
+        Self {
+            soft_iron: Matrix3::identity(),
+            soft_iron_inverse: Matrix3::identity(),
+            hard_iron_ut: Vector3::zeros(),
+            field_strength_ut,
+        }
+    }
+
+    /// The same M about another b.
+    pub(crate) fn shifted(self, hard_iron_ut: Vector3<f64>) -> Self {
+        Self { hard_iron_ut, ..self }
+    }
+
+    /// M, dimensionless, symmetric positive definite.
+    #[must_use]
+    pub fn soft_iron(&self) -> &Matrix3<f64> {
+        &self.soft_iron
+    }
+
+    /// M^-1, dimensionless.
+    #[must_use]
+    pub fn soft_iron_inverse(&self) -> &Matrix3<f64> {
+        &self.soft_iron_inverse
+    }
+
+    /// b, microtesla: subtracted from the raw field.
+    #[must_use]
+    pub fn hard_iron_ut(&self) -> &Vector3<f64> {
+        &self.hard_iron_ut
+    }
+
+    /// |h|, microtesla.
+    #[must_use]
+    pub fn field_strength_ut(&self) -> f64 {
+        self.field_strength_ut
+    }
+
+    /// (11) h = M^-1 (h_m - b), uT, device frame.
+    #[must_use]
+    pub fn correct(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
+        self.soft_iron_inverse * (raw_ut - self.hard_iron_ut)
+    }
+
+    /// (8) h_m = M h + b, uT, device frame.
+    #[must_use]
+    pub fn distort(&self, field_ut: &Vector3<f64>) -> Vector3<f64> {
+        self.soft_iron * field_ut + self.hard_iron_ut
+    }
+}
+
+/// The factory errors of the sensor itself (eq. 1 to 4): h_m = S C h + b_0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FactoryErrors {
+    /// Diagonal of S: scale factors, dimensionless.
+    pub scale: Vector3<f64>,
+    /// (e_x e_y e_z): its columns are the attitudes of the three sensing axes; C is its inverse (non-orthogonality).
+    pub axes: Matrix3<f64>,
+    /// b_0: offsets of the bridges, uT.
+    pub offset_ut: Vector3<f64>,
+}
+
+/// The disturbance the phone carries (eq. 5, 6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// A: soft iron, dimensionless, symmetric.
+    pub soft_iron: Matrix3<f64>,
+    /// b_m: hard iron, uT.
+    pub hard_iron_ut: Vector3<f64>,
+}
+
+impl FactoryErrors {
+    /// (7) and (8): M = S C A and b = S C b_m + b_0. Bring M to the gauge with [`Calibration::from_any`].
+    ///
+    /// # Errors
+    /// [`CalibrationError::Singular`] when the sensing axes lie in one plane, so that C does not exist.
+    pub fn compose(&self, disturbance: &Disturbance) -> Result<(Matrix3<f64>, Vector3<f64>), CalibrationError> {
+        let c = self.axes.try_inverse().ok_or(CalibrationError::Singular { ratio: 0.0 })?;
+        let sc = Matrix3::from_diagonal(&self.scale) * c;
+        Ok((sc * disturbance.soft_iron, sc * disturbance.hard_iron_ut + self.offset_ut))
+    }
+}
+
+fn check_finite(m: &Matrix3<f64>, b: &Vector3<f64>, field_strength_ut: f64) -> Result<(), CalibrationError> {
+    if !(m.iter().chain(b.iter()).all(|v| v.is_finite()) && field_strength_ut.is_finite()) {
+        return Err(CalibrationError::NotFinite);
+    }
+    if field_strength_ut <= 0.0 {
+        return Err(CalibrationError::FieldStrength { field_strength_ut });
+    }
+    Ok(())
+}

@@ -1,0 +1,183 @@
+//! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
+
+use crate::calibration::Calibration;
+use crate::ellipsoid::{FitOptions, SMALLEST_SAMPLE_COUNT};
+use crate::heading::{ReferenceAxis, ScreenRotation};
+use crate::uniformity::Normalisation;
+use serde::{Deserialize, Serialize};
+
+/// How M and b are estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Method {
+    /// The best that the arriving sensors allow. The default.
+    #[default]
+    Auto,
+    /// The paper's: an ellipsoid fit over the latest N samples, N following sigma_T (fig. 3).
+    Windowed,
+    /// Its first step alone: one fit of the first well spread samples, then kept (section III).
+    Constant,
+}
+
+/// Everything a [`crate::Compensator`] can be told. `Config::default()` suits a phone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// How M and b are estimated. Default [`Method::Auto`].
+    pub method: Method,
+    /// A calibration to begin with, for instance that of the last launch. Default none.
+    pub initial: Option<Calibration>,
+    /// What a raw sample may be.
+    pub sensor: SensorLimits,
+    /// What an ellipsoid fit accepts.
+    pub fit: FitOptions,
+    /// The paper's method.
+    pub windowed: WindowedConfig,
+    /// How headings are reported.
+    pub heading: HeadingConfig,
+}
+
+/// What a raw sample may be; anything else is rejected with a reason.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorLimits {
+    /// Largest component, uT. Default 2000: phones carry offsets up to several hundred uT, and a magnetic cover can add
+    /// a thousand. Larger accepts stronger magnets.
+    pub range_ut: f64,
+    /// The sensor's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
+    /// saturated. Default none: not known.
+    pub rail_ut: Option<f64>,
+    /// So many equal samples in a row mean that the sensor hangs. Default 50, half a second at 100 Hz: the noise of every phone magnetometer
+    /// changes the last digit sooner. 0 switches the check off.
+    pub stuck_samples: usize,
+    /// Largest step ahead in time, s. Default 604800, a week: longer pauses than any app's, shorter than the
+    /// jump of a time in the wrong unit. Pauses up to it are accepted.
+    pub max_gap_s: f64,
+}
+
+impl Default for SensorLimits {
+    fn default() -> Self {
+        Self { range_ut: 2000.0, rail_ut: None, stuck_samples: 50, max_gap_s: 604_800.0 }
+    }
+}
+
+/// The paper's method (section IV, fig. 3).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WindowedConfig {
+    /// N_min, samples: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows changes sooner with more noise.
+    pub n_min: usize,
+    /// N_max, samples: the longest window. Default 2000 (the paper's). Larger is steadier under poor motion and slower to forget.
+    pub n_max: usize,
+    /// sigma_th, dimensionless: below it nothing is updated. Default 0.1: planar motion stays below, ordinary hand motion above.
+    pub sigma_th: f64,
+    /// How the standard deviations in sigma_T are normalised. Default `HalfRange`, which explains the paper's figures.
+    pub normalisation: Normalisation,
+    /// Samples from one fit to the next. Default 1 (the paper's). Larger costs less and follows in steps.
+    pub refit_stride: usize,
+}
+
+impl Default for WindowedConfig {
+    fn default() -> Self {
+        Self { n_min: 100, n_max: 2000, sigma_th: 0.1, normalisation: Normalisation::HalfRange, refit_stride: 1 }
+    }
+}
+
+/// How headings are reported.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HeadingConfig {
+    /// The axis whose heading it is. Default the top edge.
+    pub axis: ReferenceAxis,
+    /// How the screen's content is turned. Default not at all.
+    pub screen_rotation: ScreenRotation,
+    /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
+    pub declination_deg: Option<f64>,
+    /// Oldest `up` that is still used, s. Default 0.2: a phone tilts by a few degrees in that time.
+    pub max_up_age_s: f64,
+    /// Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1: a phone's accelerometer bias of
+    /// 0.1 m/s^2 and a hand's acceleration of about as much.
+    pub tilt_sigma_deg: f64,
+    /// What no calibration knows, uT per axis: the field of rooms is not uniform. Default 1.3, measured against optical
+    /// orientation references in two laboratories; 0 for simulated data.
+    pub field_sigma_ut: f64,
+}
+
+impl Default for HeadingConfig {
+    fn default() -> Self {
+        Self {
+            axis: ReferenceAxis::TopEdge,
+            screen_rotation: ScreenRotation::Deg0,
+            declination_deg: None,
+            max_up_age_s: 0.2,
+            tilt_sigma_deg: 1.0,
+            field_sigma_ut: 1.3,
+        }
+    }
+}
+
+/// A field of the config is outside its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("config: {field} is {value}, expected {expected}")]
+pub struct ConfigError {
+    /// Path of the field, for instance `windowed.n_min`.
+    pub field: &'static str,
+    /// What it was.
+    pub value: String,
+    /// What it may be.
+    pub expected: &'static str,
+}
+
+/// Longest window: the ring holds so many samples, 32 bytes each.
+const LARGEST_WINDOW: usize = 100_000;
+
+impl Config {
+    /// Whether every field is inside its range.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first field that is not, and its range.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let (s, f, w, h) = (&self.sensor, &self.fit, &self.windowed, &self.heading);
+        let positive = |v: f64| v > 0.0 && v.is_finite();
+        let not_negative = |v: f64| v >= 0.0 && v.is_finite();
+        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 17] = [
+            (positive(s.range_ut), "sensor.range_ut", &s.range_ut, "above 0 uT"),
+            (s.rail_ut.is_none_or(positive), "sensor.rail_ut", &s.rail_ut, "above 0 uT, or none"),
+            (positive(s.max_gap_s), "sensor.max_gap_s", &s.max_gap_s, "above 0 s"),
+            (
+                f.field_strength_ut.is_none_or(positive),
+                "fit.field_strength_ut",
+                &f.field_strength_ut,
+                "above 0 uT, or none",
+            ),
+            (
+                positive(f.field_range_ut.0)
+                    && f.field_range_ut.1 > f.field_range_ut.0
+                    && f.field_range_ut.1.is_finite(),
+                "fit.field_range_ut",
+                &f.field_range_ut,
+                "0 < low < high, uT",
+            ),
+            (f.max_direction_sigma_deg > 0.0, "fit.max_direction_sigma_deg", &f.max_direction_sigma_deg, "above 0 deg"),
+            (f.max_iterations >= 1, "fit.max_iterations", &f.max_iterations, "at least 1"),
+            (positive(f.tolerance), "fit.tolerance", &f.tolerance, "above 0"),
+            (w.n_min >= SMALLEST_SAMPLE_COUNT, "windowed.n_min", &w.n_min, "at least 9 samples"),
+            (w.n_max >= w.n_min, "windowed.n_max", &w.n_max, "at least windowed.n_min"),
+            (w.n_max <= LARGEST_WINDOW, "windowed.n_max", &w.n_max, "at most 100000 samples"),
+            (not_negative(w.sigma_th), "windowed.sigma_th", &w.sigma_th, "0 or above"),
+            (w.refit_stride >= 1, "windowed.refit_stride", &w.refit_stride, "at least 1"),
+            (
+                h.declination_deg.is_none_or(|d| (-180.0..=180.0).contains(&d)),
+                "heading.declination_deg",
+                &h.declination_deg,
+                "-180 to 180 deg, or none",
+            ),
+            (not_negative(h.max_up_age_s), "heading.max_up_age_s", &h.max_up_age_s, "0 s or above"),
+            (not_negative(h.tilt_sigma_deg), "heading.tilt_sigma_deg", &h.tilt_sigma_deg, "0 deg or above"),
+            (not_negative(h.field_sigma_ut), "heading.field_sigma_ut", &h.field_sigma_ut, "0 uT or above"),
+        ];
+        match checks.into_iter().find(|(ok, ..)| !ok) {
+            None => Ok(()),
+            Some((_, field, value, expected)) => Err(ConfigError { field, value: format!("{value:?}"), expected }),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Which directions of the sphere have been seen: 48 cells of equal area, for guidance while calibrating.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
+const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
+/// Cells on the whole sphere, each about 30 degrees across.
+pub const CELLS: usize = 48;
+
+/// Counts of samples per cell.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Coverage {
+    counts: Vec<u32>,
+}
+
+impl Default for Coverage {
+    fn default() -> Self {
+        Self { counts: vec![0; CELLS] }
+    }
+}
+
+impl Coverage {
+    /// The cell of a direction (any length), 0 to 47.
+    #[must_use]
+    pub fn cell(direction: &Vector3<f64>) -> usize {
+        let length = direction.norm();
+        let z = if length > 0.0 { direction.z / length } else { 1.0 };
+        let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU + 0.5;
+        let mut first = 0;
+        for (band, cells) in BANDS.into_iter().enumerate() {
+            if z > 1.0 - 2.0 * (first + cells) as f64 / CELLS as f64 || band == BANDS.len() - 1 {
+                return first + ((turn * cells as f64) as usize).min(cells - 1);
+            }
+            first += cells;
+        }
+        CELLS - 1
+    }
+
+    /// Unit vector to the middle of a cell.
+    fn middle(cell: usize) -> Vector3<f64> {
+        let mut first = 0;
+        for cells in BANDS {
+            if cell < first + cells {
+                let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
+                let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
+                let flat = (1.0 - z * z).sqrt();
+                return Vector3::new(flat * phi.cos(), flat * phi.sin(), z);
+            }
+            first += cells;
+        }
+        Vector3::z()
+    }
+
+    /// One more sample in a cell.
+    pub fn add(&mut self, cell: usize) {
+        if let Some(count) = self.counts.get_mut(cell) {
+            *count += 1;
+        }
+    }
+
+    /// One sample fewer in a cell.
+    pub fn remove(&mut self, cell: usize) {
+        if let Some(count) = self.counts.get_mut(cell) {
+            *count = count.saturating_sub(1);
+        }
+    }
+
+    /// No samples.
+    pub fn clear(&mut self) {
+        self.counts.fill(0);
+    }
+
+    /// Share of the cells with at least one sample, 0 to 1.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.counts.iter().filter(|count| **count > 0).count() as f64 / CELLS as f64
+    }
+
+    /// Middles of the cells without a sample, unit vectors in the device frame: point the field there next.
+    #[must_use]
+    pub fn unseen_directions(&self) -> Vec<Vector3<f64>> {
+        (0..CELLS).filter(|cell| self.counts[*cell] == 0).map(Self::middle).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_holds_its_middle() {
+        for cell in 0..CELLS {
+            assert_eq!(Coverage::cell(&Coverage::middle(cell)), cell);
+        }
+    }
+
+    #[test]
+    fn cells_have_equal_areas() {
+        let mut coverage = Coverage::default();
+        let (rows, columns) = (600, 600);
+        for i in 0..rows {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(rows);
+            for j in 0..columns {
+                let phi = (f64::from(j) + 0.5) / f64::from(columns) * std::f64::consts::TAU;
+                let flat = (1.0 - z * z).sqrt();
+                coverage.add(Coverage::cell(&Vector3::new(flat * phi.cos(), flat * phi.sin(), z)));
+            }
+        }
+        let even = f64::from(rows * columns) / CELLS as f64;
+        for count in &coverage.counts {
+            assert!((f64::from(*count) / even - 1.0).abs() < 0.02, "{count} against {even}");
+        }
+    }
+
+    #[test]
+    fn unseen_shrinks_as_cells_fill() {
+        let mut coverage = Coverage::default();
+        assert_eq!(coverage.unseen_directions().len(), CELLS);
+        coverage.add(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)));
+        assert_eq!(coverage.unseen_directions().len(), CELLS - 1);
+        assert!((coverage.share() - 1.0 / 48.0).abs() < 1e-15);
+        coverage.remove(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)));
+        assert_eq!(coverage.share(), 0.0);
+    }
+}

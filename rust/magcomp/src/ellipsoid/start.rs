@@ -1,0 +1,103 @@
+//! Where the iteration of eq. (10) starts: a closed form that always gives an ellipsoid.
+//!
+//! First the linear least squares: minimise sum (d.p)^2 over quadrics with trace A = 3, which every ellipsoid can be
+//! scaled to, wherever its centre lies. With good coverage it is an excellent start.
+//! When it is not (few or badly spread samples), the ellipsoid-specific fit of Q. Li and J. G. Griffiths, "Least
+//! squares ellipsoid specific fitting", Geometric Modeling and Processing 2004: minimise p^T S p subject to
+//! 4 J - I^2 = 1, with I = a + b + c and J = ab + bc + ca - f^2 - g^2 - h^2, which only ellipsoids satisfy.
+//! A wrong previous calibration plays no part in either, so it cannot send the iteration away.
+
+use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
+
+/// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, g = A beta).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shape {
+    pub a: Matrix3<f64>,
+    pub g: Vector3<f64>,
+}
+
+impl Shape {
+    /// From theta = [A11, A22, A33, A12, A13, A23, g1, g2, g3].
+    pub fn from_theta(t: &SVector<f64, 9>) -> Self {
+        Self { a: symmetric(t), g: Vector3::new(t[6], t[7], t[8]) }
+    }
+
+    /// theta, the nine numbers.
+    pub fn theta(&self) -> SVector<f64, 9> {
+        let (a, g) = (&self.a, &self.g);
+        SVector::<f64, 9>::from_column_slice(&[a.m11, a.m22, a.m33, a.m12, a.m13, a.m23, g.x, g.y, g.z])
+    }
+
+    /// beta = A^-1 g, the centre; None unless A is positive definite.
+    pub fn centre(&self) -> Option<Vector3<f64>> {
+        Some(self.a.cholesky()?.solve(&self.g))
+    }
+
+    /// The shape of a quadric p with d.p = 0, None when it is no ellipsoid.
+    fn from_quadric(p: &SVector<f64, 10>) -> Option<Self> {
+        let sign = if p[0] + p[1] + p[2] < 0.0 { -1.0 } else { 1.0 };
+        let a = symmetric(&(p.fixed_rows::<9>(0) * sign));
+        let g = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
+        let beta = a.cholesky()?.solve(&g);
+        let k = beta.dot(&g) - p[9] * sign;
+        if !(k > 0.0 && k.is_finite()) {
+            return None;
+        }
+        let shape = Self { a: a / k, g: g / k };
+        shape.theta().iter().all(|v| v.is_finite()).then_some(shape)
+    }
+}
+
+fn symmetric(t: &SVector<f64, 9>) -> Matrix3<f64> {
+    Matrix3::new(t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2])
+}
+
+/// The start for a scatter matrix S; None when the samples span no quadric at all (all in one plane).
+pub(crate) fn closed_form(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
+    linear(s).or_else(|| ellipsoid_specific(s))
+}
+
+/// Linear least squares with trace A = 3, if it is an ellipsoid: p = p0 + B q, (B^T S B) q = -B^T S p0, where
+/// p0 = [1, 1, 1, 0, ...] and B takes q1, q2 to A11 - A33, A22 - A33 and the other seven to themselves.
+fn linear(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
+    let mut basis = SMatrix::<f64, 10, 9>::zeros();
+    (basis[(0, 0)], basis[(2, 0)], basis[(1, 1)], basis[(2, 1)]) = (1.0, -1.0, 1.0, -1.0);
+    for k in 2..9 {
+        basis[(k + 1, k)] = 1.0;
+    }
+    let mut p0 = SVector::<f64, 10>::zeros();
+    p0.fixed_rows_mut::<3>(0).fill(1.0);
+    let sb = s * basis;
+    let q = (basis.transpose() * sb).cholesky()?.solve(&(sb.transpose() * p0));
+    Shape::from_quadric(&(p0 - basis * q))
+}
+
+/// Li and Griffiths with k = 4: the largest eigenvalue of C v = mu S_r v, S_r the scatter of the second-degree
+/// part after the rest has been eliminated.
+fn ellipsoid_specific(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
+    let s11 = s.fixed_view::<6, 6>(0, 0).into_owned();
+    let s12 = s.fixed_view::<6, 4>(0, 6).into_owned();
+    let s22: Matrix4<f64> = s.fixed_view::<4, 4>(6, 6).into_owned();
+    let back = s22.cholesky()?.solve(&s12.transpose());
+    let reduced = s11 - s12 * back;
+    let reduced = (reduced + reduced.transpose()) * 0.5;
+    // exact points leave S_r singular: a floor far below any real noise keeps the factorisation going
+    let lower = (reduced + Matrix6::identity() * (1e-14 * reduced.trace())).cholesky()?.l();
+    let mut constraint = Matrix6::zeros();
+    for i in 0..3 {
+        for j in 0..3 {
+            constraint[(i, j)] = if i == j { -1.0 } else { 1.0 };
+        }
+        constraint[(i + 3, i + 3)] = -4.0;
+    }
+    let left = lower.solve_lower_triangular(&constraint)?;
+    let both = lower.solve_lower_triangular(&left.transpose())?;
+    let eigen = ((both + both.transpose()) * 0.5).symmetric_eigen();
+    let best = eigen.eigenvalues.imax();
+    let v1: Vector6<f64> = lower.transpose().solve_upper_triangular(&eigen.eigenvectors.column(best).into_owned())?;
+    let v2 = -(back * v1);
+    let mut p = SVector::<f64, 10>::zeros();
+    p.fixed_rows_mut::<6>(0).copy_from(&v1);
+    p.fixed_rows_mut::<4>(6).copy_from(&v2);
+    Shape::from_quadric(&p)
+}

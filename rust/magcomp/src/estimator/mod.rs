@@ -1,0 +1,3 @@
+//! The estimators behind one `push`.
+
+pub(crate) mod windowed;

@@ -1,0 +1,338 @@
+//! The paper's real-time method (section IV, fig. 3). For each new sample, with the M_k, b_k of the step before:
+//! 1. sigma_T over the latest N_min samples, (11) to (15);
+//! 2. below sigma_th nothing is updated;
+//! 3. (16) the window N;
+//! 4. (10) on the latest N samples gives M_k+1, b_k+1.
+//!
+//! What is ours: the cost of a window is kept as its moments, so a fit costs the same for every N; each fit starts from
+//! the previous parameters or from a closed form, whichever fits better; a fit that the samples don't support is refused
+//! with its reason and the parameters stay.
+
+use crate::calibration::Calibration;
+use crate::config::{Config, Method, WindowedConfig};
+use crate::coverage::Coverage;
+use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments};
+use crate::reading::{HoldReason, Status};
+use crate::uniformity::uniformity;
+use crate::window::window_length;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths.
+const RECENTRE: f64 = 0.5;
+/// The constant method keeps its first fit that predicts direction errors below this, degrees: an even sphere of 100
+/// samples at 30 dB reaches 0.7.
+const CONSTANT_SIGMA_DEG: f64 = 1.0;
+/// Rms deviation of |h| over the latest N_min samples, as a share of the field strength, that is suspect: rooms stay
+/// below 5 %, a magnet of 13 uT on the phone gives 20 %.
+const SUSPECT_SPREAD: f64 = 0.1;
+
+/// While collecting, directions are counted anew about a provisional centre after so many samples.
+const RECOUNT_SAMPLES: usize = 25;
+/// ... and while tracking when the centre has moved by this many field strengths, less than the width of a cell.
+const RECOUNT_SHIFT: f64 = 0.2;
+
+/// The paper's estimator.
+#[derive(Clone, Debug)]
+pub(crate) struct Windowed {
+    config: WindowedConfig,
+    options: FitOptions,
+    constant: bool,
+    ring: Ring,
+    /// The latest `window` samples of the ring are in the moments and in the cells.
+    window: usize,
+    moments: Moments,
+    cells: Coverage,
+    kept: Kept,
+}
+
+/// What is carried from sample to sample besides the samples themselves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Kept {
+    calibration: Option<Calibration>,
+    fit: Option<EllipsoidFit>,
+    /// Directions are counted as seen through this.
+    seen_through: Option<Calibration>,
+    since_fit: usize,
+    since_recentred: usize,
+    refused: Option<FitError>,
+}
+
+/// The state as a snapshot holds it: moments and cells follow from the samples, exactly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct WindowedState {
+    samples_ut: Vec<Vector3<f64>>,
+    window: usize,
+    centre_ut: Vector3<f64>,
+    scale_ut: f64,
+    kept: Kept,
+}
+
+/// What one sample led to.
+pub(crate) struct WindowedStep {
+    pub sigma_t: Option<f64>,
+    pub status: Status,
+}
+
+impl Windowed {
+    /// For a validated config. All memory is taken here.
+    pub fn new(config: &Config) -> Self {
+        Self {
+            config: config.windowed,
+            options: config.fit,
+            constant: config.method == Method::Constant,
+            ring: Ring::new(config.windowed.n_max),
+            window: 0,
+            moments: Moments::new(Vector3::zeros(), typical_field_ut(&config.fit)),
+            cells: Coverage::default(),
+            kept: Kept { calibration: config.initial, seen_through: config.initial, ..Kept::default() },
+        }
+    }
+
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.kept.calibration.as_ref()
+    }
+
+    /// The latest fit that was accepted.
+    pub fn fit(&self) -> Option<&EllipsoidFit> {
+        self.kept.fit.as_ref()
+    }
+
+    pub fn window(&self) -> usize {
+        self.window
+    }
+
+    pub fn coverage(&self) -> &Coverage {
+        &self.cells
+    }
+
+    /// One step of fig. 3.
+    pub fn push(&mut self, raw_ut: &Vector3<f64>) -> WindowedStep {
+        self.enter(raw_ut);
+        self.kept.since_fit += 1;
+        let (sigma_t, spread) = self.variability();
+        let status = match sigma_t {
+            _ if self.constant && self.kept.calibration.is_some() => {
+                self.resize(self.window.min(self.config.n_min));
+                Status::Held(HoldReason::Constant)
+            }
+            Some(sigma_t) if sigma_t < self.config.sigma_th => {
+                self.resize(self.window - 1);
+                Status::Held(HoldReason::LowUniformity)
+            }
+            Some(sigma_t) => {
+                self.resize(window_length(sigma_t, self.config.n_min, self.config.n_max));
+                self.refit()
+            }
+            None if self.ring.len() >= self.config.n_min => self.refit(),
+            None => self.collecting(),
+        };
+        self.recount();
+        match status {
+            Status::Tracking | Status::Held(_) if spread > SUSPECT_SPREAD => {
+                WindowedStep { sigma_t, status: Status::Suspect }
+            }
+            status => WindowedStep { sigma_t, status },
+        }
+    }
+
+    /// 1. (15) over the latest N_min samples, with the parameters of the step before; and the rms deviation of |h| there.
+    fn variability(&self) -> (Option<f64>, f64) {
+        let n = self.config.n_min;
+        let Some(calibration) = self.kept.calibration.filter(|_| self.ring.len() >= n) else {
+            return (None, 0.0);
+        };
+        let mut squares = 0.0;
+        let corrected = (0..n).map(|age| {
+            let h = calibration.correct(self.ring.latest(age));
+            squares += (h.norm() / calibration.field_strength_ut() - 1.0).powi(2);
+            h
+        });
+        let sigma_t = uniformity(corrected, self.config.normalisation);
+        (Some(sigma_t), (squares / n as f64).sqrt())
+    }
+
+    /// 4. (10) on the window.
+    fn refit(&mut self) -> Status {
+        if self.kept.since_fit < self.config.refit_stride && self.kept.calibration.is_some() {
+            return self.kept.refused.map_or(Status::Tracking, |error| Status::Held(HoldReason::FitRefused(error)));
+        }
+        self.kept.since_fit = 0;
+        let warm = self.kept.calibration.map(|calibration| self.moments.shape_of(&calibration));
+        let fit = self.moments.solve(&self.options, warm).and_then(|found| self.moments.report(&found, &self.options));
+        match fit {
+            Ok(fit) if !self.constant || self.settled(&fit) => {
+                self.kept.calibration = Some(fit.calibration);
+                self.kept.fit = Some(fit);
+                self.kept.refused = None;
+                self.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
+                Status::Tracking
+            }
+            Ok(_) => self.collecting(),
+            Err(error) => {
+                self.kept.refused = Some(error);
+                match self.kept.calibration {
+                    Some(_) => Status::Held(HoldReason::FitRefused(error)),
+                    None => self.collecting(),
+                }
+            }
+        }
+    }
+
+    /// Whether the constant method keeps this fit.
+    fn settled(&self, fit: &EllipsoidFit) -> bool {
+        fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || self.window == self.config.n_max
+    }
+
+    fn collecting(&self) -> Status {
+        Status::Collecting { samples: self.ring.len(), samples_needed: self.config.n_min, refused: self.kept.refused }
+    }
+
+    /// The sample enters ring and window.
+    fn enter(&mut self, raw_ut: &Vector3<f64>) {
+        if self.ring.len() == 0 && self.kept.calibration.is_none() {
+            self.moments = Moments::new(*raw_ut, self.moments.scale_ut());
+        }
+        if self.window == self.config.n_max {
+            self.resize(self.window - 1);
+        }
+        self.ring.push(*raw_ut);
+        self.moments.add(raw_ut);
+        self.count(raw_ut, 1);
+        self.window += 1;
+        self.kept.since_recentred += 1;
+    }
+
+    /// Samples enter or leave the window at its old end until it has this length.
+    fn resize(&mut self, length: usize) {
+        let length = length.min(self.ring.len());
+        while self.window > length {
+            let oldest = *self.ring.latest(self.window - 1);
+            self.moments.remove(&oldest);
+            self.count(&oldest, -1);
+            self.window -= 1;
+        }
+        while self.window < length {
+            let next = *self.ring.latest(self.window);
+            self.moments.add(&next);
+            self.count(&next, 1);
+            self.window += 1;
+        }
+    }
+
+    fn count(&mut self, raw_ut: &Vector3<f64>, by: i32) {
+        if let Some(through) = &self.kept.seen_through {
+            let cell = Coverage::cell(&through.correct(raw_ut));
+            if by > 0 { self.cells.add(cell) } else { self.cells.remove(cell) }
+        }
+    }
+
+    /// Directions are counted anew when the calibration they are seen through is no longer right.
+    fn recount(&mut self) {
+        let through = match (&self.kept.calibration, &self.kept.seen_through) {
+            (Some(now), Some(then)) => {
+                let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
+                if shift <= RECOUNT_SHIFT * then.field_strength_ut() {
+                    return;
+                }
+                *now
+            }
+            (Some(now), None) => *now,
+            (None, _) if self.window.is_multiple_of(RECOUNT_SAMPLES) => self.provisional(),
+            (None, _) => return,
+        };
+        self.kept.seen_through = Some(through);
+        self.cells.clear();
+        for age in 0..self.window {
+            let sample = *self.ring.latest(age);
+            self.count(&sample, 1);
+        }
+    }
+
+    /// Where the centre seems to be before any fit is good enough to report.
+    fn provisional(&self) -> Calibration {
+        let centre = self.moments.provisional_centre_ut(&self.options);
+        Calibration::identity(typical_field_ut(&self.options)).shifted(centre)
+    }
+
+    /// Moments about a far centre lose digits: take them about the new one, at most once in N_min samples.
+    fn recentre(&mut self, centre_ut: &Vector3<f64>, field_ut: f64) {
+        let scale = self.moments.scale_ut();
+        let far = (centre_ut - self.moments.centre_ut()).norm() > RECENTRE * field_ut;
+        let other = !(0.5..=2.0).contains(&(field_ut / scale));
+        if (far || other) && self.kept.since_recentred >= self.config.n_min {
+            self.kept.since_recentred = 0;
+            self.moments = Moments::new(*centre_ut, field_ut);
+            for age in 0..self.window {
+                self.moments.add(self.ring.latest(age));
+            }
+        }
+    }
+
+    pub fn state(&self) -> WindowedState {
+        WindowedState {
+            samples_ut: (0..self.ring.len()).rev().map(|age| *self.ring.latest(age)).collect(),
+            window: self.window,
+            centre_ut: *self.moments.centre_ut(),
+            scale_ut: self.moments.scale_ut(),
+            kept: self.kept.clone(),
+        }
+    }
+
+    /// The estimator in a state; None when the state does not belong to this config.
+    pub fn from_state(config: &Config, state: WindowedState) -> Option<Self> {
+        let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
+        let fits = state.samples_ut.len() <= config.windowed.n_max
+            && state.window <= state.samples_ut.len()
+            && state.samples_ut.iter().all(finite)
+            && finite(&state.centre_ut)
+            && state.scale_ut > 0.0;
+        if !fits {
+            return None;
+        }
+        let mut estimator = Self::new(config);
+        estimator.kept = state.kept;
+        estimator.moments = Moments::new(state.centre_ut, state.scale_ut);
+        state.samples_ut.into_iter().for_each(|sample| estimator.ring.push(sample));
+        estimator.resize(state.window);
+        Some(estimator)
+    }
+}
+
+/// Scale of the coordinates before anything is known, uT: the middle of the accepted field strengths.
+fn typical_field_ut(options: &FitOptions) -> f64 {
+    options.field_strength_ut.unwrap_or((options.field_range_ut.0 * options.field_range_ut.1).sqrt())
+}
+
+/// The latest samples in a buffer of fixed size.
+#[derive(Clone, Debug)]
+struct Ring {
+    samples: Vec<Vector3<f64>>,
+    capacity: usize,
+    next: usize,
+}
+
+impl Ring {
+    fn new(capacity: usize) -> Self {
+        Self { samples: Vec::with_capacity(capacity), capacity, next: 0 }
+    }
+
+    fn push(&mut self, sample: Vector3<f64>) {
+        if self.samples.len() < self.capacity {
+            self.samples.push(sample);
+        } else {
+            self.samples[self.next] = sample;
+        }
+        self.next = (self.next + 1) % self.capacity;
+    }
+
+    fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// The sample `age` steps back: 0 is the latest.
+    fn latest(&self, age: usize) -> &Vector3<f64> {
+        let len = self.samples.len();
+        &self.samples[(self.next + 2 * len - 1 - age) % len]
+    }
+}

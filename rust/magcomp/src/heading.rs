@@ -1,0 +1,160 @@
+//! Heading, inclination and their uncertainty from a corrected field and the direction of up.
+//!
+//! East E = h x up, north N = up x E, horizontal axes of the place; the heading of a device axis a is
+//! atan2(a.E, a.N): degrees clockwise from magnetic north, 0 to 360. Inclination: positive when h points down.
+//!
+//! Three reference axes, after turning the device frame by the screen rotation (so that x is the screen's right edge
+//! and y its top edge, as the user sees it):
+//! * the top edge: the classical compass of a phone lying flat; undefined when the phone is upright;
+//! * the camera, -z: what the user looks at through an upright phone; undefined when it lies flat;
+//! * automatic: the one horizontal direction in the plane of both, up x (right edge). It is the top edge when flat,
+//!   the camera when upright, and passes through any pitch, overhead too, without a flip. Where the right edge itself
+//!   points up (upright in landscape with the screen locked) that direction is undefined, and the camera takes over
+//!   gradually.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Which axis of the device the heading is that of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ReferenceAxis {
+    /// Top edge of the screen.
+    #[default]
+    TopEdge,
+    /// Back camera, -z.
+    Camera,
+    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
+    Auto,
+}
+
+/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ScreenRotation {
+    /// Natural orientation: portrait on phones.
+    #[default]
+    Deg0,
+    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
+    Deg90,
+    /// Upside down.
+    Deg180,
+    /// The other landscape: the screen's top is the device's left edge.
+    Deg270,
+}
+
+impl ScreenRotation {
+    /// The screen's right and top edge, as the user sees them, in the device frame.
+    #[must_use]
+    pub fn axes(self) -> (Vector3<f64>, Vector3<f64>) {
+        let (x, y) = (Vector3::x(), Vector3::y());
+        match self {
+            Self::Deg0 => (x, y),
+            Self::Deg90 => (-y, x),
+            Self::Deg180 => (-x, -y),
+            Self::Deg270 => (y, -x),
+        }
+    }
+}
+
+/// A heading and what belongs to it. All angles in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Heading {
+    /// Clockwise from magnetic north, 0 to 360.
+    pub heading_deg: f64,
+    /// One standard deviation of `heading_deg`, 0 to 180; None when the calibration's own uncertainty is not known.
+    pub heading_sigma_deg: Option<f64>,
+    /// Clockwise from true north, 0 to 360: heading_deg + declination. None without a declination.
+    pub true_heading_deg: Option<f64>,
+    /// Angle of the field below the horizon, -90 to 90.
+    pub inclination_deg: f64,
+}
+
+/// Axes whose sine to the vertical is smaller have no heading: 1e-6 is 0.2 arc seconds.
+const VERTICAL: f64 = 1e-6;
+/// Where the right edge rises (sine of its elevation) the automatic axis begins to follow the camera, 45 deg ...
+const RISE_BEGIN: f64 = 0.707;
+/// ... and where it follows the camera alone, 64 deg.
+const RISE_END: f64 = 0.9;
+
+/// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
+///
+/// None when the field or the axis is vertical, or anything is not finite or of length zero. `heading_sigma_deg`
+/// and `true_heading_deg` are left empty: see [`heading_sigma_deg`] and [`true_heading_deg`].
+#[must_use]
+pub fn heading(
+    field_ut: &Vector3<f64>,
+    up: &Vector3<f64>,
+    axis: ReferenceAxis,
+    rotation: ScreenRotation,
+) -> Option<Heading> {
+    let up = up.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
+    let field = field_ut.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
+    let east = field.cross(&up);
+    let horizontal = east.norm();
+    if horizontal < VERTICAL {
+        return None;
+    }
+    let north = up.cross(&east);
+    let pointing = pointing(&up, axis, rotation);
+    let (e, n) = (pointing.dot(&east) / horizontal, pointing.dot(&north) / horizontal);
+    if e.hypot(n) < VERTICAL {
+        return None;
+    }
+    let inclination_deg = (-field.dot(&up)).atan2(horizontal).to_degrees();
+    Some(Heading {
+        heading_deg: wrap_360(e.atan2(n).to_degrees()),
+        heading_sigma_deg: None,
+        true_heading_deg: None,
+        inclination_deg,
+    })
+}
+
+/// The axis of the device the heading is that of, for a unit `up`.
+fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> Vector3<f64> {
+    let (right, top) = rotation.axes();
+    let camera = -Vector3::z();
+    match axis {
+        ReferenceAxis::TopEdge => top,
+        ReferenceAxis::Camera => camera,
+        ReferenceAxis::Auto => {
+            let between = up.cross(&right);
+            let rise = right.dot(up).abs();
+            let share = ((rise - RISE_BEGIN) / (RISE_END - RISE_BEGIN)).clamp(0.0, 1.0);
+            let level = between.try_normalize(VERTICAL).unwrap_or_else(Vector3::zeros);
+            level * (1.0 - share) + camera * share
+        }
+    }
+}
+
+/// One standard deviation of the heading, degrees, 0 to 90.
+///
+/// `field_ut` is the corrected field, `covariance_ut2` the covariance of its error (uT^2), `tilt_sigma_deg` the
+/// standard deviation of `up` about a horizontal axis. Only errors across the field count, and the shorter its
+/// horizontal part the more: near the magnetic poles sigma grows as it must.
+#[must_use]
+pub fn heading_sigma_deg(
+    field_ut: &Vector3<f64>,
+    up: &Vector3<f64>,
+    covariance_ut2: &nalgebra::Matrix3<f64>,
+    tilt_sigma_deg: f64,
+) -> Option<f64> {
+    let up = up.try_normalize(0.0)?;
+    let east = field_ut.cross(&up);
+    let horizontal = east.norm();
+    let across = east.try_normalize(VERTICAL)?;
+    let tilt = tilt_sigma_deg.to_radians() * field_ut.dot(&up);
+    let variance = (covariance_ut2 * across).dot(&across) + tilt * tilt;
+    let sigma = variance.max(0.0).sqrt().atan2(horizontal).to_degrees();
+    sigma.is_finite().then_some(sigma)
+}
+
+/// True heading from a magnetic heading and the declination (east positive), degrees, 0 to 360.
+#[must_use]
+pub fn true_heading_deg(heading_deg: f64, declination_deg: f64) -> f64 {
+    wrap_360(heading_deg + declination_deg)
+}
+
+/// An angle in [0, 360).
+fn wrap_360(deg: f64) -> f64 {
+    let wrapped = deg.rem_euclid(360.0);
+    if wrapped >= 360.0 { 0.0 } else { wrapped }
+}

@@ -1,0 +1,44 @@
+//! Frees a smartphone's magnetometer from the magnetic disturbance the phone carries, continuously, while it is in use.
+//!
+//! A raw magnetometer reads h_m = M h + b: the Earth's field h, squeezed by soft iron M and shifted by hard iron b.
+//! [`Compensator`] re-estimates M and b from the stream of raw samples and returns for each a [`Reading`]: the corrected
+//! field, the heading with its uncertainty, and what it is doing and why. The method is that of P. Daponte, L. De Vito,
+//! F. Picariello, S. Rapuano, C. Sementa, "A method for real-time compensation of magnetometers embedded on smartphones";
+//! equation numbers in this crate are that paper's.
+//!
+//! Where to find what: error model (1) to (8) and correction (11) in `calibration`; the ellipsoid (9), (10) in
+//! `ellipsoid`; sigma_T (12) to (15) in `uniformity`; the window (16) in `window`; fig. 3 in `estimator/windowed`.
+//!
+//! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
+
+pub use nalgebra;
+
+mod calibration;
+mod compensator;
+mod config;
+mod constant;
+mod coverage;
+mod ellipsoid;
+mod estimator;
+mod heading;
+mod reading;
+mod sample;
+mod snapshot;
+mod uniformity;
+mod window;
+
+pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
+pub use compensator::Compensator;
+pub use config::{Config, ConfigError, HeadingConfig, Method, SensorLimits, WindowedConfig};
+pub use constant::ConstantField;
+pub use coverage::{CELLS, Coverage};
+pub use ellipsoid::{
+    EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
+    fit_ellipsoid,
+};
+pub use heading::{Heading, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg};
+pub use reading::{HoldReason, Reading, RejectReason, Status};
+pub use sample::{MagneticSample, RotationRateSample, UpSample};
+pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
+pub use uniformity::{Normalisation, uniformity};
+pub use window::window_length;

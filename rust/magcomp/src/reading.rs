@@ -1,0 +1,152 @@
+//! What one `push` answers: the corrected sample, the heading, and in `status` what the compensator is doing.
+
+use crate::ellipsoid::FitError;
+use crate::heading::Heading;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The answer to one magnetometer sample. What is not known is None, never NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Time of the sample, nanoseconds.
+    pub time_ns: i64,
+    /// The corrected sample M^-1 (h_m - b), uT, device frame. None until there is a calibration, and for a rejected sample.
+    pub field_ut: Option<Vector3<f64>>,
+    /// The estimator's own, smoother estimate of the same vector, uT, where it has one; the heading comes from it.
+    pub filtered_field_ut: Option<Vector3<f64>>,
+    /// |field_ut|, uT.
+    pub total_field_ut: Option<f64>,
+    /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
+    pub heading: Option<Heading>,
+    /// (15) sigma_T over the latest N_min samples. None until there are that many and a calibration.
+    pub sigma_t: Option<f64>,
+    /// Samples in the window of the estimator.
+    pub window: usize,
+    /// Share of the directions seen in that window, 0 to 1.
+    pub coverage: f64,
+    /// What the compensator is doing, and why.
+    pub status: Status,
+}
+
+/// What the compensator is doing, so that an app can tell its user what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Status {
+    /// No calibration yet.
+    Collecting {
+        /// Samples so far.
+        samples: usize,
+        /// Samples needed before a first fit is tried.
+        samples_needed: usize,
+        /// Why the latest fit was not accepted; None before the first.
+        refused: Option<FitError>,
+    },
+    /// Calibrated, and following changes.
+    Tracking,
+    /// Something changed; not yet decided what.
+    Suspect,
+    /// Calibrated, but not learning: the calibration is kept.
+    Held(HoldReason),
+    /// The environment is disturbed, not the device: magnitude and dip disagree with the calibration.
+    Disturbed {
+        /// Time of the first disturbed sample, nanoseconds.
+        since_ns: i64,
+    },
+    /// This sample was not used; nothing has changed.
+    Rejected(RejectReason),
+}
+
+/// Why nothing is learned at the moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum HoldReason {
+    /// sigma_T is below its threshold: the latest orientations are too much alike.
+    LowUniformity,
+    /// The latest fit was refused; the error says what is missing.
+    FitRefused(FitError),
+    /// The method is a constant calibration: by choice it does not follow changes.
+    Constant,
+}
+
+/// Why a sample was not used.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
+pub enum RejectReason {
+    /// A component is NaN or infinite.
+    #[error("field is not finite")]
+    NotFinite,
+    /// A component is larger than any phone's magnetometer reads.
+    #[error("field component {value_ut} uT is outside +-{limit_ut} uT; is the unit microtesla?")]
+    OutOfRange {
+        /// The component, uT.
+        value_ut: f64,
+        /// The limit, uT.
+        limit_ut: f64,
+    },
+    /// A component is at the sensor's full scale: the true field is larger.
+    #[error("field component {value_ut} uT is at the sensor's full scale {rail_ut} uT; move away from the magnet")]
+    Saturated {
+        /// The component, uT.
+        value_ut: f64,
+        /// Full scale, uT.
+        rail_ut: f64,
+    },
+    /// Time did not advance.
+    #[error(
+        "time {time_ns} ns is not after the latest sample's {latest_ns} ns; call reset() if the clock was restarted"
+    )]
+    TimeNotAfter {
+        /// Time of this sample, nanoseconds.
+        time_ns: i64,
+        /// Time of the latest accepted sample, nanoseconds.
+        latest_ns: i64,
+    },
+    /// Time jumped ahead further than any pause.
+    #[error(
+        "time jumped ahead by {gap_s} s, more than {limit_s} s; is the unit nanoseconds? call reset() if it is right"
+    )]
+    TimeJump {
+        /// The jump, s.
+        gap_s: f64,
+        /// The limit, s.
+        limit_s: f64,
+    },
+    /// The same value to the last bit for too long: the sensor or its driver hangs.
+    #[error("the same value came {repeats} times; the sensor hangs")]
+    Stuck {
+        /// How many times in a row the value was accepted before.
+        repeats: usize,
+    },
+}
+
+impl Status {
+    /// One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
+    #[must_use]
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Collecting { .. } => "collecting",
+            Self::Tracking => "tracking",
+            Self::Suspect => "suspect",
+            Self::Held(_) => "held",
+            Self::Disturbed { .. } => "disturbed",
+            Self::Rejected(_) => "rejected",
+        }
+    }
+}
+
+impl std::fmt::Display for Status {
+    /// One sentence an app may show.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Collecting { samples, samples_needed, .. } if samples < samples_needed => {
+                write!(f, "collecting: {samples} of {samples_needed} samples; turn the device about")
+            }
+            Self::Collecting { refused: Some(error), .. } => write!(f, "collecting: {error}"),
+            Self::Collecting { .. } => write!(f, "collecting: turn the device about"),
+            Self::Tracking => write!(f, "tracking"),
+            Self::Suspect => write!(f, "suspect: the field changed; not yet known whether the device's or the place's"),
+            Self::Held(HoldReason::LowUniformity) => write!(f, "held: the latest orientations are too much alike"),
+            Self::Held(HoldReason::FitRefused(error)) => write!(f, "held: {error}"),
+            Self::Held(HoldReason::Constant) => write!(f, "held: constant calibration"),
+            Self::Disturbed { .. } => write!(f, "disturbed: a magnetic object is near; move away from it"),
+            Self::Rejected(reason) => write!(f, "rejected: {reason}"),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! How evenly the orientations cover the sphere: sigma_T of eq. (12) to (15).
+//!
+//! (12) theta = acos(h_z), (13), (14) phi = atan2(h_y, h_x), in degrees, of the compensated field h (eq. 11);
+//! (15) sigma_T = sqrt(sigma_phi^2 + sigma_theta^2), normalised standard deviations. The paper does not say how they
+//! are normalised; both readings are offered. Being made of angles about one axis, sigma_T is blind to some poor
+//! distributions (a cone about z, a circle through both poles): `EllipsoidFit::direction_sigma_deg` is not.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// What the standard deviations in (15) are divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Normalisation {
+    /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, the
+    /// transient of about 700 samples in the paper's fig. 4). The default.
+    #[default]
+    HalfRange,
+    /// Each divided by sqrt(2) times its value for an even sphere: even orientations give exactly 1.
+    EvenSphere,
+}
+
+/// Standard deviation of phi on an even sphere: 180 / sqrt(3) deg.
+const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64;
+/// Standard deviation of theta on an even sphere: its variance is pi^2 / 4 - 2 rad^2.
+const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52;
+
+/// (15) sigma_T of a set of corrected vectors (any unit): 0 when all are alike, about 1 when they are even.
+///
+/// Zero for an empty set. Vectors of length zero count as lying along +z.
+#[must_use]
+pub fn uniformity(corrected: impl IntoIterator<Item = Vector3<f64>>, normalisation: Normalisation) -> f64 {
+    let (phi_unit, theta_unit) = match normalisation {
+        Normalisation::HalfRange => (180.0, 90.0),
+        Normalisation::EvenSphere => {
+            (EVEN_PHI_DEG * std::f64::consts::SQRT_2, EVEN_THETA_DEG * std::f64::consts::SQRT_2)
+        }
+    };
+    let (mut phi, mut theta) = (Spread::default(), Spread::default());
+    for h in corrected {
+        // (12) acos(h_z / |h|), by the form that is exact near the poles too
+        theta.add(h.x.hypot(h.y).atan2(h.z).to_degrees() / theta_unit);
+        phi.add(h.y.atan2(h.x).to_degrees() / phi_unit);
+    }
+    (phi.variance() + theta.variance()).sqrt()
+}
+
+/// Running variance (Welford).
+#[derive(Default)]
+struct Spread {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Spread {
+    fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let off = value - self.mean;
+        self.mean += off / self.count;
+        self.squares += off * (value - self.mean);
+    }
+
+    fn variance(&self) -> f64 {
+        if self.count > 0.0 { self.squares / self.count } else { 0.0 }
+    }
+}
