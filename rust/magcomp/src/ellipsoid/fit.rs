@@ -9,6 +9,7 @@
 //! With Q = S or S - (C/D) N the half gradient is J^T Q p and the Hessian J^T Q J (exact at the minimum of the second,
 //! Gauss-Newton for the first). An iteration costs the same for 100 samples as for 2000.
 
+use super::ldl;
 use super::moments::Moments;
 use super::report::EllipsoidFit;
 use super::start::{Shape, closed_form};
@@ -46,12 +47,16 @@ pub struct FitOptions {
     pub field_strength_ut: Option<f64>,
     /// Half axes' geometric mean that is accepted, uT. Default 22 to 67: what the Earth's field spans.
     pub field_range_ut: (f64, f64),
-    /// Largest predicted rms direction error, degrees, that is accepted: above it the samples do not cover enough
-    /// of the sphere. Default 10; larger accepts poorer coverage.
+    /// Largest rms direction error, degrees, that is accepted, as predicted from the coverage for the residual found or
+    /// `error_floor_ut`, whichever is larger. Default 10; larger accepts poorer coverage.
     pub max_direction_sigma_deg: f64,
+    /// White noise, uT, that does as much harm as the errors which are not white. Default 5: rooms bend the field by 1
+    /// to 2 uT over half a second, some 20 samples. Smaller accepts poorer coverage where the residual is small; 0 trusts
+    /// the residual alone, for simulated data.
+    pub error_floor_ut: f64,
     /// Iterations at the most. Default 50; warm or closed-form starts take 2 to 6.
     pub max_iterations: usize,
-    /// The iteration has converged when a step changes no parameter by more than this (field strengths). Default 1e-10.
+    /// The iteration has converged when no parameter would change by more than this (field strengths). Default 1e-10.
     pub tolerance: f64,
 }
 
@@ -62,6 +67,7 @@ impl Default for FitOptions {
             field_strength_ut: None,
             field_range_ut: (22.0, 67.0),
             max_direction_sigma_deg: 10.0,
+            error_floor_ut: 5.0,
             max_iterations: 50,
             tolerance: 1e-10,
         }
@@ -148,12 +154,32 @@ impl Moments {
     /// # Errors
     /// [`FitError`] says what is wrong with the samples.
     pub fn fit(&self, options: &FitOptions) -> Result<EllipsoidFit, FitError> {
-        let solution = self.solve(options, None)?;
-        self.report(&solution, options)
+        self.fit_from(None, options)
     }
 
-    /// The iteration alone, from `warm` where that has the lower cost, else from the closed form.
-    pub(crate) fn solve(&self, options: &FitOptions, warm: Option<Shape>) -> Result<Solution, FitError> {
+    /// The iteration alone, from a previous calibration: what a sample costs in a stream, without covariance and checks.
+    ///
+    /// # Errors
+    /// [`FitError`] when there are too few samples or no ellipsoid.
+    pub fn refine(&self, previous: &Calibration, options: &FitOptions) -> Result<Calibration, FitError> {
+        let solution = self.problem(options)?.solve(Some(self.shape_of(previous)), options);
+        let solution = solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?;
+        self.calibration_of(&solution, options).map(|(calibration, _)| calibration)
+    }
+
+    /// The fit of a stream: the iteration starts from `previous` where that has the lower cost, else from the closed form.
+    pub(crate) fn fit_from(
+        &self,
+        previous: Option<&Calibration>,
+        options: &FitOptions,
+    ) -> Result<EllipsoidFit, FitError> {
+        let problem = self.problem(options)?;
+        let solution = problem.solve(previous.map(|calibration| self.shape_of(calibration)), options);
+        self.report(&problem, &solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?, options)
+    }
+
+    /// The cost of these samples.
+    fn problem(&self, options: &FitOptions) -> Result<Problem, FitError> {
         if self.count() < SMALLEST_SAMPLE_COUNT {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
@@ -161,19 +187,12 @@ impl Moments {
         if !s.iter().all(|v| v.is_finite()) {
             return Err(FitError::NotFinite);
         }
-        let problem = Problem { s, n, residual: options.residual };
-        let point = [warm, closed_form(&s)]
-            .into_iter()
-            .flatten()
-            .filter_map(|shape| problem.at(shape))
-            .min_by(|a, b| a.cost.total_cmp(&b.cost))
-            .ok_or_else(|| self.why_no_ellipsoid(0.0))?;
-        problem.minimise(point, options)
+        Ok(Problem { s, n, residual: options.residual })
     }
 
     /// Where the centre seems to be, uT, however poor the coverage: for showing directions, not for correcting.
     pub(crate) fn provisional_centre_ut(&self, options: &FitOptions) -> Vector3<f64> {
-        let solution = self.solve(options, None).ok();
+        let solution = self.problem(options).ok().and_then(|problem| problem.solve(None, options));
         let centre = solution.map(|found| self.centre_ut() + found.point.beta * self.scale_ut());
         centre.filter(|c| c.iter().all(|v| v.is_finite())).unwrap_or(*self.centre_ut())
     }
@@ -189,7 +208,7 @@ impl Moments {
 
 /// The cost of one window: moments and which residual.
 #[derive(Clone, Debug)]
-struct Problem {
+pub(super) struct Problem {
     s: Matrix10,
     n: Matrix10,
     residual: Residual,
@@ -209,8 +228,7 @@ struct Point {
 
 /// A minimum of the problem.
 #[derive(Clone, Debug)]
-pub(crate) struct Solution {
-    problem: Problem,
+pub(super) struct Solution {
     point: Point,
     pub iterations: usize,
     pub termination: Termination,
@@ -226,15 +244,21 @@ impl Solution {
     pub fn ellipsoid(&self) -> (&Matrix3<f64>, &Vector3<f64>) {
         (&self.point.shape.a, &self.point.beta)
     }
-
-    /// J^T (S - s^2 N) J / D with s^2 = C / D: the information of one sample about theta, times s^2, the noise's own
-    /// share taken off.
-    pub fn information(&self) -> Matrix9 {
-        self.point.hessian(&(self.problem.s - self.problem.n * self.distance_squared())) / self.point.d
-    }
 }
 
 impl Problem {
+    /// The minimum, from `warm` where that has the lower cost, else from the closed form.
+    pub fn solve(&self, warm: Option<Shape>, options: &FitOptions) -> Option<Solution> {
+        let starts = [warm, closed_form(&self.s)].into_iter().flatten().filter_map(|shape| self.at(shape));
+        Some(self.minimise(starts.min_by(|a, b| a.cost.total_cmp(&b.cost))?, options))
+    }
+
+    /// J^T (S - s^2 N) J / D with s^2 = C / D: the information of one sample about theta, times s^2, the noise's own
+    /// share taken off. Lower triangle.
+    pub fn information(&self, solution: &Solution) -> Matrix9 {
+        solution.point.hessian(&(self.s - self.n * solution.distance_squared())) / solution.point.d
+    }
+
     /// None where the shape is no ellipsoid.
     fn at(&self, shape: Shape) -> Option<Point> {
         let beta = shape.centre()?;
@@ -261,9 +285,13 @@ impl Problem {
     }
 
     /// Levenberg-Marquardt: Hessian + mu diag(J^T S J), mu from 0 upwards only when a step does not lower the cost.
-    fn minimise(self, start: Point, options: &FitOptions) -> Result<Solution, FitError> {
+    ///
+    /// Close to the minimum steps shrink by a factor rho from one to the next, and what is left after a step of this
+    /// size is rho * size: when that is below the tolerance, another iteration would change nothing.
+    fn minimise(&self, start: Point, options: &FitOptions) -> Solution {
         let mut point = start;
         let mut damping = 0.0;
+        let mut previous_size: Option<f64> = None;
         for iteration in 1..=options.max_iterations.max(1) {
             let q = match self.residual {
                 Residual::Algebraic => self.s,
@@ -271,52 +299,43 @@ impl Problem {
             };
             let gradient = point.gradient(&q);
             let hessian = point.hessian(&q);
-            let diagonal = match self.residual {
-                Residual::Algebraic => hessian.diagonal(),
-                Residual::Corrected => point.hessian(&self.s).diagonal(),
-            };
             let theta = point.shape.theta();
-            let mut stalled = true;
+            let mut taken = None;
             for _ in 0..MAX_DAMPINGS {
                 let mut damped = hessian;
-                for i in 0..9 {
-                    damped[(i, i)] += damping * diagonal[i];
+                if damping > 0.0 {
+                    let diagonal = point.hessian(&self.s).diagonal();
+                    (0..9).for_each(|i| damped[(i, i)] += damping * diagonal[i]);
                 }
-                let step = damped.cholesky().map(|cholesky| -cholesky.solve(&gradient));
+                let step = ldl::solve(&damped, &-gradient);
                 let next = step.and_then(|step| Some((step.amax(), self.at(Shape::from_theta(&(theta + step)))?)));
-                match next {
-                    Some((size, next)) if next.cost <= point.cost || size <= options.tolerance => {
-                        if next.cost <= point.cost {
-                            point = next;
-                        }
-                        if size <= options.tolerance {
-                            return Ok(Solution {
-                                problem: self,
-                                point,
-                                iterations: iteration,
-                                termination: Termination::Converged,
-                            });
-                        }
-                        damping = if damping > 1e-9 { damping * 0.1 } else { 0.0 };
-                        stalled = false;
-                        break;
+                if let Some((size, next)) = next
+                    && (next.cost <= point.cost || size <= options.tolerance)
+                {
+                    if next.cost <= point.cost {
+                        point = next;
                     }
-                    _ => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
+                    taken = Some(size);
+                    break;
                 }
+                damping = if damping == 0.0 { FIRST_DAMPING } else { damping * 10.0 };
             }
-            if stalled {
-                return Ok(Solution { problem: self, point, iterations: iteration, termination: Termination::Stalled });
+            let Some(size) = taken else {
+                return Solution { point, iterations: iteration, termination: Termination::Stalled };
+            };
+            let rho = previous_size.filter(|_| damping == 0.0).map_or(1.0, |previous| (size / previous).min(1.0));
+            if size * rho <= options.tolerance {
+                return Solution { point, iterations: iteration, termination: Termination::Converged };
             }
+            previous_size = Some(size);
+            damping = if damping > FIRST_DAMPING { damping * 0.1 } else { 0.0 };
         }
-        Ok(Solution {
-            problem: self,
-            point,
-            iterations: options.max_iterations,
-            termination: Termination::MaxIterations,
-        })
+        Solution { point, iterations: options.max_iterations, termination: Termination::MaxIterations }
     }
 }
 
+/// Damping of the first step after one that did not lower the cost.
+const FIRST_DAMPING: f64 = 1e-4;
 /// Factors of 10 in the damping before an iteration gives up.
 const MAX_DAMPINGS: usize = 16;
 
@@ -345,7 +364,7 @@ impl Point {
         gradient
     }
 
-    /// J^T Q J.
+    /// Lower triangle of J^T Q J.
     fn hessian(&self, q: &Matrix10) -> Matrix9 {
         let r = self.last_row();
         let edge = q.fixed_view::<9, 1>(0, 9).component_mul(&DIAGONAL);
@@ -355,7 +374,6 @@ impl Point {
             for i in j..9 {
                 let value = q[(i, j)] * DIAGONAL[i] * DIAGONAL[j] + r[i] * half[j] + half[i] * r[j];
                 hessian[(i, j)] = value;
-                hessian[(j, i)] = value;
             }
         }
         hessian

@@ -4,7 +4,7 @@
 //! parameters x = [b, M] follow with dx/dtheta: M = T^-1 in units of the field, A = T^2, b = centre + beta, where
 //!     d beta = A^-1 (dg - dA beta),  T dT + dT T = dA,  dM = -T^-1 dT T^-1.
 
-use super::fit::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT, Solution, Termination};
+use super::fit::{FitError, FitOptions, Problem, SMALLEST_SAMPLE_COUNT, Solution, Termination};
 use super::moments::Moments;
 use crate::calibration::Calibration;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -16,9 +16,6 @@ type Matrix9 = SMatrix<f64, 9, 9>;
 const PLANAR_RATIO: f64 = 0.01;
 /// ... and so do those thinner than this many times the noise.
 const PLANAR_NOISES: f64 = 3.0;
-/// Mean squared distance (scaled) below which samples count as free of noise: rounding of the sums.
-const EXACT: f64 = 1e-14;
-
 /// An ellipsoid and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EllipsoidFit {
@@ -54,49 +51,62 @@ impl EllipsoidFit {
 }
 
 impl Moments {
+    /// M, b and field strength at a minimum found on these moments.
+    pub(super) fn calibration_of(
+        &self,
+        solution: &Solution,
+        options: &FitOptions,
+    ) -> Result<(Calibration, Roots), FitError> {
+        let (a, beta) = solution.ellipsoid();
+        let roots = Roots::of(a).ok_or(FitError::NotAnEllipsoid)?;
+        let field = options.field_strength_ut.unwrap_or(self.scale_ut() * roots.radius);
+        let soft_iron = roots.t_inverse * (self.scale_ut() / field);
+        let centre = self.centre_ut() + beta * self.scale_ut();
+        let calibration = Calibration::from_symmetric(soft_iron, centre, field)
+            .filter(|_| field.is_finite() && centre.iter().all(|v| v.is_finite()))
+            .ok_or(FitError::NotAnEllipsoid)?;
+        Ok((calibration, roots))
+    }
+
     /// Calibration, covariance and checks for a minimum found on these moments.
-    pub(crate) fn report(&self, solution: &Solution, options: &FitOptions) -> Result<EllipsoidFit, FitError> {
+    pub(super) fn report(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        options: &FitOptions,
+    ) -> Result<EllipsoidFit, FitError> {
         let (count, scale) = (self.count(), self.scale_ut());
         let freedom = count as f64 / count.saturating_sub(SMALLEST_SAMPLE_COUNT).max(1) as f64;
-        let noise_squared = solution.distance_squared() * freedom;
-        let noise_ut = noise_squared.sqrt() * scale;
-        let (a, beta) = solution.ellipsoid();
-        let roots = Roots::of(a).ok_or_else(|| self.why_no_ellipsoid(noise_ut))?;
-        let half_axis_ut = scale / roots.t.determinant().cbrt();
-        let field = options.field_strength_ut.unwrap_or(half_axis_ut);
-        let soft_iron = roots.t_inverse * (scale / field);
-
-        let covariance = if solution.distance_squared() <= EXACT {
-            Matrix9::zeros()
-        } else {
-            let information = solution.information() * (count as f64 / noise_squared);
-            let cholesky =
-                information.cholesky().ok_or_else(|| self.poorly_covered(f64::INFINITY, noise_ut, options))?;
-            let gradient = roots.parameter_jacobian(beta, scale, scale / field, options.field_strength_ut.is_none());
-            let covariance = gradient * cholesky.inverse() * gradient.transpose();
-            (covariance + covariance.transpose()) * 0.5
-        };
-        let calibration = Calibration::from_symmetric(soft_iron, self.centre_ut() + beta * scale, field)
-            .ok_or(FitError::NotAnEllipsoid)?;
-        let direction_sigma_deg = direction_sigma_deg(&calibration, &covariance);
-        if !half_axis_ut.is_finite() || !calibration.hard_iron_ut().iter().all(|v| v.is_finite()) {
-            return Err(FitError::NotAnEllipsoid);
+        let noise_ut = (solution.distance_squared() * freedom).sqrt() * scale;
+        let (calibration, roots) =
+            self.calibration_of(solution, options).map_err(|_| self.why_no_ellipsoid(noise_ut))?;
+        let field = calibration.field_strength_ut();
+        // covariance for noise of one uT: geometry alone
+        // nalgebra's factorisation reads the lower triangle alone
+        let information = problem.information(solution) * (count as f64 * scale * scale);
+        let cholesky = information.cholesky().ok_or_else(|| self.poorly_covered(f64::INFINITY, noise_ut, options))?;
+        let gradient =
+            roots.parameter_jacobian(solution.ellipsoid().1, scale, scale / field, options.field_strength_ut.is_none());
+        let geometry = gradient * cholesky.inverse() * gradient.transpose();
+        let geometry = (geometry + geometry.transpose()) * 0.5;
+        let deg_per_ut = direction_sigma_deg(&calibration, &geometry);
+        let expected_deg = deg_per_ut * noise_ut.max(options.error_floor_ut);
+        if expected_deg.is_nan() || expected_deg > options.max_direction_sigma_deg {
+            return Err(self.poorly_covered(expected_deg, noise_ut, options));
         }
-        if direction_sigma_deg.is_nan() || direction_sigma_deg > options.max_direction_sigma_deg {
-            return Err(self.poorly_covered(direction_sigma_deg, noise_ut, options));
-        }
+        let half_axis_ut = scale * roots.radius;
         let (low_ut, high_ut) = options.field_range_ut;
         if !(low_ut..=high_ut).contains(&half_axis_ut) {
             return Err(FitError::FieldOutOfRange { field_ut: half_axis_ut, low_ut, high_ut });
         }
         Ok(EllipsoidFit {
             calibration,
-            covariance,
+            covariance: geometry * (noise_ut * noise_ut),
             iterations: solution.iterations,
             termination: solution.termination,
             residual_rms_ut: noise_ut,
             axis_ratio: roots.axis_ratio,
-            direction_sigma_deg,
+            direction_sigma_deg: deg_per_ut * noise_ut,
             samples: count,
         })
     }
@@ -125,13 +135,15 @@ impl Moments {
 }
 
 /// T = A^(1/2) and what comes with it.
-struct Roots {
+pub(super) struct Roots {
     vectors: Matrix3<f64>,
     /// Square roots of A's eigenvalues.
     roots: Vector3<f64>,
     t: Matrix3<f64>,
     t_inverse: Matrix3<f64>,
     axis_ratio: f64,
+    /// Geometric mean of the half axes.
+    radius: f64,
 }
 
 impl Roots {
@@ -153,6 +165,7 @@ impl Roots {
             t: turned(roots),
             t_inverse: turned(roots.map(|v| 1.0 / v)),
             axis_ratio: high / low,
+            radius: roots.product().cbrt().recip(),
         })
     }
 

@@ -7,6 +7,7 @@
 //! 4 J - I^2 = 1, with I = a + b + c and J = ab + bc + ca - f^2 - g^2 - h^2, which only ellipsoids satisfy.
 //! A wrong previous calibration plays no part in either, so it cannot send the iteration away.
 
+use super::ldl;
 use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 /// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, g = A beta).
@@ -30,7 +31,7 @@ impl Shape {
 
     /// beta = A^-1 g, the centre; None unless A is positive definite.
     pub fn centre(&self) -> Option<Vector3<f64>> {
-        Some(self.a.cholesky()?.solve(&self.g))
+        ldl::solve(&self.a, &self.g)
     }
 
     /// The shape of a quadric p with d.p = 0, None when it is no ellipsoid.
@@ -38,7 +39,7 @@ impl Shape {
         let sign = if p[0] + p[1] + p[2] < 0.0 { -1.0 } else { 1.0 };
         let a = symmetric(&(p.fixed_rows::<9>(0) * sign));
         let g = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
-        let beta = a.cholesky()?.solve(&g);
+        let beta = ldl::solve(&a, &g)?;
         let k = beta.dot(&g) - p[9] * sign;
         if !(k > 0.0 && k.is_finite()) {
             return None;
@@ -60,16 +61,27 @@ pub(crate) fn closed_form(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
 /// Linear least squares with trace A = 3, if it is an ellipsoid: p = p0 + B q, (B^T S B) q = -B^T S p0, where
 /// p0 = [1, 1, 1, 0, ...] and B takes q1, q2 to A11 - A33, A22 - A33 and the other seven to themselves.
 fn linear(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
-    let mut basis = SMatrix::<f64, 10, 9>::zeros();
-    (basis[(0, 0)], basis[(2, 0)], basis[(1, 1)], basis[(2, 1)]) = (1.0, -1.0, 1.0, -1.0);
-    for k in 2..9 {
-        basis[(k + 1, k)] = 1.0;
+    let take = |row: usize, column: usize| match row {
+        0 => s[(0, column)] - s[(2, column)],
+        1 => s[(1, column)] - s[(2, column)],
+        _ => s[(row + 1, column)],
+    };
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    let mut right = SVector::<f64, 9>::zeros();
+    for row in 0..9 {
+        let last = take(row, 2);
+        right[row] = -(take(row, 0) + take(row, 1) + last);
+        normal[(row, 0)] = take(row, 0) - last;
+        if row > 0 {
+            normal[(row, 1)] = take(row, 1) - last;
+        }
+        for column in 2..=row {
+            normal[(row, column)] = take(row, column + 1);
+        }
     }
-    let mut p0 = SVector::<f64, 10>::zeros();
-    p0.fixed_rows_mut::<3>(0).fill(1.0);
-    let sb = s * basis;
-    let q = (basis.transpose() * sb).cholesky()?.solve(&(sb.transpose() * p0));
-    Shape::from_quadric(&(p0 - basis * q))
+    let q = ldl::solve(&normal, &right)?;
+    let p = [1.0 + q[0], 1.0 + q[1], 1.0 - q[0] - q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8]];
+    Shape::from_quadric(&SVector::from(p))
 }
 
 /// Li and Griffiths with k = 4: the largest eigenvalue of C v = mu S_r v, S_r the scatter of the second-degree

@@ -1,0 +1,56 @@
+//! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
+//!
+//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000.
+
+#[path = "../benches/common/mod.rs"]
+mod common;
+
+use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, warm_start};
+use magcomp::{MagneticSample, Moments, Residual};
+use std::hint::black_box;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
+        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000 COUNT");
+        std::process::exit(2);
+    };
+    match case.as_str() {
+        "fit-100" => fit(100, count),
+        "fit-2000" => fit(2000, count),
+        "push-100" => push(100, count),
+        "push-2000" => push(2000, count),
+        _ => direct(count),
+    }
+}
+
+fn fit(window: usize, count: usize) {
+    let points = samples(4000);
+    let options = stream_options(Residual::Corrected);
+    let mut moments = Moments::new(OFFSET_UT, FIELD_UT);
+    points[..window].iter().for_each(|point| moments.add(point));
+    let mut calibration = moments.fit(&options).expect("an even window fits").calibration;
+    for next in window..window + count {
+        moments.add(&points[next % 4000]);
+        moments.remove(&points[next - window]);
+        calibration = moments.refine(black_box(&calibration), &options).expect("an even window fits");
+    }
+    black_box(calibration);
+}
+
+fn push(window: usize, count: usize) {
+    let points = samples(10_000);
+    let mut compensator = compensator(window);
+    for k in 0..7000 + count {
+        let sample = MagneticSample { time_ns: k as i64 * 10_000_000, field_ut: points[k % points.len()] };
+        black_box(compensator.push(sample));
+    }
+}
+
+fn direct(count: usize) {
+    let points = samples(2000);
+    let start = warm_start(&points);
+    for _ in 0..count {
+        black_box(direct_fit(black_box(&points), start));
+    }
+}

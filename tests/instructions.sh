@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Instructions per sample, counted by valgrind: the same on every run and every load of the machine.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+command -v valgrind >/dev/null || { echo "instructions: valgrind is missing (Debian package valgrind)" >&2; exit 1; }
+cargo build -q --release -p magcomp --example instructions
+run=${CARGO_TARGET_DIR:-target}/release/examples/instructions
+
+count() { # CASE COUNT -> instructions of the whole run
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$run" "$1" "$2" 2>&1 |
+        sed -n 's/.*I *refs: *//p' | tr -d ,
+}
+per_sample() { # CASE FEW MANY
+    local few many
+    few=$(count "$1" "$2")
+    many=$(count "$1" "$3")
+    echo $(((many - few) / ($3 - $2)))
+}
+
+fit_100=$(per_sample fit-100 100 1100)
+fit_2000=$(per_sample fit-2000 100 1100)
+direct=$(per_sample direct-2000 1 11)
+push_100=$(per_sample push-100 100 1100)
+push_2000=$(per_sample push-2000 100 1100)
+ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
+echo "instructions per sample"
+echo "  fitting part (moments and iterations), window 100    $fit_100"
+echo "  fitting part (moments and iterations), window 2000   $fit_2000   $(ratio "$fit_2000" "$fit_100") times that of 100"
+echo "  direct per-sample fit to convergence, window 2000    $direct   $(ratio "$direct" "$fit_2000") times the fitting part"
+echo "  whole push, window 100                               $push_100"
+echo "  whole push, window 2000                              $push_2000   $(ratio "$push_2000" "$push_100") times that of 100"
