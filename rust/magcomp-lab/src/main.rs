@@ -1,1 +1,29 @@
-fn main() {}
+//! The command `magcomp`: reads the arguments, runs a verb, turns its result into an exit code.
+
+use clap::Parser;
+use magcomp_lab::command::Cli;
+use std::process::ExitCode;
+
+/// The input or the run failed.
+const FAILED: u8 = 1;
+/// Wrong usage.
+const USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(message) => {
+            // help and version go to standard output and are no failure
+            let _ = message.print();
+            return if message.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
+        }
+    };
+    match cli.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("magcomp: {error}");
+            ExitCode::from(FAILED)
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! `magcomp crb`.
+
+use super::{Common, finite};
+use crate::error::LabError;
+use crate::experiment::bound::{BoundOptions, SAMPLES, SNR_DB, run};
+use crate::parameters::ParameterSet;
+use crate::report::Report;
+use clap::{Args, value_parser};
+
+/// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound.
+#[derive(Debug, Args)]
+pub(super) struct Crb {
+    /// Runs for every N and SNR; the ratios' own error is about 1 / sqrt(6 runs)
+    #[arg(long, default_value_t = 400, value_parser = value_parser!(u32).range(1..))]
+    runs: u32,
+    /// True parameters
+    #[arg(long, value_enum, default_value_t)]
+    set: ParameterSet,
+    /// Sample counts N
+    #[arg(long, value_delimiter = ',', default_values_t = SAMPLES.map(|n| n as u32), value_parser = value_parser!(u32).range(9..=100_000))]
+    samples: Vec<u32>,
+    /// Signal-to-noise ratios, dB
+    #[arg(long, value_delimiter = ',', default_values_t = SNR_DB, value_parser = finite)]
+    snr: Vec<f64>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Crb {
+    pub fn run(self) -> Result<(), LabError> {
+        let options = BoundOptions {
+            set: self.set,
+            runs: self.runs as usize,
+            seed: self.common.seed,
+            samples: self.samples.iter().map(|n| *n as usize).collect(),
+            snr_db: self.snr,
+        };
+        let result = run(&options)?;
+        self.common.finish(&[result.table()], &result, || {
+            let mut report = Report::new(
+                "How close the ellipsoid fit comes to the bound",
+                "The paper's fig. 2: root mean square error of the fit over the Cramer-Rao bound, computed from the Fisher \
+                 information of h_m = M h + b with the orientations unknown.",
+            );
+            result.add_to(&mut report)?;
+            Ok(report)
+        })
+    }
+}

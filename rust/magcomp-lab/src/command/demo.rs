@@ -1,0 +1,150 @@
+//! `magcomp demo`: a real recording compensated, then the paper's step experiment, then a report of both.
+
+use super::Common;
+use crate::error::LabError;
+use crate::experiment::step::{StepOptions, StepResult, run as run_step};
+use crate::recording::{self, Recording};
+use crate::replay::{Ignore, Judgement, figures, judge, replay};
+use crate::report::Report;
+use crate::table::{Table, number};
+use clap::{Args, value_parser};
+use magcomp::{Config, Method};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The recordings shown, and what happens in them.
+const RECORDINGS: [(&str, &str); 2] = [
+    (
+        "broad_34_attached_magnet_3cm.csv.gz",
+        "A magnet is attached to the sensor at 45 s and removed again at 100 s. A calibration that is kept can be right for \
+         one of the two only; one that is re-estimated follows.",
+    ),
+    (
+        "broad_01_slow_rotation_A.csv.gz",
+        "Slow rotations of a sensor that its maker has calibrated well: there is nothing to gain, and little must be lost.",
+    ),
+];
+/// Where recordings lie in the repository.
+const FOLDER: &str = "tests/recordings";
+
+/// Show what it does: a real recording compensated, then the paper's step experiment.
+#[derive(Debug, Args)]
+pub(super) struct Demo {
+    /// Runs of the step experiment
+    #[arg(long, default_value_t = 60, value_parser = value_parser!(u32).range(1..))]
+    runs: u32,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Serialize)]
+struct Shown {
+    recording: String,
+    method: &'static str,
+    judgement: Judgement,
+}
+
+#[derive(Serialize)]
+struct Everything {
+    recordings: Vec<Shown>,
+    step: StepResult,
+}
+
+impl Demo {
+    pub fn run(mut self) -> Result<(), LabError> {
+        let root = repository()?;
+        self.common.report.get_or_insert_with(|| root.join("target/report"));
+        let mut report = Report::new(
+            "magcomp: a magnetometer freed from its phone",
+            "Real recordings first, then the paper's experiment on simulated samples. Every answer uses nothing later than \
+             its own sample.",
+        );
+        let mut recordings = Vec::new();
+        for (name, story) in RECORDINGS {
+            let recording = recording::read(&root.join(FOLDER).join(name))?;
+            report.section(name, story);
+            recordings.extend(show(&recording, &mut report)?);
+        }
+        let table = recording_table(&recordings);
+        report.table(&table);
+
+        let step =
+            run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;
+        report.section(
+            "All nine parameters step by 50 %",
+            "The paper's simulation (its figs. 4 and 5): even orientations, 30 dB, windows of 100 to 2000 samples.",
+        );
+        step.add_to(&mut report)?;
+
+        let [parameters, angles] = step.tables();
+        let everything = Everything { recordings, step };
+        self.common.finish(&[table, parameters, angles], &everything, || Ok(report))
+    }
+}
+
+/// One recording, with one calibration kept and with the compensator following; the latter is drawn.
+fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabError> {
+    let mut shown = Vec::new();
+    for (name, method) in [("constant", Method::Constant), ("auto", Method::Auto)] {
+        let config = Config { method, ..Config::default() };
+        let steps = replay(recording, &config, Ignore::default())?;
+        if method == Method::Auto {
+            let figure = recording.name().replace(".csv.gz", "");
+            figures(report, &figure, recording, &steps)?;
+        }
+        shown.push(Shown { recording: recording.name(), method: name, judgement: judge(recording, &steps) });
+    }
+    Ok(shown)
+}
+
+fn recording_table(shown: &[Shown]) -> Table {
+    let mut table = Table::new(
+        "Real recordings (BROAD, CC BY 4.0)",
+        &["recording, method", "rows", "answered %", "spread of |h| %", "heading rms deg", "p95 deg", "ns per push"],
+    );
+    let mut before = String::new();
+    for Shown { recording, method, judgement } in shown {
+        if *recording != before {
+            before.clone_from(recording);
+            let raw = judgement.raw_heading;
+            table.row(vec![
+                format!("{recording}: raw"),
+                judgement.rows.to_string(),
+                String::new(),
+                number(judgement.raw_spread_percent, 2),
+                number(raw.map(|raw| raw.rms_deg), 2),
+                number(raw.map(|raw| raw.p95_deg), 2),
+                String::new(),
+            ]);
+        }
+        let heading = judgement.heading;
+        table.row(vec![
+            format!("  {method}"),
+            judgement.rows.to_string(),
+            number(Some(100.0 * judgement.answered), 1),
+            number(judgement.spread_percent, 2),
+            number(heading.map(|heading| heading.rms_deg), 2),
+            number(heading.map(|heading| heading.p95_deg), 2),
+            number(Some(judgement.mean_push_ns), 0),
+        ]);
+    }
+    table.note(
+        "spread: standard deviation over mean of the total field; heading: against the optical reference, up to one",
+    );
+    table.note(
+        "constant; both without the first 20 s. constant: one calibration, kept. auto: re-estimated continuously.",
+    );
+    table
+}
+
+/// The folder that holds tests/recordings: here or above, or where this was built.
+fn repository() -> Result<PathBuf, LabError> {
+    let holds = |folder: &&Path| RECORDINGS.iter().all(|(name, _)| folder.join(FOLDER).join(name).is_file());
+    let here = std::env::current_dir().unwrap_or_default();
+    let built = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors()
+        .chain(built.ancestors())
+        .find(holds)
+        .map(Path::to_owned)
+        .ok_or_else(|| LabError::NoRecordings(Path::new(FOLDER).join(RECORDINGS[0].0)))
+}

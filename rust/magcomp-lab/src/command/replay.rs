@@ -1,0 +1,131 @@
+//! `magcomp replay`.
+
+use super::{Common, between};
+use crate::error::LabError;
+use crate::place::{Day, GeoPoint, declination_deg};
+use crate::recording;
+use crate::replay::{Ignore, figures, judge, replay, table, write};
+use crate::report::Report;
+use clap::{Args, ValueEnum};
+use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
+use std::path::PathBuf;
+
+/// Run a recording through the compensator, one row out for every row in.
+///
+/// IN is CSV, gzipped or not, with a header: t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's
+/// sign; rad/s; reference orientation, device to east-north-up). Other columns are ignored.
+#[derive(Debug, Args)]
+pub(super) struct Replay {
+    /// The recording
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// How M and b are estimated
+    #[arg(long, value_enum, default_value_t)]
+    method: MethodChoice,
+    /// Sensors of the recording to leave out
+    #[arg(long, value_enum, value_delimiter = ',')]
+    ignore: Vec<Sensor>,
+    /// Where one row for every input row is written; without it only the summary is printed
+    #[arg(long, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+    /// The axis whose heading it is
+    #[arg(long, value_enum, default_value_t)]
+    axis: AxisChoice,
+    /// Declination, degrees, east positive: adds the column true_heading_deg
+    #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, -180.0, 180.0), allow_negative_numbers = true, conflicts_with_all = ["place", "date"])]
+    declination: Option<f64>,
+    /// Take the declination of this place (degrees, north and east positive; metres) from the world magnetic model
+    #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", requires = "date", allow_hyphen_values = true)]
+    place: Option<GeoPoint>,
+    /// The date for --place
+    #[arg(long, value_name = "YYYY-MM-DD", requires = "place")]
+    date: Option<Day>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum MethodChoice {
+    /// The best that the recording's sensors allow
+    #[default]
+    Auto,
+    /// With the gyroscope (a later version)
+    Aided,
+    /// From the magnetometer alone, change by change (a later version)
+    Adaptive,
+    /// The paper's: an ellipsoid over the latest N samples
+    Windowed,
+    /// The paper's first step alone: one calibration, then kept
+    Constant,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Sensor {
+    /// Gyroscope
+    Gyro,
+    /// Accelerometer
+    Accel,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum AxisChoice {
+    /// Top edge of the screen
+    #[default]
+    Top,
+    /// Back camera
+    Camera,
+    /// The horizontal direction between both
+    Auto,
+}
+
+impl MethodChoice {
+    fn method(self) -> Result<Method, LabError> {
+        match self {
+            Self::Auto => Ok(Method::Auto),
+            Self::Windowed => Ok(Method::Windowed),
+            Self::Constant => Ok(Method::Constant),
+            Self::Aided => Err(LabError::MethodNotBuilt("aided")),
+            Self::Adaptive => Err(LabError::MethodNotBuilt("adaptive")),
+        }
+    }
+}
+
+impl Replay {
+    pub fn run(self) -> Result<(), LabError> {
+        let method = self.method.method()?;
+        let declination_deg = match (self.declination, self.place, self.date) {
+            (None, Some(place), Some(day)) => Some(declination_deg(place, day)?),
+            (given, ..) => given,
+        };
+        let axis = match self.axis {
+            AxisChoice::Top => ReferenceAxis::TopEdge,
+            AxisChoice::Camera => ReferenceAxis::Camera,
+            AxisChoice::Auto => ReferenceAxis::Auto,
+        };
+        let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
+        let config = Config { method, heading, ..Config::default() };
+        config.validate()?;
+        let ignore = Ignore {
+            gyroscope: self.ignore.contains(&Sensor::Gyro),
+            accelerometer: self.ignore.contains(&Sensor::Accel),
+        };
+
+        let recording = recording::read(&self.input)?;
+        let steps = replay(&recording, &config, ignore)?;
+        if let Some(output) = &self.output {
+            write(output, &recording, &steps, declination_deg.is_some())?;
+        }
+        let judgement = judge(&recording, &steps);
+        let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+        let table = table(&recording, &name, &judgement);
+        self.common.finish(std::slice::from_ref(&table), &judgement, || {
+            let mut report = Report::new(
+                &format!("{} replayed", recording.name()),
+                "Every sample went through the compensator in order; nothing later than a sample went into its answer.",
+            );
+            figures(&mut report, "replay", &recording, &steps)?;
+            report.table(&table);
+            Ok(report)
+        })
+    }
+}

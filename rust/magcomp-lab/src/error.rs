@@ -1,0 +1,103 @@
+//! What can go wrong with an input or a run: one line each, that says where and what was expected.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Where in a file: line and column, counted from 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub path: PathBuf,
+    /// Line, the header being 1.
+    pub line: u64,
+    /// Column of the table and its name; none when the whole line is meant.
+    pub column: Option<(usize, String)>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: line {}", self.path.display(), self.line)?;
+        match &self.column {
+            Some((number, name)) => write!(f, ", column {number} ({name})"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Why the command failed. Each is one line.
+#[derive(Debug, thiserror::Error)]
+pub enum LabError {
+    /// A recording does not have the form of DESIGN section 6.
+    #[error("{place}: expected {expected}, found {found}")]
+    Recording {
+        /// Where.
+        place: Place,
+        /// What should have been there.
+        expected: String,
+        /// What was.
+        found: String,
+    },
+    /// A file could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file could not be written; what was there before is untouched.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Standard output is gone or full.
+    #[error("standard output: {0}")]
+    Stdout(#[from] io::Error),
+    /// The core refused its configuration.
+    #[error(transparent)]
+    Config(#[from] magcomp::ConfigError),
+    /// A method of a later version.
+    #[error("method '{0}' is not in this version; expected auto, windowed or constant")]
+    MethodNotBuilt(&'static str),
+    /// No declination for that place and date.
+    #[error("no declination: {0}")]
+    Declination(String),
+    /// An experiment had nothing to average.
+    #[error("{0}")]
+    Experiment(String),
+    /// A plot could not be drawn.
+    #[error("plot {name}: {reason}")]
+    Plot {
+        /// Which.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// `demo` was started outside the repository.
+    #[error("{} not found from here upwards; run `magcomp demo` inside the repository", .0.display())]
+    NoRecordings(PathBuf),
+}
+
+impl LabError {
+    /// For `map_err` on reading `path`.
+    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Read { path, source }
+    }
+
+    /// For `map_err` on writing `path`.
+    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Write { path, source }
+    }
+
+    /// Whether whoever read our output went away: no failure of ours.
+    #[must_use]
+    pub fn is_broken_pipe(&self) -> bool {
+        matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,220 @@
+//! Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound, for both residuals of the core.
+//!
+//! Each run draws N even orientations and noise, fits both residuals to the same samples, and adds its squared errors
+//! and its bound: ratio = sqrt(sum of squared errors / sum of smallest variances) over runs and over a group of three
+//! parameters. A ratio of 1 is as good as an unbiased estimate can be.
+
+use crate::crb::FisherInformation;
+use crate::error::LabError;
+use crate::parameters::{GROUPS, ParameterSet, Parameters};
+use crate::plot::{Colour, Panel, Series, draw};
+use crate::progress;
+use crate::random::{Purpose, Random};
+use crate::report::Report;
+use crate::simulate::Noise;
+use crate::table::{Table, number};
+use magcomp::{FitOptions, Residual, fit_ellipsoid};
+use serde::Serialize;
+
+/// Sizes of fig. 2.
+pub const SAMPLES: [usize; 8] = [100, 200, 500, 1000, 2000, 3000, 4000, 6500];
+/// Signal-to-noise ratios of fig. 2 and of figs. 4 and 5, dB.
+pub const SNR_DB: [f64; 3] = [30.0, 35.0, 40.0];
+/// Field of the simulation, uT; the ratios do not depend on it.
+const FIELD_UT: f64 = 40.0;
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct BoundOptions {
+    /// True parameters.
+    pub set: ParameterSet,
+    /// Runs for every N and SNR. The ratio's own error is about 1 / sqrt(6 runs).
+    pub runs: usize,
+    /// Names the random numbers.
+    pub seed: u64,
+    /// Sample counts N.
+    pub samples: Vec<usize>,
+    /// Signal-to-noise ratios, dB.
+    pub snr_db: Vec<f64>,
+}
+
+impl Default for BoundOptions {
+    fn default() -> Self {
+        Self { set: ParameterSet::Ref, runs: 400, seed: 1, samples: SAMPLES.to_vec(), snr_db: SNR_DB.to_vec() }
+    }
+}
+
+/// One N at one SNR.
+#[derive(Clone, Debug, Serialize)]
+pub struct BoundRow {
+    /// Signal-to-noise ratio, dB.
+    pub snr_db: f64,
+    /// Samples in each fit.
+    pub samples: usize,
+    /// Runs that gave an ellipsoid with both residuals.
+    pub runs: usize,
+    /// Root of the mean bound per group (M diagonal, M off-diagonal, b), |h| = 1.
+    pub bound: [f64; 3],
+    /// RMSE over bound per group, eq. (10) as written.
+    pub algebraic: [f64; 3],
+    /// RMSE over bound per group, divided by its gradient.
+    pub corrected: [f64; 3],
+}
+
+/// Fig. 2 as numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct BoundResult {
+    /// A row for every SNR and N.
+    pub rows: Vec<BoundRow>,
+}
+
+/// Runs the experiment.
+///
+/// # Errors
+/// [`LabError::Experiment`] when no run of a cell gave an ellipsoid.
+pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
+    let work: usize = options.samples.iter().sum::<usize>() * options.snr_db.len();
+    let bar = progress::bar(work * options.runs, "fig. 2");
+    let mut rows = Vec::new();
+    for snr_db in &options.snr_db {
+        for samples in &options.samples {
+            rows.push(cell(options, *snr_db, *samples, |done| bar.inc(done))?);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(BoundResult { rows })
+}
+
+fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64)) -> Result<BoundRow, LabError> {
+    let truth = options.set.parameters();
+    let noise = Noise::SnrDb(snr_db).sigma_ut(1.0);
+    // the same orientations and noise for every SNR: columns differ by the SNR alone
+    let mut random = Random::new(options.seed ^ ((samples as u64) << 32), Purpose::ConstantField);
+    let mut sums = [[0.0; 9]; 3];
+    let mut good = 0;
+    for _ in 0..options.runs {
+        let mut information = FisherInformation::new(&truth, noise)
+            .ok_or_else(|| LabError::Experiment("true M has no inverse".to_owned()))?;
+        let points: Vec<_> = (0..samples)
+            .map(|_| {
+                let u = random.direction();
+                information.add(&u);
+                (truth.soft_iron * u + truth.hard_iron + random.normal3() * noise) * FIELD_UT
+            })
+            .collect();
+        let errors = [Residual::Algebraic, Residual::Corrected].map(|residual| {
+            let fit = fit_ellipsoid(&points, &fit_options(residual)).ok()?;
+            let found = Parameters::of(&fit.calibration).theta();
+            Some(std::array::from_fn::<f64, 9, _>(|i| (found[i] - truth.theta()[i]).powi(2)))
+        });
+        if let (Some(bound), [Some(algebraic), Some(corrected)]) = (information.smallest_variances(), errors) {
+            for (sum, values) in sums.iter_mut().zip([bound, algebraic, corrected]) {
+                (0..9).for_each(|i| sum[i] += values[i]);
+            }
+            good += 1;
+        }
+        done(samples as u64);
+    }
+    if good == 0 {
+        return Err(LabError::Experiment(format!(
+            "no ellipsoid in {} runs of {samples} samples at {snr_db} dB",
+            options.runs
+        )));
+    }
+    let group = |sum: &[f64; 9], k: usize| sum[GROUPS[k].1.clone()].iter().sum::<f64>();
+    let ratio = |sum: &[f64; 9]| std::array::from_fn(|k| (group(sum, k) / group(&sums[0], k)).sqrt());
+    Ok(BoundRow {
+        snr_db,
+        samples,
+        runs: good,
+        bound: std::array::from_fn(|k| (group(&sums[0], k) / (3 * good) as f64).sqrt()),
+        algebraic: ratio(&sums[1]),
+        corrected: ratio(&sums[2]),
+    })
+}
+
+/// |h| is known, as the paper has it; nothing is refused for its size.
+pub(super) fn fit_options(residual: Residual) -> FitOptions {
+    FitOptions { residual, field_strength_ut: Some(FIELD_UT), field_range_ut: (1.0, 1000.0), ..FitOptions::default() }
+}
+
+impl BoundResult {
+    /// Smallest and largest ratio of the corrected residual.
+    #[must_use]
+    pub fn corrected_range(&self) -> (f64, f64) {
+        let all = self.rows.iter().flat_map(|row| row.corrected);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    }
+
+    /// The table.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(
+            "Fig. 2: RMSE over Cramer-Rao bound (1 = as good as possible)",
+            &[
+                "SNR dB",
+                "N",
+                "runs",
+                "(10): diag",
+                "off",
+                "b",
+                "corrected: diag",
+                "off",
+                "b",
+                "bound: diag",
+                "off",
+                "b",
+            ],
+        );
+        for row in &self.rows {
+            let mut cells = vec![format!("{}", row.snr_db), row.samples.to_string(), row.runs.to_string()];
+            cells.extend(row.algebraic.iter().chain(&row.corrected).map(|v| number(Some(*v), 2)));
+            cells.extend(row.bound.iter().map(|v| number(Some(*v), 5)));
+            table.row(cells);
+        }
+        let (low, high) = self.corrected_range();
+        table.note("(10): the paper's residual as written. corrected: divided by its own gradient.");
+        table.note("diag: M_xx M_yy M_zz; off: M_xy M_xz M_yz; bound: root of the mean bound, |h| = 1.");
+        table.note(&format!("corrected residual, all cells: {low:.3} to {high:.3}"));
+        table
+    }
+
+    /// Fig. 2: a panel for every group, a line for every SNR and residual.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+        let colours = [Colour::Blue, Colour::Green, Colour::Purple];
+        let mut snrs: Vec<f64> = self.rows.iter().map(|row| row.snr_db).collect();
+        snrs.dedup();
+        let all = self.rows.iter().flat_map(|row| row.algebraic.into_iter().chain(row.corrected));
+        let top = all.fold(1.2, f64::max) * 1.05;
+        let panel = |k: usize| {
+            let line = |snr: f64, colour: Colour, value: fn(&BoundRow) -> &[f64; 3]| {
+                let rows = self.rows.iter().filter(move |row| row.snr_db == snr);
+                Series::new("", colour, rows.map(move |row| (row.samples as f64, value(row)[k])))
+            };
+            let pairs = snrs.iter().zip(colours.iter().cycle()).flat_map(|(snr, colour)| {
+                let written = Series { dashed: true, ..line(*snr, *colour, |row| &row.algebraic) };
+                let name = if k == 0 { format!("{snr} dB") } else { String::new() };
+                [written, Series { name, ..line(*snr, *colour, |row| &row.corrected) }]
+            });
+            Panel {
+                title: GROUPS[k].0.to_owned(),
+                x_label: "samples N".to_owned(),
+                y_label: if k == 0 { "RMSE / bound".to_owned() } else { String::new() },
+                y_range: Some((0.5, top)),
+                series: pairs.collect(),
+            }
+        };
+        let panels: Vec<Panel> = (0..GROUPS.len()).map(panel).collect();
+        report.figure(
+            "fig2_bound",
+            draw(&panels, 3, (420, 340))?,
+            "Fig. 2: error of the fit over the Cramer-Rao bound against the number of samples. Dashed: the paper's residual \
+             (10) as written, biased in the diagonal of M. Solid: the residual divided by its own gradient, on the bound.",
+        );
+        report.table(&self.table());
+        Ok(())
+    }
+}

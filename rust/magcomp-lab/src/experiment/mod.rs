@@ -1,0 +1,37 @@
+//! The paper's experiments, each a function from options to a result that prints as a table, JSON and figures.
+
+pub mod bound;
+pub mod step;
+mod step_score;
+mod step_view;
+
+use serde::Serialize;
+
+/// Mean and spread over runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean over runs.
+    pub mean: f64,
+    /// Standard deviation over runs.
+    pub sd: f64,
+    /// Largest over runs.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of one value a run.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let count = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self { mean, sd: (squares / (count - 1.0).max(1.0)).sqrt(), max }
+    }
+
+    /// `mean +- sd`.
+    #[must_use]
+    pub fn text(&self, digits: usize) -> String {
+        format!("{:.digits$} +- {:.digits$}", self.mean, self.sd)
+    }
+}

@@ -1,0 +1,177 @@
+//! What is read off the runs of the step experiment.
+//!
+//! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step;
+//! * transient: samples after the step until the rms over runs of that error stays below 5 % for good;
+//! * steady state: its rms over the last 1000 samples;
+//! * azimuth phi = atan2(h_y, h_x) and elevation theta = acos(h_z / |h|) of eq. (12) to (14), of the corrected sample
+//!   against the true field; azimuth counts only where sin(theta) >= 0.5, because near the poles it is unbounded for
+//!   any estimator.
+
+use super::Spread;
+use super::step::{AFTER, BEFORE, FIELD_UT, NormalisationResult, ParameterResult, Peaks, STEADY};
+use crate::parameters::{NAMES, Parameters};
+use crate::random::{Purpose, Random};
+use crate::simulate::Truth;
+use magcomp::nalgebra::Vector3;
+use magcomp::{Calibration, MagneticSample, Normalisation, Reading};
+
+/// A parameter has settled below this relative error.
+const SETTLED: f64 = 0.05;
+/// sin(theta) from which azimuth errors count.
+const OFF_THE_POLES: f64 = 0.5;
+/// Resamplings of the runs for the spread of a transient.
+const RESAMPLINGS: usize = 30;
+
+/// One run, sample by sample.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// Estimated parameters after each sample; of the first run only.
+    pub estimated: Vec<[f64; 9]>,
+    /// True parameters at each sample; of the first run only.
+    pub truth: Vec<[f64; 9]>,
+    /// (azimuth, elevation) error of the method, degrees; azimuth NaN near the poles.
+    pub method_deg: Vec<(f64, f64)>,
+    /// The same of noise-free samples: the error of the calibration alone.
+    pub clean_deg: Vec<(f64, f64)>,
+    /// As `method_deg`, with the constant-field parameters kept.
+    pub kept_deg: Vec<(f64, f64)>,
+    /// Relative errors of the parameters at each sample.
+    relative: Vec<[f32; 9]>,
+    sigma_t: Vec<f64>,
+    window: Vec<f64>,
+}
+
+impl Trace {
+    /// One more sample.
+    pub fn add(
+        &mut self,
+        sample: &MagneticSample,
+        truth: &Truth,
+        reading: &Reading,
+        calibration: &Calibration,
+        constant: &Calibration,
+    ) {
+        let estimated = Parameters::of(calibration).theta();
+        let hard_iron = truth.hard_iron_ut / FIELD_UT;
+        let true_theta = Parameters { soft_iron: truth.soft_iron, hard_iron }.theta();
+        self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / true_theta[i].abs()) as f32));
+        self.estimated.push(estimated);
+        self.truth.push(true_theta);
+        self.method_deg.push(angle_errors_deg(&calibration.correct(&sample.field_ut), &truth.field_ut));
+        self.clean_deg.push(angle_errors_deg(&calibration.correct(&truth.clean_ut), &truth.field_ut));
+        self.kept_deg.push(angle_errors_deg(&constant.correct(&sample.field_ut), &truth.field_ut));
+        self.sigma_t.push(reading.sigma_t.unwrap_or(f64::NAN));
+        self.window.push(reading.window as f64);
+    }
+
+    /// Relative error of a parameter at a sample after the step.
+    fn relative(&self, after: usize, parameter: usize) -> f64 {
+        f64::from(self.relative[BEFORE + after][parameter])
+    }
+}
+
+/// (azimuth, elevation) of `found` less that of `truth`, degrees.
+fn angle_errors_deg(found: &Vector3<f64>, truth: &Vector3<f64>) -> (f64, f64) {
+    let azimuth = |h: &Vector3<f64>| h.y.atan2(h.x).to_degrees();
+    let elevation = |h: &Vector3<f64>| h.x.hypot(h.y).atan2(h.z).to_degrees();
+    let off = (azimuth(found) - azimuth(truth) + 540.0).rem_euclid(360.0) - 180.0;
+    let counts = truth.x.hypot(truth.y) >= OFF_THE_POLES * truth.norm();
+    (if counts { off } else { f64::NAN }, elevation(found) - elevation(truth))
+}
+
+/// Runs of one normalisation.
+#[derive(Clone, Debug)]
+pub struct Score {
+    normalisation: Normalisation,
+    seed: u64,
+    runs: Vec<Trace>,
+}
+
+impl Score {
+    /// No runs yet.
+    pub fn new(normalisation: Normalisation, seed: u64) -> Self {
+        Self { normalisation, seed, runs: Vec::new() }
+    }
+
+    /// Which normalisation.
+    pub fn normalisation(&self) -> Normalisation {
+        self.normalisation
+    }
+
+    /// One more run.
+    pub fn add(&mut self, mut run: Trace) {
+        if !self.runs.is_empty() {
+            (run.estimated, run.truth) = (Vec::new(), Vec::new());
+        }
+        self.runs.push(run);
+    }
+
+    /// The numbers.
+    pub fn finish(self) -> NormalisationResult {
+        let parameters: Vec<ParameterResult> = (0..9).map(|i| self.parameter(i)).collect();
+        let transient_samples = parameters.iter().map(|p| p.transient_samples).collect::<Option<Vec<_>>>();
+        let transient_samples = transient_samples.and_then(|all| all.into_iter().max());
+        let end = BEFORE + transient_samples.unwrap_or(AFTER - STEADY);
+        let steady = |value: fn(&Trace) -> &Vec<f64>| {
+            let means = self.runs.iter().map(|run| mean(&value(run)[BEFORE + AFTER - STEADY..]));
+            Spread::of(&means.collect::<Vec<_>>())
+        };
+        NormalisationResult {
+            normalisation: self.normalisation,
+            sigma_t: steady(|run| &run.sigma_t),
+            window: steady(|run| &run.window),
+            parameters,
+            transient_samples,
+            kept: self.peaks(|run| &run.kept_deg[BEFORE..]),
+            during: self.peaks(|run| &run.method_deg[BEFORE..end]),
+            after: self.peaks(|run| &run.method_deg[end..]),
+            after_clean: self.peaks(|run| &run.clean_deg[end..]),
+            trace: self.runs.into_iter().next().unwrap_or_default(),
+        }
+    }
+
+    fn parameter(&self, i: usize) -> ParameterResult {
+        let everyone: Vec<usize> = (0..self.runs.len()).collect();
+        let mut random = Random::new(self.seed, Purpose::Bootstrap);
+        let resampled = (0..RESAMPLINGS).map(|_| {
+            let drawn: Vec<usize> = everyone.iter().map(|_| random.index(everyone.len())).collect();
+            self.transient(&drawn, i).unwrap_or(AFTER) as f64
+        });
+        let transient_sd = Spread::of(&resampled.collect::<Vec<_>>()).sd;
+        let steady = self.runs.iter().map(|run| {
+            let squares = (AFTER - STEADY..AFTER).map(|k| run.relative(k, i).powi(2)).sum::<f64>();
+            100.0 * (squares / STEADY as f64).sqrt()
+        });
+        ParameterResult {
+            name: NAMES[i],
+            transient_samples: self.transient(&everyone, i),
+            transient_sd,
+            steady_percent: Spread::of(&steady.collect::<Vec<_>>()),
+        }
+    }
+
+    /// Samples after the step from which on the rms over these runs stays below 5 %; None when not even at the end.
+    fn transient(&self, runs: &[usize], i: usize) -> Option<usize> {
+        let rms = |k: usize| {
+            let squares: f64 = runs.iter().map(|run| self.runs[*run].relative(k, i).powi(2)).sum();
+            (squares / runs.len() as f64).sqrt()
+        };
+        match (0..AFTER).rev().find(|k| rms(*k) >= SETTLED) {
+            Some(last) if last + 1 == AFTER => None,
+            Some(last) => Some(last + 1),
+            None => Some(0),
+        }
+    }
+
+    fn peaks(&self, errors: impl Fn(&Trace) -> &[(f64, f64)]) -> Peaks {
+        let peak = |part: fn(&(f64, f64)) -> f64| {
+            let of = |run| errors(run).iter().map(part).fold(0.0_f64, |peak, error| peak.max(error.abs()));
+            Spread::of(&self.runs.iter().map(of).collect::<Vec<_>>())
+        };
+        Peaks { azimuth_deg: peak(|error| error.0), elevation_deg: peak(|error| error.1) }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

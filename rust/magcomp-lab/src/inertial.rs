@@ -1,0 +1,77 @@
+//! Gyroscope and accelerometer that belong to a motion: each event reports the truth of `delay_s` ago, times its scale,
+//! plus a constant bias and white noise, at a rate of its own.
+
+use crate::motion::Trajectory;
+use crate::random::Random;
+use crate::simulate::time_ns;
+use magcomp::nalgebra::Vector3;
+use magcomp::{RotationRateSample, UpSample};
+
+/// Standard gravity, m/s^2.
+pub const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// The errors and the rate of a gyroscope (units: rad/s) or an accelerometer (units: m/s^2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InertialSensor {
+    /// Events per second.
+    pub rate_hz: f64,
+    /// Standard deviation of the white noise per axis, in the sensor's unit.
+    pub noise: f64,
+    /// Constant bias, in the sensor's unit.
+    pub bias: Vector3<f64>,
+    /// Reading over truth, per axis.
+    pub scale: Vector3<f64>,
+    /// How much later than its truth an event is stamped, s; may be negative.
+    pub delay_s: f64,
+}
+
+impl InertialSensor {
+    /// A phone's gyroscope: 100 Hz, 0.003 rad/s noise, no bias.
+    #[must_use]
+    pub fn gyroscope() -> Self {
+        Self { rate_hz: 100.0, noise: 0.003, bias: Vector3::zeros(), scale: Vector3::repeat(1.0), delay_s: 0.0 }
+    }
+
+    /// A phone's accelerometer: 100 Hz, 0.05 m/s^2 noise, no bias.
+    #[must_use]
+    pub fn accelerometer() -> Self {
+        Self { noise: 0.05, ..Self::gyroscope() }
+    }
+
+    /// (time, reading) of every event up to `duration_s`, for a true value over time.
+    fn events(
+        &self,
+        duration_s: f64,
+        truth: impl Fn(f64) -> Vector3<f64>,
+        random: &mut Random,
+    ) -> impl Iterator<Item = (i64, Vector3<f64>)> {
+        let count = (duration_s * self.rate_hz).ceil() as usize + 1;
+        (0..count).map(move |k| {
+            let time_s = k as f64 / self.rate_hz;
+            let truth = truth(time_s - self.delay_s);
+            (time_ns(time_s), truth.component_mul(&self.scale) + self.bias + random.normal3() * self.noise)
+        })
+    }
+
+    /// As a gyroscope: body rates of a trajectory.
+    #[must_use]
+    pub fn rotation_rates(
+        &self,
+        trajectory: &Trajectory,
+        duration_s: f64,
+        random: &mut Random,
+    ) -> Vec<RotationRateSample> {
+        self.events(duration_s, |time_s| trajectory.at(time_s).1, random)
+            .map(|(time_ns, rate_rad_s)| RotationRateSample { time_ns, rate_rad_s })
+            .collect()
+    }
+
+    /// As an accelerometer: up in the device frame of a trajectory (no linear acceleration).
+    #[must_use]
+    pub fn ups(&self, trajectory: &Trajectory, duration_s: f64, random: &mut Random) -> Vec<UpSample> {
+        let up = Vector3::z() * GRAVITY_M_S2;
+        self.events(duration_s, |time_s| trajectory.at(time_s).0.inverse() * up, random)
+            .map(|(time_ns, up_m_s2)| UpSample { time_ns, up_m_s2 })
+            .collect()
+    }
+}

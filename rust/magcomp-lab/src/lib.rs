@@ -1,0 +1,23 @@
+//! The lab of magcomp: simulator, Cramer-Rao bound, the paper's experiments, recordings, plots, and the command
+//! `magcomp`, which is a thin shell over these modules.
+//!
+//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`; `crb` and
+//! `simulate` feed `experiment`; `recording` feeds `replay`; `table`, `plot` and `report` show what came out.
+
+pub mod command;
+pub mod crb;
+pub mod error;
+pub mod experiment;
+pub mod inertial;
+pub mod motion;
+pub mod parameters;
+pub mod place;
+pub mod plot;
+pub mod progress;
+pub mod random;
+pub mod recording;
+pub mod replay;
+pub mod report;
+pub mod schedule;
+pub mod simulate;
+pub mod table;

@@ -1,0 +1,214 @@
+//! How the device turns: attitudes (device to east-north-up) and the body rates that connect them.
+//!
+//! A smooth motion is laid out on a grid of 1 ms with the body rate constant in between, so that attitude and rate
+//! belong to each other exactly at any time: q(t) = q_k exp(w_k (t - t_k) / 2).
+
+use crate::random::Random;
+use clap::ValueEnum;
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// Grid of the smooth motions, s.
+const GRID_S: f64 = 1e-3;
+/// Body rate of hand-held tumbling and of the planar motion, rad/s rms over all axes.
+const TUMBLE_RAD_S: f64 = 1.0;
+/// Correlation time of that rate, s: a hand changes its mind about once a second.
+const TUMBLE_S: f64 = 1.0;
+/// Swing of pitch and roll of a pedestrian, degrees; the gait's sway on top keeps both within 20.
+const SWING_DEG: f64 = 17.0;
+/// Steps of a pedestrian per second.
+const STEPS_HZ: f64 = 1.9;
+
+/// Kinds of motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Motion {
+    /// Every sample at a random attitude of its own; the gyroscope says nothing
+    #[default]
+    Uniform,
+    /// A hand turning the device about: smooth random body rate, 1 rad/s rms
+    Tumble,
+    /// Walking: heading held, then turned by 45 to 180 deg; pitch and roll within 20 deg
+    Pedestrian,
+    /// Turning about one axis of the device only
+    Planar,
+    /// At rest
+    Still,
+}
+
+/// Attitude and body rate over time.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    step_s: f64,
+    attitudes: Vec<UnitQuaternion<f64>>,
+    rates_rad_s: Vec<Vector3<f64>>,
+}
+
+impl Trajectory {
+    /// Attitude (device to east-north-up) and body rate (rad/s, device frame) at a time, s; held beyond both ends.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> (UnitQuaternion<f64>, Vector3<f64>) {
+        // a millionth of a step forward, so that times on the grid are not rounded down to the step before
+        let k = ((time_s / self.step_s + 1e-6).max(0.0) as usize).min(self.attitudes.len() - 1);
+        let rate = self.rates_rad_s[k];
+        let elapsed_s = (time_s - k as f64 * self.step_s).clamp(0.0, self.step_s);
+        (self.attitudes[k] * UnitQuaternion::from_scaled_axis(rate * elapsed_s), rate)
+    }
+
+    fn from_rates(start: UnitQuaternion<f64>, rates_rad_s: Vec<Vector3<f64>>) -> Self {
+        let mut attitude = start;
+        let attitudes = rates_rad_s
+            .iter()
+            .map(|rate| {
+                let now = attitude;
+                attitude *= UnitQuaternion::from_scaled_axis(rate * GRID_S);
+                attitude.renormalize_fast();
+                now
+            })
+            .collect();
+        Self { step_s: GRID_S, attitudes, rates_rad_s }
+    }
+
+    fn from_attitudes(attitudes: Vec<UnitQuaternion<f64>>) -> Self {
+        let mut rates: Vec<_> =
+            attitudes.windows(2).map(|pair| (pair[0].inverse() * pair[1]).scaled_axis() / GRID_S).collect();
+        rates.push(Vector3::zeros());
+        Self { step_s: GRID_S, attitudes, rates_rad_s: rates }
+    }
+}
+
+impl Motion {
+    /// A trajectory of `duration_s`; `sample_period_s` is the magnetometer's, for [`Motion::Uniform`].
+    #[must_use]
+    pub fn trajectory(self, duration_s: f64, sample_period_s: f64, random: &mut Random) -> Trajectory {
+        let count = (duration_s / GRID_S).ceil() as usize + 1;
+        match self {
+            Self::Uniform => {
+                let count = (duration_s / sample_period_s).ceil() as usize + 1;
+                let attitudes = (0..count).map(|_| random.attitude()).collect();
+                Trajectory { step_s: sample_period_s, attitudes, rates_rad_s: vec![Vector3::zeros(); count] }
+            }
+            Self::Tumble => {
+                let start = random.attitude();
+                Trajectory::from_rates(start, wandering(count, random))
+            }
+            Self::Pedestrian => Trajectory::from_attitudes(walk(count, random)),
+            Self::Planar => {
+                let (start, axis) = (random.attitude(), random.direction());
+                let rates = wandering(count, random).iter().map(|rate| axis * (rate.x * 3f64.sqrt())).collect();
+                Trajectory::from_rates(start, rates)
+            }
+            Self::Still => Trajectory::from_rates(random.attitude(), vec![Vector3::zeros(); count]),
+        }
+    }
+}
+
+/// Ornstein-Uhlenbeck body rate: dw = -w / tau dt + noise, stationary from the start.
+fn wandering(count: usize, random: &mut Random) -> Vec<Vector3<f64>> {
+    let sigma = TUMBLE_RAD_S / 3f64.sqrt();
+    let keep = (-GRID_S / TUMBLE_S).exp();
+    let fresh = (1.0 - keep * keep).sqrt() * sigma;
+    let mut rate = random.normal3() * sigma;
+    (0..count)
+        .map(|_| {
+            let now = rate;
+            rate = rate * keep + random.normal3() * fresh;
+            now
+        })
+        .collect()
+}
+
+/// Heading held for 3 to 8 s, then turned by 45 to 180 deg in 1 to 2 s; slow swings of pitch and roll; a sway at the
+/// rate of the steps.
+fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
+    let duration_s = count as f64 * GRID_S;
+    let start = random.uniform(-PI, PI);
+    let mut turns = Vec::new();
+    let mut at_s = random.uniform(2.0, 5.0);
+    while at_s < duration_s {
+        let (angle, over_s) = (random.uniform(45.0, 180.0).to_radians() * random.sign(), random.uniform(1.0, 2.0));
+        turns.push((at_s, over_s, angle));
+        at_s += over_s + random.uniform(3.0, 8.0);
+    }
+    let (pitch, roll) = (swing(count, random), swing(count, random));
+    let degrees = |deg: f64| deg.to_radians();
+    (0..count)
+        .map(|k| {
+            let t = k as f64 * GRID_S;
+            let step = TAU * STEPS_HZ * t;
+            let turned: f64 = turns
+                .iter()
+                .map(|(at_s, over_s, angle)| {
+                    let u = ((t - at_s) / over_s).clamp(0.0, 1.0);
+                    angle * u * u * (3.0 - 2.0 * u)
+                })
+                .sum();
+            let yaw = start + turned + degrees(2.0) * (step / 2.0 + 1.0).sin();
+            UnitQuaternion::from_euler_angles(
+                roll[k] + degrees(3.0) * (step / 2.0).sin(),
+                pitch[k] + degrees(2.0) * step.sin(),
+                yaw,
+            )
+        })
+        .collect()
+}
+
+/// Five slow waves (0.05 to 0.6 Hz), scaled to reach [`SWING_DEG`].
+fn swing(count: usize, random: &mut Random) -> Vec<f64> {
+    let waves: [(f64, f64); 5] = std::array::from_fn(|_| (random.uniform(0.05, 0.6), random.uniform(0.0, TAU)));
+    let sum = |t: f64| waves.iter().map(|(hz, phase)| (TAU * hz * t + phase).sin()).sum::<f64>();
+    let swing: Vec<f64> = (0..count).map(|k| sum(k as f64 * GRID_S)).collect();
+    let largest = swing.iter().fold(f64::MIN_POSITIVE, |max, v| max.max(v.abs()));
+    swing.iter().map(|v| v / largest * SWING_DEG.to_radians()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Purpose;
+
+    fn trajectory(motion: Motion) -> Trajectory {
+        motion.trajectory(60.0, 0.01, &mut Random::new(3, Purpose::Motion))
+    }
+
+    #[test]
+    fn rates_carry_one_attitude_to_the_next() {
+        for motion in [Motion::Tumble, Motion::Pedestrian, Motion::Planar, Motion::Still] {
+            let trajectory = trajectory(motion);
+            for k in 0..5900 {
+                let t = f64::from(k) * 0.01;
+                let (before, _) = trajectory.at(t);
+                let mut turned = before;
+                for m in 0..10 {
+                    turned *= UnitQuaternion::from_scaled_axis(trajectory.at(t + f64::from(m) * 1e-3).1 * 1e-3);
+                }
+                assert!(turned.angle_to(&trajectory.at(t + 0.01).0) < 1e-9, "{motion:?} at {t} s");
+            }
+        }
+    }
+
+    #[test]
+    fn tumbling_has_its_rate_and_walking_its_limits() {
+        let tumble = trajectory(Motion::Tumble);
+        let squares: f64 = (0..6000).map(|k| tumble.at(f64::from(k) * 0.01).1.norm_squared()).sum();
+        assert!(((squares / 6000.0).sqrt() - TUMBLE_RAD_S).abs() < 0.3);
+        let walk = trajectory(Motion::Pedestrian);
+        for k in 0..6000 {
+            let (roll, pitch, _) = walk.at(f64::from(k) * 0.01).0.euler_angles();
+            assert!(roll.to_degrees().abs() <= 20.01 && pitch.to_degrees().abs() <= 20.01);
+        }
+    }
+
+    #[test]
+    fn planar_motion_keeps_its_axis() {
+        let planar = trajectory(Motion::Planar);
+        let axis = planar.at(0.0).1.normalize();
+        assert!((0..6000).all(|k| planar.at(f64::from(k) * 0.01).1.normalize().dot(&axis).abs() > 1.0 - 1e-9));
+    }
+
+    #[test]
+    fn uniform_attitudes_are_even() {
+        let uniform = trajectory(Motion::Uniform);
+        let mean: Vector3<f64> = (0..6000).map(|k| uniform.at(f64::from(k) * 0.01).0 * Vector3::z()).sum();
+        assert!(mean.norm() / 6000.0 < 0.04);
+    }
+}

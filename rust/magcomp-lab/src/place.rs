@@ -1,0 +1,97 @@
+//! Declination of a place on a date, from the world magnetic model.
+
+use crate::error::LabError;
+use std::str::FromStr;
+use world_magnetic_model::GeomagneticField;
+use world_magnetic_model::time::{Date, Month};
+use world_magnetic_model::uom::si::angle::degree;
+use world_magnetic_model::uom::si::f32::{Angle, Length};
+use world_magnetic_model::uom::si::length::meter;
+
+/// `LAT,LON[,HEIGHT_M]`: degrees, north and east positive; metres above the ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeoPoint {
+    /// Latitude, degrees, north positive.
+    pub latitude_deg: f64,
+    /// Longitude, degrees, east positive.
+    pub longitude_deg: f64,
+    /// Height above the WGS 84 ellipsoid, m.
+    pub height_m: f64,
+}
+
+impl FromStr for GeoPoint {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected LAT,LON[,HEIGHT_M] such as 45.19,5.73,200 (degrees, north and east positive)";
+        let values: Vec<f64> =
+            text.split(',').map(|v| v.trim().parse()).collect::<Result<_, _>>().map_err(|_| expected())?;
+        let (latitude_deg, longitude_deg, height_m) = match values[..] {
+            [latitude, longitude] => (latitude, longitude, 0.0),
+            [latitude, longitude, height] => (latitude, longitude, height),
+            _ => return Err(expected().to_owned()),
+        };
+        if !(latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0 && height_m.is_finite()) {
+            return Err("latitude is -90 to 90, longitude -180 to 180".to_owned());
+        }
+        Ok(Self { latitude_deg, longitude_deg, height_m })
+    }
+}
+
+/// `YYYY-MM-DD`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Day(Date);
+
+impl FromStr for Day {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts: Vec<&str> = text.split('-').collect();
+        let date = match parts[..] {
+            [year, month, day] if year.len() == 4 => (|| {
+                let month = Month::try_from(month.parse::<u8>().ok()?).ok()?;
+                Date::from_calendar_date(year.parse().ok()?, month, day.parse().ok()?).ok()
+            })(),
+            _ => None,
+        };
+        date.map(Self).ok_or_else(|| "expected a date as YYYY-MM-DD".to_owned())
+    }
+}
+
+/// Declination, degrees, east positive.
+///
+/// # Errors
+/// [`LabError::Declination`] where the model holds no value: dates before 2020 or after 2029, heights far off.
+pub fn declination_deg(place: GeoPoint, day: Day) -> Result<f64, LabError> {
+    let angle = |deg: f64| Angle::new::<degree>(deg as f32);
+    GeomagneticField::new(
+        Length::new::<meter>(place.height_m as f32),
+        angle(place.latitude_deg),
+        angle(place.longitude_deg),
+        day.0,
+    )
+    .map(|field| f64::from(field.declination().get::<degree>()))
+    .map_err(|error| LabError::Declination(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agrees_with_noaa() {
+        // test values published with WMM2025 (NOAA): 2025.0, 0 km
+        for (place, declination) in [("80,0", 1.28), ("0,120", -0.16), ("-80,-120", 68.78)] {
+            let found = declination_deg(place.parse().unwrap(), "2025-01-01".parse().unwrap()).unwrap();
+            assert!((found - declination).abs() < 0.05, "{place}: {found} against {declination}");
+        }
+    }
+
+    #[test]
+    fn says_what_it_expected() {
+        assert!("45".parse::<GeoPoint>().unwrap_err().contains("LAT,LON"));
+        assert!("95,0".parse::<GeoPoint>().is_err() && "nan,0".parse::<GeoPoint>().is_err());
+        assert!("2025-13-01".parse::<Day>().is_err() && "25-01-01".parse::<Day>().is_err());
+        assert!(declination_deg("45,5".parse().unwrap(), "1990-01-01".parse().unwrap()).is_err());
+    }
+}

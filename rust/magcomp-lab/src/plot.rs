@@ -1,0 +1,255 @@
+//! Line plots as SVG: panels on a grid, each with a few series. One file works on light and dark pages: the ink and the
+//! paper are exchanged by a style rule of the SVG itself.
+
+use crate::error::LabError;
+use plotters::prelude::*;
+
+/// Text and axes; exchanged on dark pages.
+const INK: RGBColor = RGBColor(0x22, 0x26, 0x2b);
+/// Lines of the mesh; exchanged on dark pages.
+const MESH: RGBColor = RGBColor(0xdd, 0xe1, 0xe6);
+/// Background; exchanged on dark pages.
+const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
+/// What the three become on dark pages, in CSS.
+const DARK: [(&str, &str); 3] = [("#22262B", "#e4e7eb"), ("#DDE1E6", "#343a42"), ("#FFFFFF", "#181b20")];
+
+/// Colours of series, legible on light and dark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    /// What this project does.
+    Blue,
+    /// What it is compared with.
+    Orange,
+    /// A second result.
+    Green,
+    /// A third.
+    Purple,
+    /// Truth, raw data, limits.
+    Grey,
+}
+
+impl Colour {
+    fn rgb(self) -> RGBColor {
+        match self {
+            Self::Blue => RGBColor(0x2f, 0x7f, 0xd6),
+            Self::Orange => RGBColor(0xe0, 0x7a, 0x2c),
+            Self::Green => RGBColor(0x2c, 0x9c, 0x69),
+            Self::Purple => RGBColor(0x95, 0x68, 0xcf),
+            Self::Grey => RGBColor(0x88, 0x8f, 0x99),
+        }
+    }
+}
+
+/// A line; points that are not finite interrupt it.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Its name in the legend; none when empty.
+    pub name: String,
+    /// Its colour.
+    pub colour: Colour,
+    /// Broken into dashes.
+    pub dashed: bool,
+    /// (x, y) in the order of x.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// A line of that name and colour.
+    pub fn new(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { name: name.to_owned(), colour, dashed: false, points: points.into_iter().collect() }
+    }
+}
+
+/// One set of axes.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Above it.
+    pub title: String,
+    /// Below the x axis, with the unit.
+    pub x_label: String,
+    /// Left of the y axis, with the unit.
+    pub y_label: String,
+    /// Fixed range of y; by the data when none.
+    pub y_range: Option<(f64, f64)>,
+    /// Lines, later ones on top.
+    pub series: Vec<Series>,
+}
+
+/// Height of the row with title and legend, pixels.
+const TITLE_ROW: u32 = 34;
+/// Mean width of a legend's character, pixels; no font is measured here.
+const CHARACTER: f64 = 7.2;
+/// Lines of more points are drawn one pixel wide.
+const FINE: usize = 3000;
+/// Points a line is thinned to: more than the pixels it can use.
+const MOST_POINTS: usize = 1400;
+
+/// Draws panels row by row, `columns` of them in a row, each of `size` pixels.
+///
+/// # Errors
+/// [`LabError::Plot`] when nothing can be drawn.
+pub fn draw(panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<String, LabError> {
+    let rows = panels.len().div_ceil(columns).max(1);
+    let whole = (size.0 * columns as u32, size.1 * rows as u32);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, whole).into_drawing_area();
+        let failed = |error: &dyn std::fmt::Display| LabError::Plot {
+            name: panels.first().map_or_else(String::new, |panel| panel.title.clone()),
+            reason: error.to_string(),
+        };
+        root.fill(&PAPER).map_err(|error| failed(&error))?;
+        for (panel, area) in panels.iter().zip(root.split_evenly((rows, columns))) {
+            panel.draw(&area).map_err(|error| failed(&error))?;
+        }
+        root.present().map_err(|error| failed(&error))?;
+    }
+    Ok(with_dark_style(&svg))
+}
+
+impl Panel {
+    fn draw<Backend: DrawingBackend>(
+        &self,
+        area: &DrawingArea<Backend, plotters::coord::Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<Backend::ErrorType>> {
+        let text = |size: u32| ("sans-serif", size).into_font().color(&INK);
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let (x_low, x_high) = range(points().map(|p| p.0), 0.0);
+        let (y_low, y_high) = self.y_range.unwrap_or_else(|| range(points().map(|p| p.1), 0.06));
+        let mut chart = ChartBuilder::on(area)
+            .margin(10)
+            .margin_top(TITLE_ROW)
+            .margin_right(18)
+            .x_label_area_size(if self.x_label.is_empty() { 22 } else { 38 })
+            .y_label_area_size(if self.y_label.is_empty() { 44 } else { 58 })
+            .build_cartesian_2d(x_low..x_high, y_low..y_high)?;
+        chart
+            .configure_mesh()
+            .x_labels(6)
+            .y_labels(6)
+            .max_light_lines(0)
+            .bold_line_style(MESH)
+            .axis_style(INK)
+            .label_style(text(12))
+            .axis_desc_style(text(13))
+            .x_label_formatter(&|v| short(*v))
+            .y_label_formatter(&|v| short(*v))
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .draw()?;
+        for series in &self.series {
+            let mut thin = thinned(&series.points);
+            // what leaves the range is left out; plotters would draw it along the border
+            thin.iter_mut().filter(|(_, y)| !(y_low..=y_high).contains(y)).for_each(|(_, y)| *y = f64::NAN);
+            // a line of noise is drawn fine, so that what lies below it still shows
+            let style = series.colour.rgb().stroke_width(if series.points.len() > FINE { 1 } else { 2 });
+            for piece in thin.split(|(x, y)| !(x + y).is_finite()).filter(|piece| !piece.is_empty()) {
+                let line = piece.iter().copied();
+                if series.dashed {
+                    chart.draw_series(DashedLineSeries::new(line, 6, 4, style))?;
+                } else {
+                    chart.draw_series(LineSeries::new(line, style))?;
+                }
+            }
+        }
+        self.draw_title_row(area)
+    }
+
+    /// Title on the left, legend on the right, above the axes where they hide nothing.
+    fn draw_title_row<Backend: DrawingBackend>(
+        &self,
+        area: &DrawingArea<Backend, plotters::coord::Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<Backend::ErrorType>> {
+        let text = |size: u32| ("sans-serif", size).into_font().color(&INK);
+        area.draw(&Text::new(self.title.clone(), (12, 10), text(15)))?;
+        let mut right = area.dim_in_pixel().0 as i32 - 18;
+        for series in self.series.iter().rev().filter(|series| !series.name.is_empty()) {
+            let left = right - (series.name.chars().count() as f64 * CHARACTER) as i32;
+            let style = series.colour.rgb().stroke_width(3);
+            area.draw(&Text::new(series.name.clone(), (left, 12), text(12)))?;
+            area.draw(&PathElement::new(vec![(left - 22, 18), (left - 6, 18)], style))?;
+            right = left - 36;
+        }
+        Ok(())
+    }
+}
+
+/// Smallest and largest, with a share of room at both ends; never empty.
+fn range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
+    let finite = values.filter(|v| v.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let width = if high > low { high - low } else { low.abs().max(1.0) * 0.1 };
+    let extra = if high > low { width * room } else { width };
+    (low - extra, high + extra)
+}
+
+/// A number with as many digits as a label needs.
+fn short(v: f64) -> String {
+    let text = if v.abs() >= 100.0 { format!("{v:.0}") } else { format!("{v:.3}") };
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// Lowest and highest point of each of many short stretches: what the eye sees of a long line.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let stretch = (2 * points.len()).div_ceil(MOST_POINTS).max(1);
+    if stretch < 3 {
+        return points.to_vec();
+    }
+    let mut thin = Vec::with_capacity(MOST_POINTS + 2);
+    for piece in points.chunks(stretch) {
+        let finite: Vec<_> = piece.iter().copied().filter(|(x, y)| (x + y).is_finite()).collect();
+        let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        match (finite.iter().min_by(by_y), finite.iter().max_by(by_y)) {
+            (Some(low), Some(high)) if low.0 <= high.0 => thin.extend([*low, *high]),
+            (Some(low), Some(high)) => thin.extend([*high, *low]),
+            _ => thin.push((piece[0].0, f64::NAN)),
+        }
+    }
+    thin
+}
+
+/// Puts the rule that exchanges ink and paper behind the opening tag.
+fn with_dark_style(svg: &str) -> String {
+    let rules: String = DARK
+        .iter()
+        .map(|(from, to)| format!("[fill=\"{from}\"]{{fill:{to}}}[stroke=\"{from}\"]{{stroke:{to}}}"))
+        .collect();
+    let style = format!("<style>@media (prefers-color-scheme: dark){{{rules}}}</style>");
+    match svg.find('>') {
+        Some(end) => format!("{}{style}{}", &svg[..=end], &svg[end + 1..]),
+        None => svg.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_an_svg_with_gaps_and_both_styles() {
+        let points = (0..10_000).map(|k| (f64::from(k), if k == 5000 { f64::NAN } else { f64::from(k).sin() }));
+        let panel = Panel {
+            title: "A < B".to_owned(),
+            x_label: "sample".to_owned(),
+            y_label: "uT".to_owned(),
+            y_range: None,
+            series: vec![Series::new("sine", Colour::Blue, points)],
+        };
+        let svg = draw(&[panel], 1, (400, 300)).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        assert!(svg.contains("A &lt; B") && svg.contains("prefers-color-scheme"));
+        for (light, _) in DARK {
+            assert!(svg.contains(&format!("\"{light}\"")), "{light} is not drawn any more");
+        }
+        assert!(svg.len() < 60_000, "{} bytes", svg.len());
+    }
+
+    #[test]
+    fn labels_are_short() {
+        assert_eq!([0.5, 0.0, 6500.0, -0.0001, 1.25].map(short), ["0.5", "0", "6500", "0", "1.25"]);
+    }
+}

@@ -1,0 +1,52 @@
+//! Recordings: CSV or gzipped CSV with a header, columns found by name (DESIGN section 6).
+//!
+//! `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]`: seconds; uT; m/s^2; rad/s; reference orientation.
+
+mod read;
+mod write;
+
+pub use read::read;
+pub use write::{write_atomically, write_simulation};
+
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use std::path::PathBuf;
+
+/// One row: a magnetometer sample and what the other sensors said at that time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time as written, s.
+    pub time_s: f64,
+    /// The same in whole nanoseconds, strictly increasing.
+    pub time_ns: i64,
+    /// Raw field, uT, device frame; not finite where the file says `nan`.
+    pub field_ut: Vector3<f64>,
+    /// Accelerometer, m/s^2, Android's sign.
+    pub up_m_s2: Option<Vector3<f64>>,
+    /// Gyroscope, rad/s.
+    pub rate_rad_s: Option<Vector3<f64>>,
+    /// Reference orientation, device to east-north-up; None where the file has none or says `nan`.
+    pub attitude: Option<UnitQuaternion<f64>>,
+}
+
+/// A recording in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// Its rows, in order.
+    pub rows: Vec<Row>,
+}
+
+impl Recording {
+    /// First to last sample, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.rows.last().map_or(0.0, |last| last.time_s - self.rows[0].time_s)
+    }
+
+    /// File name, for tables.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+}

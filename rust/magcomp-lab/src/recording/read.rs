@@ -1,0 +1,214 @@
+//! Reading a recording, with an error that names file, line, column and what was expected there.
+
+use super::{Recording, Row};
+use crate::error::{LabError, Place};
+use crate::simulate::time_ns;
+use csv::{ByteRecord, ReaderBuilder};
+use flate2::read::MultiGzDecoder;
+use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+
+/// First bytes of a gzip file.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// Times beyond this (s) do not fit 64-bit nanoseconds.
+const LARGEST_TIME_S: f64 = 9e9;
+
+/// Reads `path`, gzipped or not.
+///
+/// # Errors
+/// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
+pub fn read(path: &Path) -> Result<Recording, LabError> {
+    let mut file = BufReader::new(File::open(path).map_err(LabError::read(path))?);
+    let zipped = file.fill_buf().map_err(LabError::read(path))?.starts_with(&GZIP);
+    if zipped { read_from(path, MultiGzDecoder::new(file)) } else { read_from(path, file) }
+}
+
+/// Reads a recording from `source`; `path` is for messages.
+fn read_from(path: &Path, source: impl Read) -> Result<Recording, LabError> {
+    let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source);
+    let mut record = ByteRecord::new();
+    let found = reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))?;
+    let columns = Columns::from_header(path, &record, found)?;
+    let mut rows: Vec<Row> = Vec::new();
+    while reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))? {
+        let row = columns.row(path, &record, rows.last())?;
+        rows.push(row);
+    }
+    Ok(Recording { path: path.to_owned(), rows })
+}
+
+fn unreadable(path: &Path, error: csv::Error) -> LabError {
+    let message = error.to_string();
+    let source = match error.into_kind() {
+        csv::ErrorKind::Io(source) => source,
+        _ => io::Error::new(io::ErrorKind::InvalidData, message),
+    };
+    LabError::Read { path: path.to_owned(), source }
+}
+
+/// Where each quantity is.
+struct Columns {
+    names: Vec<String>,
+    time: usize,
+    magnetic: [usize; 3],
+    accelerometer: Option<[usize; 3]>,
+    gyroscope: Option<[usize; 3]>,
+    reference: Option<[usize; 4]>,
+}
+
+impl Columns {
+    fn from_header(path: &Path, header: &ByteRecord, found: bool) -> Result<Self, LabError> {
+        let names: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
+        let wrong = |expected: String| LabError::Recording {
+            place: Place { path: path.to_owned(), line: 1, column: None },
+            expected,
+            found: if found { format!("'{}'", shorten(&names.join(","))) } else { "an empty file".to_owned() },
+        };
+        let index = |name: &str| -> Result<Option<usize>, LabError> {
+            let mut places = (0..names.len()).filter(|i| names[*i] == name);
+            match (places.next(), places.next()) {
+                (_, Some(_)) => Err(wrong(format!("column '{name}' once"))),
+                (place, None) => Ok(place),
+            }
+        };
+        let required = |name: &str| {
+            index(name)?.ok_or_else(|| wrong(format!("a header with the columns t_s,mx,my,mz; '{name}' is missing")))
+        };
+        Ok(Self {
+            time: required("t_s")?,
+            magnetic: [required("mx")?, required("my")?, required("mz")?],
+            accelerometer: group(["ax", "ay", "az"], index, wrong)?,
+            gyroscope: group(["gx", "gy", "gz"], index, wrong)?,
+            reference: group(["qw", "qx", "qy", "qz"], index, wrong)?,
+            names,
+        })
+    }
+
+    fn row(&self, path: &Path, record: &ByteRecord, before: Option<&Row>) -> Result<Row, LabError> {
+        let line = record.position().map_or(0, csv::Position::line);
+        let wrong = |column: Option<usize>, expected: String, found: String| LabError::Recording {
+            place: Place {
+                path: path.to_owned(),
+                line,
+                column: column.map(|i| (i + 1, self.names.get(i).cloned().unwrap_or_default())),
+            },
+            expected,
+            found,
+        };
+        if record.len() != self.names.len() {
+            // the first cell that is missing or too many
+            let column = record.len().min(self.names.len());
+            return Err(wrong(Some(column), format!("{} cells", self.names.len()), record.len().to_string()));
+        }
+        let number = |i: usize| -> Result<f64, LabError> {
+            let text = String::from_utf8_lossy(&record[i]);
+            let found =
+                if text.trim().is_empty() { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
+            text.trim().parse().map_err(|_| wrong(Some(i), "a number".to_owned(), found))
+        };
+        let vector = |[x, y, z]: [usize; 3]| Ok::<_, LabError>(Vector3::new(number(x)?, number(y)?, number(z)?));
+
+        let time_s = number(self.time)?;
+        if !(-LARGEST_TIME_S..LARGEST_TIME_S).contains(&time_s) {
+            return Err(wrong(Some(self.time), "a time in seconds".to_owned(), time_s.to_string()));
+        }
+        let time_ns = time_ns(time_s);
+        if let Some(before) = before.filter(|before| time_ns <= before.time_ns) {
+            let expected = format!("a time after {} s", before.time_s);
+            return Err(wrong(Some(self.time), expected, format!("{time_s} s")));
+        }
+        Ok(Row {
+            time_s,
+            time_ns,
+            field_ut: vector(self.magnetic)?,
+            up_m_s2: self.accelerometer.map(vector).transpose()?,
+            rate_rad_s: self.gyroscope.map(vector).transpose()?,
+            attitude: match self.reference {
+                None => None,
+                Some([w, x, y, z]) => {
+                    let q = Quaternion::new(number(w)?, number(x)?, number(y)?, number(z)?);
+                    UnitQuaternion::try_new(q, 1e-6).filter(|_| q.norm().is_finite())
+                }
+            },
+        })
+    }
+}
+
+/// The columns of one sensor: all of them or none.
+fn group<const N: usize>(
+    names: [&str; N],
+    index: impl Fn(&str) -> Result<Option<usize>, LabError>,
+    wrong: impl Fn(String) -> LabError,
+) -> Result<Option<[usize; N]>, LabError> {
+    let mut places = [0; N];
+    let mut present = 0;
+    for (place, name) in places.iter_mut().zip(names) {
+        if let Some(found) = index(name)? {
+            *place = found;
+            present += 1;
+        }
+    }
+    match present {
+        0 => Ok(None),
+        _ if present == N => Ok(Some(places)),
+        _ => Err(wrong(format!("all of the columns {} or none", names.join(",")))),
+    }
+}
+
+/// At most 60 characters, so that a message stays one line.
+fn shorten(text: &str) -> String {
+    let clean: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if clean.chars().count() <= 60 { clean } else { clean.chars().take(57).collect::<String>() + "..." }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        read_from(Path::new("r.csv"), text.as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_others_ignored() {
+        let text = "note,mz,my,mx,qw,qx,qy,qz,t_s\r\nhello,3,2,1,nan,nan,nan,nan,0.5\r\nyou,nan,5,4,2,0,0,0,0.75\r\n";
+        let recording = read_from(Path::new("r.csv"), text.as_bytes()).unwrap();
+        assert_eq!(recording.rows.len(), 2);
+        assert_eq!(recording.rows[0].field_ut, Vector3::new(1.0, 2.0, 3.0));
+        assert_eq!(recording.rows[0].attitude, None);
+        assert_eq!(recording.rows[1].attitude, Some(UnitQuaternion::identity()));
+        assert!(recording.rows[1].field_ut.z.is_nan());
+        assert_eq!(recording.rows[1].time_ns, 750_000_000);
+        assert_eq!(recording.duration_s(), 0.25);
+    }
+
+    #[test]
+    fn errors_say_where_and_what() {
+        let cases = [
+            (
+                "",
+                "r.csv: line 1: expected a header with the columns t_s,mx,my,mz; 't_s' is missing, found an empty file",
+            ),
+            (
+                "t_s,mx,my\n",
+                "r.csv: line 1: expected a header with the columns t_s,mx,my,mz; 'mz' is missing, found 't_s,mx,my'",
+            ),
+            ("t_s,mx,mx,my,mz\n", "r.csv: line 1: expected column 'mx' once, found 't_s,mx,mx,my,mz'"),
+            (
+                "t_s,mx,my,mz,gx\n",
+                "r.csv: line 1: expected all of the columns gx,gy,gz or none, found 't_s,mx,my,mz,gx'",
+            ),
+            ("t_s,mx,my,mz\n0,1,2,3\n1,1,2\n", "r.csv: line 3, column 4 (mz): expected 4 cells, found 3"),
+            ("t_s,mx,my,mz\n0,1,2,3,4\n", "r.csv: line 2, column 5 (): expected 4 cells, found 5"),
+            ("t_s,mx,my,mz\n0,1,2,x3\n", "r.csv: line 2, column 4 (mz): expected a number, found 'x3'"),
+            ("t_s,mx,my,mz\n0,1,,3\n", "r.csv: line 2, column 3 (my): expected a number, found an empty cell"),
+            ("t_s,mx,my,mz\nnan,1,2,3\n", "r.csv: line 2, column 1 (t_s): expected a time in seconds, found NaN"),
+            ("t_s,mx,my,mz\n1,1,2,3\n1,1,2,3\n", "r.csv: line 3, column 1 (t_s): expected a time after 1 s, found 1 s"),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(message(text), expected);
+        }
+    }
+}

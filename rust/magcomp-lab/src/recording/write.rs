@@ -1,0 +1,86 @@
+//! Writing: beside the name first, then moved into place, so that a failed run leaves no half file.
+
+use crate::error::LabError;
+use crate::simulate::Simulation;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use magcomp::nalgebra::Vector3;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes `path` through `content`; gzipped when the name ends in `.gz`. On failure what was there before stays.
+///
+/// # Errors
+/// [`LabError::Write`] names the file and why.
+pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> io::Result<()> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".magcomp-").suffix(".tmp");
+        #[cfg(unix)]
+        {
+            // an ordinary file's permissions (less the umask), not a secret's
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let file = builder.tempfile_in(folder)?;
+        let mut writer = BufWriter::new(file.as_file());
+        if path.extension().is_some_and(|extension| extension == "gz") {
+            let mut zipped = GzEncoder::new(&mut writer, Compression::default());
+            content(&mut zipped)?;
+            zipped.finish()?;
+        } else {
+            content(&mut writer)?;
+        }
+        writer.flush()?;
+        drop(writer);
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().map_err(LabError::write(path))
+}
+
+/// Writes a simulation as a recording: the latest reading of each sensor beside every magnetometer sample, and the true
+/// orientation as the reference.
+///
+/// # Errors
+/// [`LabError::Write`].
+pub fn write_simulation(path: &Path, simulation: &Simulation) -> Result<(), LabError> {
+    let (rates, ups) = (&simulation.rotation_rates, &simulation.ups);
+    write_atomically(path, |out| {
+        write!(out, "t_s,mx,my,mz")?;
+        if !ups.is_empty() {
+            write!(out, ",ax,ay,az")?;
+        }
+        if !rates.is_empty() {
+            write!(out, ",gx,gy,gz")?;
+        }
+        writeln!(out, ",qw,qx,qy,qz")?;
+        let (mut rate, mut up) = (0, 0);
+        for (sample, truth) in simulation.magnetic.iter().zip(&simulation.truth) {
+            write!(out, "{}", sample.time_ns as f64 / 1e9)?;
+            vector(out, &sample.field_ut)?;
+            if !ups.is_empty() {
+                up = latest(ups, up, |event| event.time_ns <= sample.time_ns);
+                vector(out, &ups[up].up_m_s2)?;
+            }
+            if !rates.is_empty() {
+                rate = latest(rates, rate, |event| event.time_ns <= sample.time_ns);
+                vector(out, &rates[rate].rate_rad_s)?;
+            }
+            let q = truth.attitude;
+            writeln!(out, ",{:.9},{:.9},{:.9},{:.9}", q.w, q.i, q.j, q.k)?;
+        }
+        Ok(())
+    })
+}
+
+/// Micro-units: below the noise of every sensor.
+fn vector(out: &mut dyn Write, v: &Vector3<f64>) -> io::Result<()> {
+    write!(out, ",{:.6},{:.6},{:.6}", v.x, v.y, v.z)
+}
+
+/// The last event from `at` on that has happened.
+fn latest<T>(events: &[T], at: usize, happened: impl Fn(&T) -> bool) -> usize {
+    (at..events.len()).take_while(|k| happened(&events[*k])).last().unwrap_or(at)
+}

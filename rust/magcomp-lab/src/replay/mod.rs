@@ -1,0 +1,67 @@
+//! A recording through the compensator, row by row.
+
+mod judge;
+mod output;
+mod view;
+
+pub use judge::{HeadingError, Judgement, judge};
+pub use output::write;
+pub use view::{figures, table};
+
+use crate::error::LabError;
+use crate::progress;
+use crate::recording::Recording;
+use magcomp::{Calibration, Compensator, Config, MagneticSample, Reading, RotationRateSample, UpSample};
+use std::time::Instant;
+
+/// Rows from one look at the progress bar to the next.
+const BAR_STRIDE: usize = 500;
+
+/// Sensors of the recording that are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ignore {
+    /// Without rotation rates.
+    pub gyroscope: bool,
+    /// Without up.
+    pub accelerometer: bool,
+}
+
+/// What came out for one row.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The reading.
+    pub reading: Reading,
+    /// The calibration in force after the sample.
+    pub calibration: Option<Calibration>,
+    /// Time spent in `push`, nanoseconds.
+    pub push_ns: u64,
+}
+
+/// Plays every row of a recording, in order. Events of the other sensors that the core refuses (NaN, for instance) are
+/// left out, as an app would.
+///
+/// # Errors
+/// [`LabError::Config`] when the config is refused.
+pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
+    let mut compensator = Compensator::new(config.clone())?;
+    let bar = progress::bar(recording.rows.len(), "replay");
+    let steps = recording.rows.iter().enumerate().map(|(k, row)| {
+        if k % BAR_STRIDE == 0 {
+            bar.set_position(k as u64);
+        }
+        let time_ns = row.time_ns;
+        if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !ignore.gyroscope) {
+            let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
+        }
+        if let Some(up_m_s2) = row.up_m_s2.filter(|_| !ignore.accelerometer) {
+            let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
+        }
+        let started = Instant::now();
+        let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
+        let push_ns = started.elapsed().as_nanos() as u64;
+        Step { reading, calibration: compensator.calibration().copied(), push_ns }
+    });
+    let steps = steps.collect();
+    bar.finish_and_clear();
+    Ok(steps)
+}

@@ -1,0 +1,62 @@
+//! The output of `replay`: one row for every input row, in order (DESIGN section 6).
+
+use super::Step;
+use crate::error::LabError;
+use crate::recording::{Recording, write_atomically};
+use magcomp::nalgebra::Vector3;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// The columns of DESIGN section 6.
+const COLUMNS: &str = "t_s,cx,cy,cz,fx,fy,fz,heading_deg,heading_sigma_deg,inclination_deg,sigma_t,window,coverage,status,\
+                       bx,by,bz,w00,w01,w02,w10,w11,w12,w20,w21,w22,ns";
+
+/// Writes `path`; with a `true_heading_deg` column at the end when a declination was given.
+///
+/// # Errors
+/// [`LabError::Write`]; what was at `path` before is untouched then.
+pub fn write(path: &Path, recording: &Recording, steps: &[Step], true_heading: bool) -> Result<(), LabError> {
+    write_atomically(path, |out| {
+        writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" })?;
+        for (row, step) in recording.rows.iter().zip(steps) {
+            write!(out, "{}", row.time_s)?;
+            line(out, step)?;
+            if true_heading {
+                cell(out, step.reading.heading.and_then(|heading| heading.true_heading_deg), 4)?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
+    let Step { reading, calibration, push_ns } = step;
+    vector(out, reading.field_ut, 6)?;
+    vector(out, reading.filtered_field_ut, 6)?;
+    let heading = reading.heading;
+    cell(out, heading.map(|heading| heading.heading_deg), 4)?;
+    cell(out, heading.and_then(|heading| heading.heading_sigma_deg), 4)?;
+    cell(out, heading.map(|heading| heading.inclination_deg), 4)?;
+    cell(out, reading.sigma_t, 6)?;
+    write!(out, ",{},{:.4},{}", reading.window, reading.coverage, reading.status.label())?;
+    vector(out, calibration.map(|calibration| *calibration.hard_iron_ut()), 6)?;
+    for row in 0..3 {
+        for column in 0..3 {
+            cell(out, calibration.map(|calibration| calibration.soft_iron_inverse()[(row, column)]), 9)?;
+        }
+    }
+    write!(out, ",{push_ns}")
+}
+
+fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io::Result<()> {
+    (0..3).try_for_each(|i| cell(out, value.map(|v| v[i]), digits))
+}
+
+/// A number, or an empty cell for what is not known.
+fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
+    match value {
+        Some(v) => write!(out, ",{v:.digits$}"),
+        None => write!(out, ","),
+    }
+}

@@ -1,0 +1,117 @@
+//! A report: SVG files in a folder and one HTML page that shows them, with the command that made it.
+
+use crate::error::LabError;
+use crate::recording::write_atomically;
+use crate::table::Table;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A page in the making.
+#[derive(Clone, Debug)]
+pub struct Report {
+    title: String,
+    lead: String,
+    body: String,
+    figures: Vec<(String, String)>,
+}
+
+const STYLE: &str = include_str!("report.css");
+
+impl Report {
+    /// A page with a title and a first paragraph.
+    #[must_use]
+    pub fn new(title: &str, lead: &str) -> Self {
+        Self { title: title.to_owned(), lead: lead.to_owned(), body: String::new(), figures: Vec::new() }
+    }
+
+    /// Begins a section.
+    pub fn section(&mut self, heading: &str, text: &str) {
+        let _ = write!(self.body, "<h2>{}</h2>\n<p>{}</p>\n", escape(heading), escape(text));
+    }
+
+    /// Adds a table.
+    pub fn table(&mut self, table: &Table) {
+        let cells = |tag: &str, cells: &[String]| -> String {
+            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
+        };
+        let _ = write!(
+            self.body,
+            "<figure class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n",
+            escape(&table.title),
+            cells("th", &table.columns)
+        );
+        for row in &table.rows {
+            let _ = writeln!(self.body, "<tr>{}</tr>", cells("td", row));
+        }
+        let notes: String = table.notes.iter().map(|note| format!("<p>{}</p>", escape(note))).collect();
+        let _ = writeln!(self.body, "</tbody></table><figcaption>{notes}</figcaption></figure>");
+    }
+
+    /// Adds a picture, written as `name`.svg beside the page.
+    pub fn figure(&mut self, name: &str, svg: String, caption: &str) {
+        let caption = escape(caption);
+        let _ = writeln!(
+            self.body,
+            "<figure><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a><figcaption>{caption}</figcaption></figure>"
+        );
+        self.figures.push((format!("{name}.svg"), svg));
+    }
+
+    /// Writes the pictures and `index.html` into `folder`, which is made where it is missing. Returns the page's path.
+    ///
+    /// # Errors
+    /// [`LabError::Write`].
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, LabError> {
+        std::fs::create_dir_all(folder).map_err(LabError::write(folder))?;
+        for (name, svg) in &self.figures {
+            write_atomically(&folder.join(name), |out| out.write_all(svg.as_bytes()))?;
+        }
+        let page = folder.join("index.html");
+        let (title, lead, command) = (escape(&self.title), escape(&self.lead), escape(&command_line()));
+        let html = format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n<p class=\"lead\">{lead}</p>\n\
+             {}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
+            self.body,
+            env!("CARGO_PKG_VERSION")
+        );
+        write_atomically(&page, |out| out.write_all(html.as_bytes()))?;
+        Ok(page)
+    }
+}
+
+/// The command as it was typed, the program by its name alone.
+fn command_line() -> String {
+    let arguments = std::env::args().skip(1).map(|argument| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
+        if !argument.is_empty() && argument.chars().all(plain) {
+            argument
+        } else {
+            format!("'{}'", argument.replace('\'', "'\\''"))
+        }
+    });
+    std::iter::once("magcomp".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn page_and_pictures_are_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut report = Report::new("A & B", "lead");
+        report.section("Section", "text");
+        report.table(&Table::new("table", &["a", "b"]));
+        report.figure("picture", "<svg></svg>".to_owned(), "what it shows");
+        let page = report.write(&folder.path().join("deep/er")).unwrap();
+        let html = std::fs::read_to_string(&page).unwrap();
+        assert!(html.contains("<h1>A &amp; B</h1>") && html.contains("picture.svg") && html.contains("what it shows"));
+        assert_eq!(std::fs::read_to_string(page.with_file_name("picture.svg")).unwrap(), "<svg></svg>");
+    }
+}

@@ -1,0 +1,83 @@
+//! Tables of text: for the terminal, and the same cells for the report.
+
+use std::fmt;
+
+/// A heading, column names, rows of cells. The first column is aligned left, the others right.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    /// One line above the table.
+    pub title: String,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Rows, each with one cell for every column.
+    pub rows: Vec<Vec<String>>,
+    /// Lines below the table: what the numbers mean.
+    pub notes: Vec<String>,
+}
+
+impl Table {
+    /// An empty table.
+    #[must_use]
+    pub fn new(title: &str, columns: &[&str]) -> Self {
+        Self {
+            title: title.to_owned(),
+            columns: columns.iter().map(|name| (*name).to_owned()).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// One more row.
+    pub fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+
+    /// One more line below.
+    pub fn note(&mut self, text: &str) {
+        self.notes.push(text.to_owned());
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = || std::iter::once(&self.columns).chain(&self.rows);
+        let width = |column: usize| {
+            lines().filter_map(|cells| cells.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        writeln!(f, "{}", self.title)?;
+        for (k, cells) in lines().enumerate() {
+            let mut line = String::new();
+            for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
+                let padded = if column == 0 { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") };
+                line.push_str(&padded);
+            }
+            writeln!(f, "{}", line.trim_end())?;
+            if k == 0 {
+                writeln!(f, "  {}", "-".repeat(widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1)))?;
+            }
+        }
+        self.notes.iter().try_for_each(|note| writeln!(f, "  {note}"))
+    }
+}
+
+/// A number with `digits` after the point; a dash where there is none.
+#[must_use]
+pub fn number(value: Option<f64>, digits: usize) -> String {
+    value.filter(|v| v.is_finite()).map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_line_up() {
+        let mut table = Table::new("Title", &["name", "uT"]);
+        table.row(vec!["a".into(), number(Some(1.25), 1)]);
+        table.row(vec!["long name".into(), number(None, 1)]);
+        table.note("what it means");
+        let expected =
+            "Title\n  name        uT\n  --------------\n  a          1.2\n  long name    -\n  what it means\n";
+        assert_eq!(table.to_string(), expected);
+    }
+}

@@ -1,0 +1,43 @@
+//! The experiments meet their claims, on runs small enough for every test run.
+
+use magcomp::Normalisation;
+use magcomp_lab::experiment::bound::{self, BoundOptions};
+use magcomp_lab::experiment::step::{self, StepOptions};
+use magcomp_lab::motion::Motion;
+
+#[test]
+fn the_corrected_residual_reaches_the_bound_and_the_papers_does_not() {
+    let options = BoundOptions { runs: 150, samples: vec![100, 1000, 6500], ..BoundOptions::default() };
+    let result = bound::run(&options).unwrap();
+    // a ratio from 150 runs is itself uncertain by about 4 %
+    let (low, high) = result.corrected_range();
+    assert!(low > 0.88 && high < 1.12, "{low} to {high}");
+    let worst = result.rows.iter().find(|row| row.snr_db == 30.0 && row.samples == 6500).unwrap();
+    assert!(worst.algebraic[0] > 3.0, "M diagonal of (10) at 30 dB, N = 6500: {}", worst.algebraic[0]);
+}
+
+#[test]
+fn the_windowed_method_follows_the_step_as_the_paper_says() {
+    let result = step::run(&StepOptions { runs: 40, ..StepOptions::default() }).unwrap();
+    let half = &result.normalisations[0];
+    assert_eq!(half.normalisation, Normalisation::HalfRange);
+    assert!((half.sigma_t.mean - 0.72).abs() < 0.01, "sigma_T {}", half.sigma_t.mean);
+    assert!((half.window.mean - 626.0).abs() < 20.0, "N {}", half.window.mean);
+    for parameter in &half.parameters {
+        let name = parameter.name;
+        assert!(parameter.transient_samples.is_some_and(|n| n <= 700), "{name}: {:?}", parameter.transient_samples);
+        assert!(parameter.steady_percent.mean < 5.0, "{name}: {:?}", parameter.steady_percent);
+    }
+    let (azimuth, elevation) = (half.after.azimuth_deg.max, half.after.elevation_deg.max);
+    assert!(azimuth < 10.5 && elevation < 8.0, "{azimuth} {elevation}");
+    assert!((half.kept.azimuth_deg.mean - 23.0).abs() < 3.0 && (half.kept.elevation_deg.mean - 33.0).abs() < 2.0);
+
+    let even = &result.normalisations[1];
+    assert!((even.sigma_t.mean - 1.0).abs() < 0.02, "sigma_T {}", even.sigma_t.mean);
+}
+
+#[test]
+fn without_motion_nothing_is_followed_and_nothing_breaks() {
+    let result = step::run(&StepOptions { runs: 1, motion: Motion::Still, ..StepOptions::default() }).unwrap();
+    assert!(result.normalisations.iter().all(|one| one.transient_samples.is_none()));
+}

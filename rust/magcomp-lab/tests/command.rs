@@ -1,0 +1,190 @@
+//! The command from outside: columns, rows, errors, exit codes, and no half files.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const COLUMNS: &str = "t_s,cx,cy,cz,fx,fy,fz,heading_deg,heading_sigma_deg,inclination_deg,sigma_t,window,coverage,\
+                       status,bx,by,bz,w00,w01,w02,w10,w11,w12,w20,w21,w22,ns";
+
+fn magcomp() -> Command {
+    Command::cargo_bin("magcomp").unwrap()
+}
+
+/// Runs it; exit code, standard output, standard error.
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let output = magcomp().args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A simulated recording of `seconds` in `folder`.
+fn simulated(folder: &Path, seconds: &str) -> PathBuf {
+    let path = folder.join("in.csv");
+    assert_eq!(run(&["simulate", text(&path), "--seconds", seconds, "--motion", "uniform"]).0, 0);
+    path
+}
+
+#[test]
+fn replay_writes_one_row_for_every_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "12");
+    let output = folder.path().join("out.csv");
+    let (code, table, error) = run(&["replay", text(&input), "--output", text(&output)]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(table.contains("spread of total field"), "{table}");
+
+    let written = fs::read_to_string(&output).unwrap();
+    let (mut lines, recording) = (written.lines(), fs::read_to_string(&input).unwrap());
+    assert_eq!(lines.next().unwrap(), COLUMNS);
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), recording.lines().count() - 1);
+    for (row, raw) in rows.iter().zip(recording.lines().skip(1)) {
+        assert_eq!(row.len(), COLUMNS.split(',').count());
+        assert_eq!(row[0], raw.split(',').next().unwrap());
+    }
+    // nothing is known at first: empty cells, no zeros, no NaN
+    assert_eq!((rows[0][1], rows[0][7], rows[0][13], rows[0][14]), ("", "", "collecting", ""));
+    assert_eq!(rows[1199][13], "tracking");
+    assert!(!written.contains("NaN") && !written.contains("inf"));
+}
+
+#[test]
+fn corrected_is_w_times_raw_less_b() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "5");
+    let output = folder.path().join("out.csv");
+    assert_eq!(run(&["replay", text(&input), "--output", text(&output)]).0, 0);
+    let last = |path: &Path| -> Vec<f64> {
+        let text = fs::read_to_string(path).unwrap();
+        text.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
+    };
+    let (raw, ours) = (last(&input), last(&output));
+    for i in 0..3 {
+        let corrected: f64 = (0..3).map(|j| ours[17 + 3 * i + j] * (raw[1 + j] - ours[14 + j])).sum();
+        assert!((corrected - ours[1 + i]).abs() < 1e-5, "{corrected} against {}", ours[1 + i]);
+    }
+}
+
+#[test]
+fn true_heading_is_a_column_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "5");
+    let output = folder.path().join("out.csv");
+    for declination in [&["--declination", "-10.5"][..], &["--place", "-33.9,18.4", "--date", "2026-01-15"]] {
+        let arguments = [&["replay", text(&input), "--output", text(&output)], declination].concat();
+        let (code, _, error) = run(&arguments);
+        assert_eq!((code, error.as_str()), (0, ""));
+        let written = fs::read_to_string(&output).unwrap();
+        assert_eq!(written.lines().next().unwrap(), format!("{COLUMNS},true_heading_deg"));
+        let last: Vec<&str> = written.lines().last().unwrap().split(',').collect();
+        let turned: f64 = last[27].parse::<f64>().unwrap() - last[7].parse::<f64>().unwrap();
+        let declination = (turned + 540.0).rem_euclid(360.0) - 180.0;
+        // Cape Town's declination is about -26 deg
+        assert!((declination + 10.5).abs() < 1e-3 || (declination + 26.0).abs() < 1.5, "{declination}");
+    }
+}
+
+#[test]
+fn rejected_samples_keep_their_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.csv");
+    fs::write(&input, "t_s,mx,my,mz\n0,1,2,3\n0.01,nan,2,3\n0.02,1,2,9999\n").unwrap();
+    let output = folder.path().join("out.csv");
+    assert_eq!(run(&["replay", text(&input), "--output", text(&output)]).0, 0);
+    let written = fs::read_to_string(&output).unwrap();
+    let status: Vec<&str> = written.lines().skip(1).map(|line| line.split(',').nth(13).unwrap()).collect();
+    assert_eq!(status, ["collecting", "rejected", "rejected"]);
+}
+
+#[test]
+fn a_wrong_input_is_one_line_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
+    fs::write(&input, "t_s,mx,my,mz\n0,1,2,3\n0.01,1,x,3\n").unwrap();
+    fs::write(&output, "what was there before").unwrap();
+    let (code, out, error) = run(&["replay", text(&input), "--output", text(&output)]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert_eq!(error, format!("magcomp: {}: line 3, column 3 (my): expected a number, found 'x'\n", input.display()));
+    assert_eq!(fs::read_to_string(&output).unwrap(), "what was there before");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "1");
+    let nowhere = folder.path().join("missing/out.csv");
+    let (code, _, error) = run(&["replay", text(&input), "--output", text(&nowhere)]);
+    assert_eq!((code, error.lines().count()), (1, 1));
+    assert!(error.contains("missing/out.csv: cannot be written"), "{error}");
+    // moving onto a folder fails after everything was written: the temporary file must go
+    let (code, ..) = run(&["replay", text(&input), "--output", text(folder.path())]);
+    assert_eq!(code, 1);
+    let (code, _, error) = run(&["replay", "no/such.csv"]);
+    assert_eq!((code, error.lines().count()), (1, 1));
+}
+
+#[test]
+fn a_cut_gzip_is_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("in.csv.gz");
+    assert_eq!(run(&["simulate", text(&whole), "--seconds", "5"]).0, 0);
+    let (code, ..) = run(&["replay", text(&whole)]);
+    assert_eq!(code, 0);
+    let bytes = fs::read(&whole).unwrap();
+    let cut = folder.path().join("cut.csv.gz");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let (code, _, error) = run(&["replay", text(&cut)]);
+    assert_eq!((code, error.lines().count()), (1, 1), "{error}");
+}
+
+#[test]
+fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
+    for arguments in [
+        &["replay"][..],
+        &["nonsense"],
+        &["crb", "--runs", "0"],
+        &["replay", "x", "--place", "1,2"],
+        &["replay", "x", "--declination", "400"],
+        &[],
+    ] {
+        assert_eq!(run(arguments).0, 2, "{arguments:?}");
+    }
+    let (code, help, _) = run(&["--help"]);
+    assert_eq!(code, 0);
+    assert!(help.contains("Exit codes: 0"), "{help}");
+}
+
+#[test]
+fn simulate_is_reproducible_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = |name: &str, seed: &str| {
+        let path = folder.path().join(name);
+        let arguments =
+            ["simulate", text(&path), "--seed", seed, "--seconds", "10", "--change", "step", "--spikes", "0.02"];
+        assert_eq!(run(&arguments).0, 0);
+        fs::read(path).unwrap()
+    };
+    let (first, again, other) = (written("a.csv", "5"), written("b.csv", "5"), written("c.csv", "6"));
+    assert!(first == again && first != other);
+    assert!(first.starts_with(b"t_s,mx,my,mz,ax,ay,az,gx,gy,gz,qw,qx,qy,qz\n"));
+}
+
+#[test]
+fn json_parses_and_the_report_shows_its_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("pages");
+    let (code, json, _) =
+        run(&["crb", "--runs", "5", "--samples", "100,200", "--snr", "35", "--json", "--report", text(&pages)]);
+    assert_eq!(code, 0);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(value["rows"].as_array().unwrap().len(), 2);
+    let html = fs::read_to_string(pages.join("index.html")).unwrap();
+    assert!(html.contains("fig2_bound.svg") && html.contains("magcomp crb --runs 5"));
+    assert!(fs::read_to_string(pages.join("fig2_bound.svg")).unwrap().starts_with("<svg"));
+}
