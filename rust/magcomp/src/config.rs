@@ -139,7 +139,7 @@ impl Config {
         let (s, f, w, h) = (&self.sensor, &self.fit, &self.windowed, &self.heading);
         let positive = |v: f64| v > 0.0 && v.is_finite();
         let not_negative = |v: f64| v >= 0.0 && v.is_finite();
-        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 18] = [
+        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 19] = [
             (positive(s.range_ut), "sensor.range_ut", &s.range_ut, "above 0 uT"),
             (s.rail_ut.is_none_or(positive), "sensor.rail_ut", &s.rail_ut, "above 0 uT, or none"),
             (positive(s.max_gap_s), "sensor.max_gap_s", &s.max_gap_s, "above 0 s"),
@@ -159,6 +159,7 @@ impl Config {
             ),
             (f.max_direction_sigma_deg > 0.0, "fit.max_direction_sigma_deg", &f.max_direction_sigma_deg, "above 0 deg"),
             (not_negative(f.error_floor_ut), "fit.error_floor_ut", &f.error_floor_ut, "0 uT or above"),
+            (f.max_residual_share > 0.0, "fit.max_residual_share", &f.max_residual_share, "above 0"),
             (f.max_iterations >= 1, "fit.max_iterations", &f.max_iterations, "at least 1"),
             (positive(f.tolerance), "fit.tolerance", &f.tolerance, "above 0"),
             (w.n_min >= SMALLEST_SAMPLE_COUNT, "windowed.n_min", &w.n_min, "at least 9 samples"),
@@ -178,7 +179,11 @@ impl Config {
         ];
         match checks.into_iter().find(|(ok, ..)| !ok) {
             None => Ok(()),
-            Some((_, field, value, expected)) => Err(ConfigError { field, value: format!("{value:?}"), expected }),
+            Some((_, field, value, expected)) => {
+                let value = format!("{value:?}");
+                let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
+                Err(ConfigError { field, value, expected })
+            }
         }
     }
 }

@@ -54,6 +54,9 @@ pub struct FitOptions {
     /// to 2 uT over half a second, some 20 samples. Smaller accepts poorer coverage where the residual is small; 0 trusts
     /// the residual alone, for simulated data.
     pub error_floor_ut: f64,
+    /// Largest residual rms that is accepted, as a share of the field strength. Default 0.05: 30 dB of noise is 0.032, rooms
+    /// stay below 0.04; a window across a change of the disturbance lies above. Larger accepts more noise.
+    pub max_residual_share: f64,
     /// Iterations at the most. Default 50; warm or closed-form starts take 2 to 6.
     pub max_iterations: usize,
     /// The iteration has converged when no parameter would change by more than this (field strengths). Default 1e-10.
@@ -68,6 +71,7 @@ impl Default for FitOptions {
             field_range_ut: (22.0, 67.0),
             max_direction_sigma_deg: 10.0,
             error_floor_ut: 5.0,
+            max_residual_share: 0.05,
             max_iterations: 50,
             tolerance: 1e-10,
         }
@@ -109,6 +113,16 @@ pub enum FitError {
         direction_sigma_deg: f64,
         /// The limit it exceeds, degrees.
         limit_deg: f64,
+    },
+    /// The samples do not lie on one ellipsoid.
+    #[error(
+        "samples lie {residual_ut:.1} uT off the best ellipsoid, more than {limit_ut:.1} uT; the disturbance or the place changed meanwhile"
+    )]
+    Inconsistent {
+        /// Residual rms, uT.
+        residual_ut: f64,
+        /// The limit it exceeds, uT.
+        limit_ut: f64,
     },
     /// The best quadric is not an ellipsoid.
     #[error(

@@ -6,7 +6,8 @@
 //!
 //! What is ours: the cost of a window is kept as its moments, so a fit costs the same for every N; each fit starts from
 //! the previous parameters or from a closed form, whichever fits better; a fit that the samples don't support is refused
-//! with its reason and the parameters stay.
+//! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
+//! the latest N_min and grows from there. `FitOptions` switches the checks off.
 
 use crate::calibration::Calibration;
 use crate::config::{Config, Method, WindowedConfig};
@@ -61,6 +62,8 @@ struct Kept {
     seen_through: Option<Calibration>,
     since_fit: usize,
     since_recentred: usize,
+    /// Samples since the last change that was noticed: older ones are not used.
+    since_change: usize,
     refused: Option<FitError>,
 }
 
@@ -127,7 +130,8 @@ impl Windowed {
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
-                self.resize(window_length(sigma_t, self.config.n_min, self.config.n_max));
+                let length = window_length(sigma_t, self.config.n_min, self.config.n_max);
+                self.resize(length.min(self.kept.since_change));
                 self.refit()
             }
             None if self.ring.len() >= self.config.n_min => self.refit(),
@@ -181,6 +185,11 @@ impl Windowed {
             Ok(_) => self.collecting(),
             Err(error) => {
                 self.kept.refused = Some(error);
+                if matches!(error, FitError::Inconsistent { .. }) {
+                    // something changed inside the window: only its latest samples may still agree
+                    self.kept.since_change = self.config.n_min;
+                    self.resize(self.config.n_min);
+                }
                 match self.kept.calibration {
                     Some(_) => Status::Held(HoldReason::FitRefused(error)),
                     None => self.collecting(),
@@ -211,6 +220,7 @@ impl Windowed {
         self.count(raw_ut, 1);
         self.window += 1;
         self.kept.since_recentred += 1;
+        self.kept.since_change += 1;
     }
 
     /// Samples enter or leave the window at its old end until it has this length.
