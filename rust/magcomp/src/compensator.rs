@@ -120,7 +120,7 @@ impl Compensator {
 
         let step = self.estimator.push(&sample.field_ut);
         let field_ut = self.estimator.calibration().map(|calibration| calibration.correct(&sample.field_ut));
-        let field_ut = field_ut.filter(|field| field.iter().all(|v| v.is_finite()));
+        let field_ut = field_ut.filter(|field| field.norm().is_finite());
         Reading {
             time_ns: sample.time_ns,
             field_ut,

@@ -198,7 +198,7 @@ impl Moments {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
         let (s, n) = self.scatter();
-        if !s.iter().all(|v| v.is_finite()) {
+        if !self.is_finite() || !s.iter().all(|v| v.is_finite()) {
             return Err(FitError::NotFinite);
         }
         Ok(Problem { s, n, residual: options.residual })
@@ -312,7 +312,10 @@ impl Problem {
                 Residual::Corrected => self.s - self.n * point.cost,
             };
             let gradient = point.gradient(&q);
-            let hessian = point.hessian(&q);
+            let mut hessian = point.hessian(&q);
+            if self.residual == Residual::Algebraic {
+                hessian += point.curvature(&q);
+            }
             let theta = point.shape.theta();
             let mut taken = None;
             for _ in 0..MAX_DAMPINGS {
@@ -324,11 +327,9 @@ impl Problem {
                 let step = ldl::solve(&damped, &-gradient);
                 let next = step.and_then(|step| Some((step.amax(), self.at(Shape::from_theta(&(theta + step)))?)));
                 if let Some((size, next)) = next
-                    && (next.cost <= point.cost || size <= options.tolerance)
+                    && (next.cost <= point.cost || (damping == 0.0 && next.cost <= point.cost * (1.0 + ROUNDING)))
                 {
-                    if next.cost <= point.cost {
-                        point = next;
-                    }
+                    point = next;
                     taken = Some(size);
                     break;
                 }
@@ -348,6 +349,9 @@ impl Problem {
     }
 }
 
+/// A Newton step that raises the cost by no more than its rounding (relative) is taken: closer to the minimum than
+/// the root of this the cost says nothing any more, the gradient still does.
+const ROUNDING: f64 = 1e-11;
 /// Damping of the first step after one that did not lower the cost.
 const FIRST_DAMPING: f64 = 1e-4;
 /// Factors of 10 in the damping before an iteration gives up.
@@ -376,6 +380,21 @@ impl Point {
         let mut gradient = qp.fixed_rows::<9>(0).component_mul(&DIAGONAL) + self.last_row() * qp[9];
         gradient.apply(|v| *v = if v.is_finite() { *v } else { 0.0 });
         gradient
+    }
+
+    /// What J^T Q J leaves out of the Hessian: (Q p)_10 times the second derivative of g.A^-1 g - 1, 2 V^T A^-1 V with
+    /// V = [-E_k beta, I]. Zero at the minimum of the corrected cost, where Q p = 0; without it the algebraic cost's
+    /// iteration converges only linearly.
+    fn curvature(&self, q: &Matrix10) -> Matrix9 {
+        let b = &self.beta;
+        let mut v = SMatrix::<f64, 3, 9>::zeros();
+        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            v[(i, k)] = -b[j];
+            v[(j, k)] = -b[i];
+        }
+        v.fixed_view_mut::<3, 3>(0, 6).fill_with_identity();
+        let inverse = self.shape.a.try_inverse().unwrap_or_else(Matrix3::zeros);
+        v.transpose() * inverse * v * (2.0 * q.row(9).transpose().dot(&self.p))
     }
 
     /// Lower triangle of J^T Q J.
