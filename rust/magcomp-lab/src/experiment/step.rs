@@ -230,8 +230,8 @@ fn follow(stream: &Simulation, constant: Calibration, config: Config) -> Result<
     let mut trace = Trace::default();
     for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {
         let reading = compensator.push(*sample);
-        let calibration = compensator.calibration().unwrap_or(&constant);
-        trace.add(sample, truth, &reading, calibration, &constant);
+        let calibration = compensator.calibration().unwrap_or(constant);
+        trace.add(sample, truth, &reading, &calibration, &constant);
     }
     Ok(trace)
 }

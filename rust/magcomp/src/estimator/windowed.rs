@@ -13,7 +13,7 @@ use crate::calibration::Calibration;
 use crate::config::{Config, Method, WindowedConfig};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments};
-use crate::reading::{HoldReason, Status};
+use crate::reading::{HoldReason, Missing, Status};
 use crate::uniformity::uniformity;
 use crate::window::window_length;
 use nalgebra::Vector3;
@@ -65,6 +65,7 @@ struct Kept {
     /// Samples since the last change that was noticed: older ones are not used.
     since_change: usize,
     refused: Option<FitError>,
+    suspect_since_ns: Option<i64>,
 }
 
 /// The state as a snapshot holds it: moments and cells follow from the samples, exactly.
@@ -98,8 +99,8 @@ impl Windowed {
         }
     }
 
-    pub fn calibration(&self) -> Option<&Calibration> {
-        self.kept.calibration.as_ref()
+    pub fn calibration(&self) -> Option<Calibration> {
+        self.kept.calibration
     }
 
     /// The latest fit that was accepted.
@@ -116,7 +117,7 @@ impl Windowed {
     }
 
     /// One step of fig. 3.
-    pub fn push(&mut self, raw_ut: &Vector3<f64>) -> WindowedStep {
+    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> WindowedStep {
         self.enter(raw_ut);
         self.kept.since_fit += 1;
         let (sigma_t, spread) = self.variability();
@@ -138,12 +139,12 @@ impl Windowed {
             None => self.collecting(),
         };
         self.recount();
-        match status {
-            Status::Tracking | Status::Held(_) if spread > SUSPECT_SPREAD => {
-                WindowedStep { sigma_t, status: Status::Suspect }
-            }
-            status => WindowedStep { sigma_t, status },
+        if spread <= SUSPECT_SPREAD {
+            self.kept.suspect_since_ns = None;
+            return WindowedStep { sigma_t, status };
         }
+        let since_ns = *self.kept.suspect_since_ns.get_or_insert(time_ns);
+        WindowedStep { sigma_t, status: Status::Suspect { since_ns } }
     }
 
     /// 1. (15) over the latest N_min samples, with the parameters of the step before; and the rms deviation of |h| there.
@@ -204,7 +205,32 @@ impl Windowed {
     }
 
     fn collecting(&self) -> Status {
-        Status::Collecting { samples: self.ring.len(), samples_needed: self.config.n_min, refused: self.kept.refused }
+        Status::Collecting(match self.kept.refused {
+            Some(error) => Missing::Fit(error),
+            None => Missing::Samples { have: self.ring.len(), need: self.config.n_min },
+        })
+    }
+
+    /// A sample that another estimator has answered, and now and then what it has found: kept, so that this one can take
+    /// over at any time, and directions are counted.
+    pub fn note(&mut self, raw_ut: &Vector3<f64>, calibration: Option<Calibration>) {
+        self.enter(raw_ut);
+        if calibration.is_some() {
+            self.kept.calibration = calibration;
+        }
+        self.recount();
+    }
+
+    /// Whether the next `note` should bring a calibration: often enough for counting directions.
+    pub fn wants_calibration(&self) -> bool {
+        self.kept.since_recentred.is_multiple_of(RECOUNT_SAMPLES)
+    }
+
+    /// What another estimator has found.
+    pub fn adopt(&mut self, calibration: Calibration) {
+        self.kept.calibration = Some(calibration);
+        self.kept.fit = None;
+        self.recount();
     }
 
     /// The sample enters ring and window.
