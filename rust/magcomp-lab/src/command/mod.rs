@@ -29,7 +29,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Show what it does: a real recording compensated, then the paper's step experiment
+    /// Show what it does: real recordings compensated, then the steps: aided, and the paper's
     Demo(demo::Demo),
     /// Run a recording through the compensator, one row out for every row in
     Replay(replay::Replay),

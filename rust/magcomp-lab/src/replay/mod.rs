@@ -1,12 +1,14 @@
 //! A recording through the compensator, row by row.
 
+mod figures;
 mod judge;
 mod output;
 mod view;
 
+pub use figures::figures;
 pub use judge::{HeadingError, Judgement, judge};
 pub use output::write;
-pub use view::{figures, table};
+pub use view::table;
 
 use crate::error::LabError;
 use crate::progress;
