@@ -33,13 +33,13 @@ fn a_disturbed_place_is_told_from_a_changed_device() {
             let during = (CHANGE_S * 100.0) as usize..((CHANGE_S + PLACE_S) * 100.0) as usize;
             let disturbed = |step: &Step| matches!(step.reading.status, Status::Disturbed { .. });
             assert!(steps[during.clone()].iter().filter(|step| disturbed(step)).count() > 600, "{name}, seed {seed}");
-            let hard_iron = |k: usize| *steps[k].calibration.unwrap().hard_iron_ut();
-            let before = hard_iron(during.start - 1);
-            for k in during.start..steps.len() {
-                let moved = (hard_iron(k) - before).norm();
+            let hard_iron = |step: &Step| *step.calibration.unwrap().hard_iron_ut();
+            let before = hard_iron(&steps[during.start - 1]);
+            for (k, step) in steps.iter().enumerate().skip(during.start) {
+                let moved = (hard_iron(step) - before).norm();
                 assert!(moved < 3.0, "{name}, seed {seed}, sample {k}: b moved by {moved} uT");
                 let earth = stream.truth[k].attitude.inverse() * earth_ut;
-                let error = steps[k].reading.filtered_field_ut.unwrap().angle(&earth).to_degrees();
+                let error = step.reading.filtered_field_ut.unwrap().angle(&earth).to_degrees();
                 assert!(error < 3.0, "{name}, seed {seed}, sample {k}: f wrong by {error} deg");
             }
         }

@@ -170,7 +170,7 @@ fn recording_table(shown: &[Shown]) -> Table {
     table.note(
         "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; windowed: the paper's;",
     );
-    table.note("aided: with gyroscope and gravity. A row's raw and c are judged on the samples that method answered.");
+    table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
 }
 
