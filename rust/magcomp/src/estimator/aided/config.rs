@@ -63,9 +63,12 @@ config! {
     /// Angle random walk of the gyroscope, rad per square root of a second. Default 3e-4: phones have 1e-4 to 3e-4
     /// (data sheets).
     angle_walk_rad = 3e-4, 1e-6, 0.1;
-    /// Error of the gyroscope's scale, as noise in proportion to the rate, square root of a second. Default 0.005; an error
-    /// of 1 % still costs no more than 0.3 deg (AIDED.md: 0.01).
-    scale_walk = 0.005, 0.0, 0.5;
+    /// Standard deviation of the scale error of a gyroscope's axis before anything is known. Small: a poor gyroscope is
+    /// believed. Large: slow start. Default 0.008: data sheets of phones' gyroscopes say 1 to 3 % at the most.
+    scale_sd = 0.008, 0.0, 0.2;
+    /// What is left of the gyroscope's scale error once it is estimated (cross axis, timing), as noise in proportion to
+    /// the rate, square root of a second. Large: f is noisier. Default 0.002.
+    scale_walk = 0.002, 0.0, 0.5;
     /// Random walk of the gyroscope's bias, rad/s per square root of a second. Small: a
     /// warming gyroscope is followed late. Large: the heading wanders. Default 5e-5 (AIDED.md: 2e-4).
     bias_walk_rad_s = 5e-5, 1e-8, 0.1;

@@ -176,9 +176,9 @@ impl Aided {
                 self.event = event(kind);
                 self.former = Some(Former::of(filter));
                 self.strength.clear();
-                return self.go_on_with(trial.device(), dense);
+                return self.go_on_with(trial.device(filter), dense);
             }
-            Verdict::NewPlace => return self.go_on_with(trial.place(), dense),
+            Verdict::NewPlace => return self.go_on_with(trial.place(filter), dense),
             Verdict::Place => self.event = event(EventKind::PlaceChanged),
             Verdict::Erratic => {
                 self.event = event(EventKind::Erratic);
@@ -206,8 +206,8 @@ impl Aided {
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: &Gaussian, dense: &mut Dense) {
-        *dense = winner.open();
+    fn go_on_with(&mut self, winner: Dense, dense: &mut Dense) {
+        *dense = winner;
         self.watch = Watch::new();
         self.adaptation.restart_walk();
     }
@@ -219,7 +219,7 @@ impl Aided {
         }
         let Some(w) = dense.soft_iron().try_inverse() else { return };
         let still = w * (step.raw_ut - dense.vector(OFFSET));
-        let rate = step.rate_rad_s - dense.vector(BIAS);
+        let rate = dense.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * dense.x[DELAY];
         self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.config);
     }

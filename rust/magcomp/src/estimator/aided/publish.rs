@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::events::Phase;
 use super::output::{calibration_covariance, heading_sigma_deg};
-use super::state::{BIAS, DELAY, FIELD, Gaussian, OFFSET};
+use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
 use crate::pairing::Rotation;
 use crate::reading::{HoldReason, Missing, Status};
@@ -42,7 +42,7 @@ impl Aided {
         let mut output = self.blank(time_ns, self.status());
         output.up = self.motion.up;
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
-        let rate = rotation.rate_rad_s - filter.vector(BIAS);
+        let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
         let c = still - rate.cross(&still) * filter.mean[DELAY];
         let f = filter.vector(FIELD);
