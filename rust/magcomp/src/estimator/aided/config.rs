@@ -105,8 +105,8 @@ config! {
     /// Jitter of the sample times, s: adds noise in proportion to the rate of turn. Default 0.001.
     jitter_s = 0.001, 0.0, 0.05;
     /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used. Small: good samples
-    /// lost, false suspicion. Large: spikes get in, steps are noticed late. Default 20 (1 in 6000).
-    gate = 20.0, 8.0, 1000.0;
+    /// lost, false suspicion. Large: spikes get in, steps are noticed late. Default 16 (1 in 900).
+    gate = 16.0, 8.0, 1000.0;
     /// Time constant of the share of gated samples, s. Small: a few spikes raise suspicion. Large: late. Default 0.6.
     gated_time_s = 0.6, 0.05, 10.0;
     /// Time constant with which that share falls while hypotheses run, s: how soon a disturbance is over.
