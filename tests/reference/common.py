@@ -1,6 +1,6 @@
 """What the reference scripts share: parameter sets, directions, extended-precision algebra, writing vectors.
 
-Independent of the Rust code: written from the paper's equations (PAPER.md), numpy alone.
+Independent of the Rust code: written from the paper's equations, numpy alone.
 """
 
 import json

@@ -1,4 +1,4 @@
-//! Recordings: CSV or gzipped CSV with a header, columns found by name (DESIGN section 6).
+//! Recordings: CSV or gzipped CSV with a header, columns found by name.
 //!
 //! `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]`: seconds; uT; m/s^2; rad/s; reference orientation. A simulated one
 //! adds `true_bx,true_by,true_bz`, the true hard iron (uT).
