@@ -1,0 +1,378 @@
+//! The JNI fast path: primitives in, a caller-owned array out, no allocation on either side.
+//!
+//! `org.magcomp.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
+//! answer, below 0 an error of this list. The array's layout is `Slot`; `ReadingBuffer` in Kotlin reads it, and its test
+//! compares every status with what uniffi says.
+
+// the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
+#![allow(unsafe_code)]
+
+use crate::compensator::Compensator;
+use crate::error::MagcompError;
+use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
+use crate::status::{FitProblem, HoldReason, RejectReason, Status};
+use jni::EnvUnowned;
+use jni::errors::ThrowRuntimeExAndDefault;
+use jni::jni_mangle;
+use jni::objects::{JByteArray, JClass, JDoubleArray, JLongArray};
+use jni::sys::{jdouble, jint, jlong};
+
+/// The handle's object is closed or gone.
+const CLOSED: jint = -1;
+/// A panic was caught, now or before.
+const PANICKED: jint = -2;
+/// An array is too short.
+const TOO_SHORT: jint = -3;
+/// A batch holds a kind of event that does not exist.
+const NO_SUCH_KIND: jint = -4;
+
+/// An event was accepted; a rejected one answers 1 + the code of its reason.
+const ACCEPTED: jint = 0;
+
+/// What `out` holds, in doubles. What is not known is NaN.
+mod slot {
+    pub(super) const STATUS: usize = 0;
+    pub(super) const REASON: usize = 1;
+    /// Two numbers of the reason or of the status.
+    pub(super) const DETAILS: usize = 2;
+    pub(super) const FIT_PROBLEM: usize = 4;
+    /// Three numbers of the fit problem.
+    pub(super) const FIT_DETAILS: usize = 5;
+    pub(super) const FIELD: usize = 8;
+    pub(super) const FILTERED_FIELD: usize = 11;
+    pub(super) const TOTAL_FIELD: usize = 14;
+    pub(super) const HEADING: usize = 15;
+    pub(super) const HEADING_SIGMA: usize = 16;
+    pub(super) const TRUE_HEADING: usize = 17;
+    pub(super) const INCLINATION: usize = 18;
+    pub(super) const SIGMA_T: usize = 19;
+    pub(super) const WINDOW: usize = 20;
+    pub(super) const COVERAGE: usize = 21;
+    pub(super) const REPORTED_JUMP: usize = 22;
+    pub(super) const COUNT: usize = 23;
+}
+
+type Slots = [f64; slot::COUNT];
+
+/// A time as two numbers a double holds exactly: the upper and the lower 32 bits.
+fn halves(time_ns: i64) -> [f64; 2] {
+    [(time_ns >> 32) as f64, (time_ns & 0xffff_ffff) as f64]
+}
+
+fn write_reading(reading: &Reading) -> Slots {
+    let mut out = [f64::NAN; slot::COUNT];
+    write_status(&reading.status, &mut out);
+    write_vector(reading.field_ut, slot::FIELD, &mut out);
+    write_vector(reading.filtered_field_ut, slot::FILTERED_FIELD, &mut out);
+    let unknown = f64::NAN;
+    out[slot::TOTAL_FIELD] = reading.total_field_ut.unwrap_or(unknown);
+    if let Some(heading) = &reading.heading {
+        out[slot::HEADING] = heading.heading_deg;
+        out[slot::HEADING_SIGMA] = heading.heading_sigma_deg.unwrap_or(unknown);
+        out[slot::TRUE_HEADING] = heading.true_heading_deg.unwrap_or(unknown);
+        out[slot::INCLINATION] = heading.inclination_deg;
+    }
+    out[slot::SIGMA_T] = reading.sigma_t.unwrap_or(unknown);
+    out[slot::WINDOW] = f64::from(reading.window);
+    out[slot::COVERAGE] = reading.coverage;
+    out[slot::REPORTED_JUMP] = reading.reported_hard_iron_jump_ut.unwrap_or(unknown);
+    out
+}
+
+fn write_vector(v: Option<Vector3>, at: usize, out: &mut Slots) {
+    if let Some(v) = v {
+        out[at..at + 3].copy_from_slice(&[v.x, v.y, v.z]);
+    }
+}
+
+fn write_status(status: &Status, out: &mut Slots) {
+    out[slot::STATUS] = f64::from(status_code(status));
+    let details: [f64; 2] = match *status {
+        Status::Collecting { samples, samples_needed, refused } => {
+            if let Some(problem) = refused {
+                write_fit_problem(&problem, out);
+            }
+            [samples.into(), samples_needed.into()]
+        }
+        Status::Tracking | Status::Suspect => return,
+        Status::Held { reason } => {
+            let code = match reason {
+                HoldReason::LowUniformity => 0,
+                HoldReason::FitRefused { problem } => {
+                    write_fit_problem(&problem, out);
+                    1
+                }
+                HoldReason::Constant => 2,
+            };
+            out[slot::REASON] = f64::from(code);
+            return;
+        }
+        Status::Disturbed { since_ns } => halves(since_ns),
+        Status::Rejected { reason } => {
+            out[slot::REASON] = f64::from(reject_code(&reason));
+            match reason {
+                RejectReason::NotFinite => return,
+                RejectReason::OutOfRange { value_ut, limit_ut } => [value_ut, limit_ut],
+                RejectReason::Saturated { value_ut, rail_ut } => [value_ut, rail_ut],
+                // its own time the caller knows
+                RejectReason::TimeNotAfter { time_ns: _, latest_ns } => halves(latest_ns),
+                RejectReason::TimeJump { gap_s, limit_s } => [gap_s, limit_s],
+                RejectReason::Stuck { repeats } => [repeats.into(), f64::NAN],
+            }
+        }
+    };
+    out[slot::DETAILS..slot::DETAILS + 2].copy_from_slice(&details);
+}
+
+fn status_code(status: &Status) -> jint {
+    match status {
+        Status::Collecting { .. } => 0,
+        Status::Tracking => 1,
+        Status::Suspect => 2,
+        Status::Held { .. } => 3,
+        Status::Disturbed { .. } => 4,
+        Status::Rejected { .. } => 5,
+    }
+}
+
+fn reject_code(reason: &RejectReason) -> jint {
+    match reason {
+        RejectReason::NotFinite => 0,
+        RejectReason::OutOfRange { .. } => 1,
+        RejectReason::Saturated { .. } => 2,
+        RejectReason::TimeNotAfter { .. } => 3,
+        RejectReason::TimeJump { .. } => 4,
+        RejectReason::Stuck { .. } => 5,
+    }
+}
+
+fn write_fit_problem(problem: &FitProblem, out: &mut Slots) {
+    let none = f64::NAN;
+    let (code, details) = match *problem {
+        FitProblem::TooFewSamples { have } => (0, [have.into(), none, none]),
+        FitProblem::Planar { thickness_ut } => (1, [thickness_ut, none, none]),
+        FitProblem::PoorCoverage { direction_sigma_deg, limit_deg } => (2, [direction_sigma_deg, limit_deg, none]),
+        FitProblem::NotAnEllipsoid => (3, [none; 3]),
+        FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => (4, [field_ut, low_ut, high_ut]),
+        FitProblem::NotFinite => (5, [none; 3]),
+    };
+    out[slot::FIT_PROBLEM] = f64::from(code);
+    out[slot::FIT_DETAILS..slot::FIT_DETAILS + 3].copy_from_slice(&details);
+}
+
+fn code_of(error: &MagcompError) -> jint {
+    match error {
+        MagcompError::Panicked { .. } => PANICKED,
+        // no other error comes from the three pushes
+        _ => CLOSED,
+    }
+}
+
+fn event_code(result: Result<(), MagcompError>) -> jint {
+    match result {
+        Ok(()) => ACCEPTED,
+        Err(MagcompError::Rejected { reason }) => 1 + reject_code(&reason),
+        Err(error) => code_of(&error),
+    }
+}
+
+fn magnetic(compensator: &Compensator, time_ns: i64, field_ut: Vector3, reported: Vector3) -> Result<Slots, jint> {
+    let known = !(reported.x.is_nan() || reported.y.is_nan() || reported.z.is_nan());
+    let sample = MagneticSample { time_ns, field_ut, reported_hard_iron_ut: known.then_some(reported) };
+    match compensator.push(sample) {
+        Ok(reading) => Ok(write_reading(&reading)),
+        Err(error) => Err(code_of(&error)),
+    }
+}
+
+/// Doubles in `out`.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn slots<'l>(_env: EnvUnowned<'l>, _class: JClass<'l>) -> jint {
+    slot::COUNT as jint
+}
+
+/// A raw magnetometer event, uT; `bx` to `bz` are the operating system's own hard iron, NaN for none. Answers the
+/// status's code and fills `out`.
+#[allow(clippy::too_many_arguments)]
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn push<'l>(
+    mut env: EnvUnowned<'l>,
+    _class: JClass<'l>,
+    handle: jlong,
+    time_ns: jlong,
+    x: jdouble,
+    y: jdouble,
+    z: jdouble,
+    bx: jdouble,
+    by: jdouble,
+    bz: jdouble,
+    out: JDoubleArray<'l>,
+) -> jint {
+    env.with_env(|env| -> jni::errors::Result<jint> {
+        let Some(compensator) = crate::handles::find(handle) else { return Ok(CLOSED) };
+        if out.len(env)? < slot::COUNT {
+            return Ok(TOO_SHORT);
+        }
+        let reported = Vector3 { x: bx, y: by, z: bz };
+        match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
+            Ok(slots) => {
+                out.set_region(env, 0, &slots)?;
+                Ok(slots[slot::STATUS] as jint)
+            }
+            Err(code) => Ok(code),
+        }
+    })
+    .resolve::<ThrowRuntimeExAndDefault>()
+}
+
+/// A gyroscope event, rad/s.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn push_rotation_rate<'l>(
+    _env: EnvUnowned<'l>,
+    _class: JClass<'l>,
+    handle: jlong,
+    time_ns: jlong,
+    x: jdouble,
+    y: jdouble,
+    z: jdouble,
+) -> jint {
+    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+    event_code(compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s: Vector3 { x, y, z } }))
+}
+
+/// An accelerometer or gravity event, m/s^2, pointing up.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn push_up<'l>(
+    _env: EnvUnowned<'l>,
+    _class: JClass<'l>,
+    handle: jlong,
+    time_ns: jlong,
+    x: jdouble,
+    y: jdouble,
+    z: jdouble,
+) -> jint {
+    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+    event_code(compensator.push_up(UpSample { time_ns, up_m_s2: Vector3 { x, y, z } }))
+}
+
+/// Events of a batch, as `kinds` says.
+mod kind {
+    pub(super) const MAGNETIC: i8 = 0;
+    pub(super) const ROTATION_RATE: i8 = 1;
+    pub(super) const UP: i8 = 2;
+}
+
+/// Events carried over at a time: on the stack, so that a batch of any length allocates nothing.
+const CHUNK: usize = 64;
+
+/// Many events in the order they happened: kinds, times and three values each. Every magnetic one fills the next
+/// reading of `out`. Answers how many readings were written.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn push_batch<'l>(
+    mut env: EnvUnowned<'l>,
+    _class: JClass<'l>,
+    handle: jlong,
+    kinds: JByteArray<'l>,
+    times_ns: JLongArray<'l>,
+    values: JDoubleArray<'l>,
+    out: JDoubleArray<'l>,
+) -> jint {
+    env.with_env(|env| -> jni::errors::Result<jint> {
+        let Some(compensator) = crate::handles::find(handle) else { return Ok(CLOSED) };
+        let events = kinds.len(env)?;
+        let room = out.len(env)? / slot::COUNT;
+        if times_ns.len(env)? < events || values.len(env)? < 3 * events {
+            return Ok(TOO_SHORT);
+        }
+        let (mut kind, mut time_ns, mut value) = ([0_i8; CHUNK], [0_i64; CHUNK], [0.0_f64; 3 * CHUNK]);
+        let mut readings = 0;
+        for first in (0..events).step_by(CHUNK) {
+            let n = CHUNK.min(events - first);
+            kinds.get_region(env, first as jint, &mut kind[..n])?;
+            times_ns.get_region(env, first as jint, &mut time_ns[..n])?;
+            values.get_region(env, 3 * first as jint, &mut value[..3 * n])?;
+            for k in 0..n {
+                let xyz = Vector3 { x: value[3 * k], y: value[3 * k + 1], z: value[3 * k + 2] };
+                let code = match kind[k] {
+                    kind::MAGNETIC if readings == room => TOO_SHORT,
+                    kind::MAGNETIC => {
+                        let none = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
+                        match magnetic(&compensator, time_ns[k], xyz, none) {
+                            Ok(slots) => {
+                                out.set_region(env, (readings * slot::COUNT) as jint, &slots)?;
+                                readings += 1;
+                                ACCEPTED
+                            }
+                            Err(code) => code,
+                        }
+                    }
+                    kind::ROTATION_RATE => event_code(
+                        compensator.push_rotation_rate(RotationRateSample { time_ns: time_ns[k], rate_rad_s: xyz }),
+                    ),
+                    kind::UP => event_code(compensator.push_up(UpSample { time_ns: time_ns[k], up_m_s2: xyz })),
+                    _ => NO_SUCH_KIND,
+                };
+                if code < 0 {
+                    return Ok(code);
+                }
+            }
+        }
+        Ok(readings as jint)
+    })
+    .resolve::<ThrowRuntimeExAndDefault>()
+}
+
+/// For tests alone; see the feature in Cargo.toml.
+#[cfg(feature = "test-hooks")]
+mod hooks {
+    use super::*;
+
+    /// Panics inside the object.
+    #[jni_mangle("org.magcomp.TestHooks")]
+    pub fn panic_on_purpose<'l>(_env: EnvUnowned<'l>, _class: JClass<'l>, handle: jlong) -> jint {
+        let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+        event_code(compensator.panic_on_purpose())
+    }
+
+    /// What a status looks like in `out`, for comparing Kotlin's reader with uniffi's.
+    #[jni_mangle("org.magcomp.TestHooks")]
+    pub fn example_status<'l>(mut env: EnvUnowned<'l>, _class: JClass<'l>, index: jint, out: JDoubleArray<'l>) -> jint {
+        env.with_env(|env| -> jni::errors::Result<jint> {
+            let examples = crate::status::examples();
+            if let Some(status) = examples.get(index as usize) {
+                let mut slots = [f64::NAN; slot::COUNT];
+                write_status(status, &mut slots);
+                out.set_region(env, 0, &slots)?;
+            }
+            Ok(examples.len() as jint)
+        })
+        .resolve::<ThrowRuntimeExAndDefault>()
+    }
+
+    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, with the defaults
+    /// or a constant calibration.
+    #[jni_mangle("org.magcomp.TestHooks")]
+    pub fn bare_push_ns<'l>(
+        mut env: EnvUnowned<'l>,
+        _class: JClass<'l>,
+        constant: bool,
+        step_ns: jlong,
+        values: JDoubleArray<'l>,
+    ) -> jlong {
+        env.with_env(|env| -> jni::errors::Result<jlong> {
+            let mut samples = vec![0.0; values.len(env)?];
+            values.get_region(env, 0, &mut samples)?;
+            let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
+            let config = magcomp::Config { method, ..Default::default() };
+            let Ok(mut core) = magcomp::Compensator::new(config) else { return Ok(-1) };
+            let begin = std::time::Instant::now();
+            for (k, xyz) in samples.chunks_exact(3).enumerate() {
+                let time_ns = (k as i64 + 1) * step_ns;
+                let field_ut = magcomp::nalgebra::Vector3::new(xyz[0], xyz[1], xyz[2]);
+                std::hint::black_box(core.push(magcomp::MagneticSample { time_ns, field_ut }));
+            }
+            Ok(i64::try_from(begin.elapsed().as_nanos()).unwrap_or(i64::MAX))
+        })
+        .resolve::<ThrowRuntimeExAndDefault>()
+    }
+}
