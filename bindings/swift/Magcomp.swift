@@ -630,6 +630,13 @@ public protocol CompensatorProtocol: AnyObject, Sendable {
     func restore(snapshot: String) throws  -> Restored
 
     /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    func restoreCalibration(snapshot: String) throws
+
+    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `Config` when the declination is out of range.
      */
@@ -810,6 +817,20 @@ open func restore(snapshot: String)throws  -> Restored  {
         FfiConverterString.lower(snapshot),uniffiCallStatus
     )
 })
+}
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(snapshot),uniffiCallStatus
+    )
+}
 }
 
     /**
@@ -4857,6 +4878,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 13537) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 14261) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() != 6198) {

@@ -123,6 +123,19 @@ impl Compensator {
         })
     }
 
+    /// Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+    /// device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+    /// changed then.
+    pub fn restore_calibration(&self, snapshot: String) -> Result<(), MagcompError> {
+        let kept = caught(|| {
+            let mut other = magcomp::Compensator::new(self.config.clone())?;
+            other.restore(&snapshot)?;
+            Ok::<_, MagcompError>(other.calibration().copied())
+        });
+        let kept = kept.map_err(|what| MagcompError::Panicked { what })??;
+        self.running.with(|running| kept.map_or(Ok(()), |calibration| running.begin_with(calibration)))
+    }
+
     /// Frees the native state now; from then on every call fails with `Closed`. May be called twice.
     pub fn shut_down(&self) {
         self.running.shut_down();
@@ -151,7 +164,10 @@ impl Running {
     fn push(&mut self, sample: MagneticSample, use_reported: bool) -> Reading {
         let reported = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()));
         if let Some(hard_iron_ut) = reported.filter(|_| use_reported && self.core.calibration().is_none()) {
-            self.begin_with(hard_iron_ut);
+            let begun = prior(hard_iron_ut, self.core.config()).and_then(|calibration| self.begin_with(calibration));
+            if let Err(error) = begun {
+                log::warn!("the operating system's hard iron was not taken over: {error}");
+            }
         }
         let answer = self.core.push(sample.into());
         let mut reading = Reading::from(answer);
@@ -171,15 +187,17 @@ impl Running {
         reading
     }
 
-    /// The operating system's hard iron as the first calibration, the way a snapshot's calibration is taken over.
-    fn begin_with(&mut self, hard_iron_ut: Vector3<f64>) {
-        let field_ut = self.core.config().fit.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
-        let prior = magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut).ok();
-        let config = magcomp::Config { initial: prior, ..self.core.config().clone() };
-        if let Ok(made) = magcomp::Compensator::new(config)
-            && let Err(error) = self.core.restore(&made.snapshot())
-        {
-            log::warn!("the operating system's hard iron was not taken over: {error}");
-        }
+    /// A calibration to begin with. The core takes one over from a snapshot made with another config.
+    fn begin_with(&mut self, calibration: magcomp::Calibration) -> Result<(), MagcompError> {
+        let config = magcomp::Config { initial: Some(calibration), ..self.core.config().clone() };
+        self.core.restore(&magcomp::Compensator::new(config)?.snapshot())?;
+        (self.up, self.reported_ut) = (None, None);
+        Ok(())
     }
+}
+
+/// A first calibration from the operating system's hard iron.
+fn prior(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp::Calibration, MagcompError> {
+    let field_ut = config.fit.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
+    Ok(magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?)
 }

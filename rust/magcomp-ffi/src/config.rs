@@ -380,13 +380,8 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_the_default() {
-        let windowed = WindowedConfig {
-            n_min: Some(50),
-            n_max: None,
-            sigma_th: None,
-            normalisation: None,
-            refit_stride: None,
-        };
+        let windowed =
+            WindowedConfig { n_min: Some(50), n_max: None, sigma_th: None, normalisation: None, refit_stride: None };
         let config = Config {
             method: None,
             initial: None,

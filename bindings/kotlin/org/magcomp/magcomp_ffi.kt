@@ -705,6 +705,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_restore(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_shut_down(
@@ -771,6 +773,8 @@ internal object UniffiLib {
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_restore(`ptr`: Long,`snapshot`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(`ptr`: Long,`snapshot`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(`ptr`: Long,`frame`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -979,6 +983,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 13537) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 14261) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() and 0xFFFF) != 6198) {
@@ -1468,6 +1475,13 @@ public interface NativeCompensatorInterface {
     fun `restore`(`snapshot`: kotlin.String): Restored
 
     /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    fun `restoreCalibration`(`snapshot`: kotlin.String)
+
+    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `Config` when the declination is out of range.
      */
@@ -1754,6 +1768,25 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
     }
     )
     }
+
+
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    @Throws(MagcompException::class)override fun `restoreCalibration`(`snapshot`: kotlin.String)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
+        it,
+
+        FfiConverterString.lower(`snapshot`),_status)
+}
+    }
+
 
 
 
