@@ -9,13 +9,11 @@
 
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
+use crate::java::{Env, JavaArray};
 use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
 use crate::status::{FitProblem, HoldReason, RejectReason, Status};
-use jni::EnvUnowned;
-use jni::errors::ThrowRuntimeExAndDefault;
 use jni::jni_mangle;
-use jni::objects::{JByteArray, JClass, JDoubleArray, JLongArray};
-use jni::sys::{jdouble, jint, jlong};
+use jni::sys::{jclass, jdouble, jint, jlong};
 
 /// The handle's object is closed or gone.
 const CLOSED: jint = -1;
@@ -187,7 +185,7 @@ fn magnetic(compensator: &Compensator, time_ns: i64, field_ut: Vector3, reported
 
 /// Doubles in `out`.
 #[jni_mangle("org.magcomp.FastPath")]
-pub fn slots<'l>(_env: EnvUnowned<'l>, _class: JClass<'l>) -> jint {
+pub fn slots(_env: Env, _class: jclass) -> jint {
     slot::COUNT as jint
 }
 
@@ -195,9 +193,9 @@ pub fn slots<'l>(_env: EnvUnowned<'l>, _class: JClass<'l>) -> jint {
 /// status's code and fills `out`.
 #[allow(clippy::too_many_arguments)]
 #[jni_mangle("org.magcomp.FastPath")]
-pub fn push<'l>(
-    mut env: EnvUnowned<'l>,
-    _class: JClass<'l>,
+pub fn push(
+    env: Env,
+    _class: jclass,
     handle: jlong,
     time_ns: jlong,
     x: jdouble,
@@ -206,30 +204,27 @@ pub fn push<'l>(
     bx: jdouble,
     by: jdouble,
     bz: jdouble,
-    out: JDoubleArray<'l>,
+    out: JavaArray<jdouble>,
 ) -> jint {
-    env.with_env(|env| -> jni::errors::Result<jint> {
-        let Some(compensator) = crate::handles::find(handle) else { return Ok(CLOSED) };
-        if out.len(env)? < slot::COUNT {
-            return Ok(TOO_SHORT);
+    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+    if out.len(env) < slot::COUNT {
+        return TOO_SHORT;
+    }
+    let reported = Vector3 { x: bx, y: by, z: bz };
+    match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
+        Ok(slots) => {
+            out.write(env, 0, &slots);
+            slots[slot::STATUS] as jint
         }
-        let reported = Vector3 { x: bx, y: by, z: bz };
-        match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
-            Ok(slots) => {
-                out.set_region(env, 0, &slots)?;
-                Ok(slots[slot::STATUS] as jint)
-            }
-            Err(code) => Ok(code),
-        }
-    })
-    .resolve::<ThrowRuntimeExAndDefault>()
+        Err(code) => code,
+    }
 }
 
 /// A gyroscope event, rad/s.
 #[jni_mangle("org.magcomp.FastPath")]
-pub fn push_rotation_rate<'l>(
-    _env: EnvUnowned<'l>,
-    _class: JClass<'l>,
+pub fn push_rotation_rate(
+    _env: Env,
+    _class: jclass,
     handle: jlong,
     time_ns: jlong,
     x: jdouble,
@@ -242,15 +237,7 @@ pub fn push_rotation_rate<'l>(
 
 /// An accelerometer or gravity event, m/s^2, pointing up.
 #[jni_mangle("org.magcomp.FastPath")]
-pub fn push_up<'l>(
-    _env: EnvUnowned<'l>,
-    _class: JClass<'l>,
-    handle: jlong,
-    time_ns: jlong,
-    x: jdouble,
-    y: jdouble,
-    z: jdouble,
-) -> jint {
+pub fn push_up(_env: Env, _class: jclass, handle: jlong, time_ns: jlong, x: jdouble, y: jdouble, z: jdouble) -> jint {
     let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
     event_code(compensator.push_up(UpSample { time_ns, up_m_s2: Vector3 { x, y, z } }))
 }
@@ -262,64 +249,60 @@ mod kind {
     pub(super) const UP: i8 = 2;
 }
 
+const NOT_REPORTED: Vector3 = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
+
 /// Events carried over at a time: on the stack, so that a batch of any length allocates nothing.
 const CHUNK: usize = 64;
 
 /// Many events in the order they happened: kinds, times and three values each. Every magnetic one fills the next
 /// reading of `out`. Answers how many readings were written.
 #[jni_mangle("org.magcomp.FastPath")]
-pub fn push_batch<'l>(
-    mut env: EnvUnowned<'l>,
-    _class: JClass<'l>,
+pub fn push_batch(
+    env: Env,
+    _class: jclass,
     handle: jlong,
-    kinds: JByteArray<'l>,
-    times_ns: JLongArray<'l>,
-    values: JDoubleArray<'l>,
-    out: JDoubleArray<'l>,
+    kinds: JavaArray<i8>,
+    times_ns: JavaArray<jlong>,
+    values: JavaArray<jdouble>,
+    out: JavaArray<jdouble>,
 ) -> jint {
-    env.with_env(|env| -> jni::errors::Result<jint> {
-        let Some(compensator) = crate::handles::find(handle) else { return Ok(CLOSED) };
-        let events = kinds.len(env)?;
-        let room = out.len(env)? / slot::COUNT;
-        if times_ns.len(env)? < events || values.len(env)? < 3 * events {
-            return Ok(TOO_SHORT);
-        }
-        let (mut kind, mut time_ns, mut value) = ([0_i8; CHUNK], [0_i64; CHUNK], [0.0_f64; 3 * CHUNK]);
-        let mut readings = 0;
-        for first in (0..events).step_by(CHUNK) {
-            let n = CHUNK.min(events - first);
-            kinds.get_region(env, first as jint, &mut kind[..n])?;
-            times_ns.get_region(env, first as jint, &mut time_ns[..n])?;
-            values.get_region(env, 3 * first as jint, &mut value[..3 * n])?;
-            for k in 0..n {
-                let xyz = Vector3 { x: value[3 * k], y: value[3 * k + 1], z: value[3 * k + 2] };
-                let code = match kind[k] {
-                    kind::MAGNETIC if readings == room => TOO_SHORT,
-                    kind::MAGNETIC => {
-                        let none = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-                        match magnetic(&compensator, time_ns[k], xyz, none) {
-                            Ok(slots) => {
-                                out.set_region(env, (readings * slot::COUNT) as jint, &slots)?;
-                                readings += 1;
-                                ACCEPTED
-                            }
-                            Err(code) => code,
-                        }
+    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+    let events = kinds.len(env);
+    let room = out.len(env) / slot::COUNT;
+    if times_ns.len(env) < events || values.len(env) < 3 * events {
+        return TOO_SHORT;
+    }
+    let (mut kind, mut time_ns, mut value) = ([0_i8; CHUNK], [0_i64; CHUNK], [0.0_f64; 3 * CHUNK]);
+    let mut readings = 0;
+    for first in (0..events).step_by(CHUNK) {
+        let n = CHUNK.min(events - first);
+        kinds.read(env, first, &mut kind[..n]);
+        times_ns.read(env, first, &mut time_ns[..n]);
+        values.read(env, 3 * first, &mut value[..3 * n]);
+        for k in 0..n {
+            let xyz = Vector3 { x: value[3 * k], y: value[3 * k + 1], z: value[3 * k + 2] };
+            let code = match kind[k] {
+                kind::MAGNETIC if readings == room => TOO_SHORT,
+                kind::MAGNETIC => match magnetic(&compensator, time_ns[k], xyz, NOT_REPORTED) {
+                    Ok(slots) => {
+                        out.write(env, readings * slot::COUNT, &slots);
+                        readings += 1;
+                        ACCEPTED
                     }
-                    kind::ROTATION_RATE => event_code(
-                        compensator.push_rotation_rate(RotationRateSample { time_ns: time_ns[k], rate_rad_s: xyz }),
-                    ),
-                    kind::UP => event_code(compensator.push_up(UpSample { time_ns: time_ns[k], up_m_s2: xyz })),
-                    _ => NO_SUCH_KIND,
-                };
-                if code < 0 {
-                    return Ok(code);
-                }
+                    Err(code) => code,
+                },
+                kind::ROTATION_RATE => event_code(
+                    compensator.push_rotation_rate(RotationRateSample { time_ns: time_ns[k], rate_rad_s: xyz }),
+                ),
+                kind::UP => event_code(compensator.push_up(UpSample { time_ns: time_ns[k], up_m_s2: xyz })),
+                _ => NO_SUCH_KIND,
+            };
+            if code < 0 {
+                return code;
             }
         }
-        Ok(readings as jint)
-    })
-    .resolve::<ThrowRuntimeExAndDefault>()
+    }
+    readings as jint
 }
 
 /// For tests alone; see the feature in Cargo.toml.
@@ -329,50 +312,39 @@ mod hooks {
 
     /// Panics inside the object.
     #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn panic_on_purpose<'l>(_env: EnvUnowned<'l>, _class: JClass<'l>, handle: jlong) -> jint {
+    pub fn panic_on_purpose(_env: Env, _class: jclass, handle: jlong) -> jint {
         let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
         event_code(compensator.panic_on_purpose())
     }
 
     /// What a status looks like in `out`, for comparing Kotlin's reader with uniffi's.
     #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn example_status<'l>(mut env: EnvUnowned<'l>, _class: JClass<'l>, index: jint, out: JDoubleArray<'l>) -> jint {
-        env.with_env(|env| -> jni::errors::Result<jint> {
-            let examples = crate::status::examples();
-            if let Some(status) = examples.get(index as usize) {
-                let mut slots = [f64::NAN; slot::COUNT];
-                write_status(status, &mut slots);
-                out.set_region(env, 0, &slots)?;
-            }
-            Ok(examples.len() as jint)
-        })
-        .resolve::<ThrowRuntimeExAndDefault>()
+    pub fn example_status(env: Env, _class: jclass, index: jint, out: JavaArray<jdouble>) -> jint {
+        let examples = crate::status::examples();
+        if let Some(status) = examples.get(index as usize) {
+            let mut slots = [f64::NAN; slot::COUNT];
+            write_status(status, &mut slots);
+            out.write(env, 0, &slots);
+        }
+        examples.len() as jint
     }
 
-    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, with the defaults
-    /// or a constant calibration.
+    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, with the paper's
+    /// method or a constant calibration.
     #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn bare_push_ns<'l>(
-        mut env: EnvUnowned<'l>,
-        _class: JClass<'l>,
-        constant: bool,
-        step_ns: jlong,
-        values: JDoubleArray<'l>,
-    ) -> jlong {
-        env.with_env(|env| -> jni::errors::Result<jlong> {
-            let mut samples = vec![0.0; values.len(env)?];
-            values.get_region(env, 0, &mut samples)?;
-            let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
-            let config = magcomp::Config { method, ..Default::default() };
-            let Ok(mut core) = magcomp::Compensator::new(config) else { return Ok(-1) };
-            let begin = std::time::Instant::now();
-            for (k, xyz) in samples.chunks_exact(3).enumerate() {
-                let time_ns = (k as i64 + 1) * step_ns;
-                let field_ut = magcomp::nalgebra::Vector3::new(xyz[0], xyz[1], xyz[2]);
-                std::hint::black_box(core.push(magcomp::MagneticSample { time_ns, field_ut }));
-            }
-            Ok(i64::try_from(begin.elapsed().as_nanos()).unwrap_or(i64::MAX))
-        })
-        .resolve::<ThrowRuntimeExAndDefault>()
+    pub fn bare_push_ns(env: Env, _class: jclass, constant: bool, step_ns: jlong, values: JavaArray<jdouble>) -> jlong {
+        let mut samples = vec![0.0; values.len(env)];
+        values.read(env, 0, &mut samples);
+        let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
+        let Ok(mut core) = magcomp::Compensator::new(magcomp::Config { method, ..Default::default() }) else {
+            return -1;
+        };
+        let begin = std::time::Instant::now();
+        for (k, xyz) in samples.chunks_exact(3).enumerate() {
+            let time_ns = (k as i64 + 1) * step_ns;
+            let field_ut = magcomp::nalgebra::Vector3::new(xyz[0], xyz[1], xyz[2]);
+            std::hint::black_box(core.push(magcomp::MagneticSample { time_ns, field_ut }));
+        }
+        i64::try_from(begin.elapsed().as_nanos()).unwrap_or(i64::MAX)
     }
 }

@@ -16,6 +16,8 @@ mod fast;
 mod geomagnetic;
 mod guarded;
 mod handles;
+#[cfg(not(target_vendor = "apple"))]
+mod java;
 mod logging;
 mod record;
 mod status;

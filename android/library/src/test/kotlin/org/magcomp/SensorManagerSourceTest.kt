@@ -3,6 +3,7 @@ package org.magcomp
 import android.hardware.Sensor
 import android.os.Handler
 import java.util.concurrent.atomic.AtomicInteger
+import java.util.concurrent.locks.LockSupport
 import kotlin.concurrent.thread
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.cancelAndJoin
@@ -131,7 +132,10 @@ class SensorManagerSourceTest {
         var running = true
         val player = thread {
             var time = 1L
-            while (running) sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, time++, 1f, 2f, (time % 97).toFloat(), 0f, 0f, 0f)
+            while (running) {
+                sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, time++, 1f, 2f, (time % 97).toFloat(), 0f, 0f, 0f)
+                LockSupport.parkNanos(10_000) // far above any sensor's rate
+            }
         }
         repeat(200) {
             val readings = source.samples().compensated().take(1 + it % 3).toList()
