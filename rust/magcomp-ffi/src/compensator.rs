@@ -59,12 +59,12 @@ impl Compensator {
         self.running.with(|running| Ok(running.push(sample, self.use_reported_hard_iron)))
     }
 
-    /// A gyroscope event. Fails with `Rejected` when it is not finite or not after the one before.
+    /// A gyroscope event. Fails with `EventRejected`, which says why it was not used.
     pub fn push_rotation_rate(&self, sample: RotationRateSample) -> Result<(), MagcompError> {
         self.running.with(|running| Ok(running.core.push_rotation_rate(sample.into())?))
     }
 
-    /// An accelerometer or gravity event. Fails with `Rejected` when it is not finite or not after the one before.
+    /// An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
     pub fn push_up(&self, sample: UpSample) -> Result<(), MagcompError> {
         self.running.with(|running| {
             running.core.push_up(sample.into())?;
@@ -89,9 +89,15 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.calibration().map(Into::into)))
     }
 
-    /// The latest ellipsoid fit that was accepted, with its covariance.
+    /// The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
     pub fn fit(&self) -> Result<Option<Fit>, MagcompError> {
         self.running.with(|running| Ok(running.core.fit().map(Into::into)))
+    }
+
+    /// Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+    /// none when it is not known.
+    pub fn covariance(&self) -> Result<Option<Vec<f64>>, MagcompError> {
+        self.running.with(|running| Ok(running.core.covariance().map(|c| c.transpose().iter().copied().collect())))
     }
 
     /// Which directions were seen, for guidance.
@@ -130,7 +136,7 @@ impl Compensator {
         let kept = caught(|| {
             let mut other = magcomp::Compensator::new(self.config.clone())?;
             other.restore(&snapshot)?;
-            Ok::<_, MagcompError>(other.calibration().copied())
+            Ok::<_, MagcompError>(other.calibration())
         });
         let kept = kept.map_err(|what| MagcompError::Panicked { what })??;
         self.running.with(|running| kept.map_or(Ok(()), |calibration| running.begin_with(calibration)))

@@ -1,13 +1,16 @@
 //! The config as it crosses the border: every field may be left out, and then is the core's default.
 
 use crate::error::MagcompError;
-use crate::record::{Calibration, count};
+use crate::record::{Calibration, count, same_names};
+use std::collections::HashMap;
 
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Method {
-    /// The best that the arriving sensors allow.
+    /// `Aided` while rotation rates arrive, else `Windowed`.
     Auto,
+    /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+    Aided,
     /// The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
     Windowed,
     /// Its first step alone: one fit of the first well spread samples, then kept.
@@ -15,7 +18,7 @@ pub enum Method {
 }
 
 /// Everything a compensator can be told. A field left out is the library's default; `default_config()` shows them all.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
     #[uniffi(default = None)]
@@ -36,6 +39,13 @@ pub struct Config {
     /// The paper's method.
     #[uniffi(default = None)]
     pub windowed: Option<WindowedConfig>,
+    /// Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
+    /// which documents them with their units and ranges. A setting left out is the default.
+    #[uniffi(default = None)]
+    pub aided: Option<HashMap<String, f64>>,
+    /// How events of several sensors are brought together.
+    #[uniffi(default = None)]
+    pub pairing: Option<PairingConfig>,
     /// How headings are reported.
     #[uniffi(default = None)]
     pub heading: Option<HeadingConfig>,
@@ -90,6 +100,9 @@ pub struct FitOptions {
     /// White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
     #[uniffi(default = None)]
     pub error_floor_ut: Option<f64>,
+    /// Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+    #[uniffi(default = None)]
+    pub max_residual_share: Option<f64>,
     /// Iterations at the most. Default 50.
     #[uniffi(default = None)]
     pub max_iterations: Option<i32>,
@@ -125,6 +138,23 @@ pub struct WindowedConfig {
     /// Samples from one fit to the next. Default 1.
     #[uniffi(default = None)]
     pub refit_stride: Option<i32>,
+}
+
+/// How events of several sensors are brought together. A field left out is the default.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct PairingConfig {
+    /// A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+    #[uniffi(default = None)]
+    pub stale_s: Option<f64>,
+    /// Largest rotation rate believed, rad/s. Default 60.
+    #[uniffi(default = None)]
+    pub max_rate_rad_s: Option<f64>,
+    /// Largest acceleration believed, m/s^2. Default 200.
+    #[uniffi(default = None)]
+    pub max_up_m_s2: Option<f64>,
+    /// An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+    #[uniffi(default = None)]
+    pub max_lead_s: Option<f64>,
 }
 
 /// Which axis of the device the heading is that of.
@@ -163,9 +193,6 @@ pub struct HeadingConfig {
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     #[uniffi(default = None)]
     pub declination_deg: Option<f64>,
-    /// Oldest `up` that is still used, seconds. Default 0.2.
-    #[uniffi(default = None)]
-    pub max_up_age_s: Option<f64>,
     /// Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
     #[uniffi(default = None)]
     pub tilt_sigma_deg: Option<f64>,
@@ -177,14 +204,17 @@ pub struct HeadingConfig {
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, sensor, fit, windowed, heading } = magcomp::Config::default();
+    let magcomp::Config { method, initial, sensor, fit, windowed, aided, pairing, heading } =
+        magcomp::Config::default();
     Config {
         method: Some(method.into()),
-        initial: initial.as_ref().map(Into::into),
+        initial: initial.map(Into::into),
         use_reported_hard_iron: Some(false),
         sensor: Some(sensor.into()),
         fit: Some(fit.into()),
         windowed: Some(windowed.into()),
+        aided: Some(settings(&aided)),
+        pairing: Some(pairing.into()),
         heading: Some(heading.into()),
     }
 }
@@ -192,7 +222,7 @@ pub fn default_config() -> Config {
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
     fn try_from(c: Config) -> Result<Self, MagcompError> {
-        let Config { method, initial, use_reported_hard_iron: _, sensor, fit, windowed, heading } = c;
+        let Config { method, initial, use_reported_hard_iron: _, sensor, fit, windowed, aided, pairing, heading } = c;
         let d = Self::default();
         let config = Self {
             method: method.map_or(d.method, Into::into),
@@ -200,6 +230,8 @@ impl TryFrom<Config> for magcomp::Config {
             sensor: sensor.map_or(Ok(d.sensor), TryInto::try_into)?,
             fit: fit.map_or(Ok(d.fit), TryInto::try_into)?,
             windowed: windowed.map_or(Ok(d.windowed), TryInto::try_into)?,
+            aided: aided.map_or(Ok(d.aided), |settings| aided_config(&settings))?,
+            pairing: pairing.map_or(d.pairing, Into::into),
             heading: heading.map_or(d.heading, Into::into),
         };
         config.validate()?;
@@ -240,6 +272,7 @@ impl From<magcomp::FitOptions> for FitOptions {
             field_range_ut: (field_low_ut, field_high_ut),
             max_direction_sigma_deg,
             error_floor_ut,
+            max_residual_share,
             max_iterations,
             tolerance,
         } = f;
@@ -250,6 +283,7 @@ impl From<magcomp::FitOptions> for FitOptions {
             field_high_ut: Some(field_high_ut),
             max_direction_sigma_deg: Some(max_direction_sigma_deg),
             error_floor_ut: Some(error_floor_ut),
+            max_residual_share: Some(max_residual_share),
             max_iterations: Some(count(max_iterations)),
             tolerance: Some(tolerance),
         }
@@ -268,6 +302,7 @@ impl TryFrom<FitOptions> for magcomp::FitOptions {
             field_range_ut,
             max_direction_sigma_deg: f.max_direction_sigma_deg.unwrap_or(d.max_direction_sigma_deg),
             error_floor_ut: f.error_floor_ut.unwrap_or(d.error_floor_ut),
+            max_residual_share: f.max_residual_share.unwrap_or(d.max_residual_share),
             max_iterations: size("fit.max_iterations", f.max_iterations, d.max_iterations)?,
             tolerance: f.tolerance.unwrap_or(d.tolerance),
         })
@@ -301,21 +336,63 @@ impl TryFrom<WindowedConfig> for magcomp::WindowedConfig {
     }
 }
 
+/// The aided method's settings by name.
+fn settings(config: &magcomp::AidedConfig) -> HashMap<String, f64> {
+    let value = serde_json::to_value(config).unwrap_or_default();
+    let fields = value.as_object().into_iter().flatten();
+    fields.filter_map(|(name, value)| Some((name.clone(), value.as_f64()?))).collect()
+}
+
+fn aided_config(given: &HashMap<String, f64>) -> Result<magcomp::AidedConfig, MagcompError> {
+    let mut all = settings(&magcomp::AidedConfig::default());
+    for (name, value) in given {
+        let error = |expected: &str| MagcompError::Config {
+            field: format!("aided.{name}"),
+            value: value.to_string(),
+            expected: expected.to_owned(),
+        };
+        let setting = all.get_mut(name).ok_or_else(|| error("the name of a setting"))?;
+        *setting = if value.is_finite() { *value } else { return Err(error("a finite number")) };
+    }
+    let all = serde_json::to_value(all).and_then(serde_json::from_value);
+    all.map_err(|e| MagcompError::Config {
+        field: "aided".to_owned(),
+        value: e.to_string(),
+        expected: "settings".to_owned(),
+    })
+}
+
+impl From<magcomp::PairingConfig> for PairingConfig {
+    fn from(p: magcomp::PairingConfig) -> Self {
+        let magcomp::PairingConfig { stale_s, max_rate_rad_s, max_up_m_s2, max_lead_s } = p;
+        Self {
+            stale_s: Some(stale_s),
+            max_rate_rad_s: Some(max_rate_rad_s),
+            max_up_m_s2: Some(max_up_m_s2),
+            max_lead_s: Some(max_lead_s),
+        }
+    }
+}
+
+impl From<PairingConfig> for magcomp::PairingConfig {
+    fn from(p: PairingConfig) -> Self {
+        let d = Self::default();
+        Self {
+            stale_s: p.stale_s.unwrap_or(d.stale_s),
+            max_rate_rad_s: p.max_rate_rad_s.unwrap_or(d.max_rate_rad_s),
+            max_up_m_s2: p.max_up_m_s2.unwrap_or(d.max_up_m_s2),
+            max_lead_s: p.max_lead_s.unwrap_or(d.max_lead_s),
+        }
+    }
+}
+
 impl From<magcomp::HeadingConfig> for HeadingConfig {
     fn from(h: magcomp::HeadingConfig) -> Self {
-        let magcomp::HeadingConfig {
-            axis,
-            screen_rotation,
-            declination_deg,
-            max_up_age_s,
-            tilt_sigma_deg,
-            field_sigma_ut,
-        } = h;
+        let magcomp::HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg, field_sigma_ut } = h;
         Self {
             axis: Some(axis.into()),
             screen_rotation: Some(screen_rotation.into()),
             declination_deg,
-            max_up_age_s: Some(max_up_age_s),
             tilt_sigma_deg: Some(tilt_sigma_deg),
             field_sigma_ut: Some(field_sigma_ut),
         }
@@ -329,31 +406,14 @@ impl From<HeadingConfig> for magcomp::HeadingConfig {
             axis: h.axis.map_or(d.axis, Into::into),
             screen_rotation: h.screen_rotation.map_or(d.screen_rotation, Into::into),
             declination_deg: h.declination_deg,
-            max_up_age_s: h.max_up_age_s.unwrap_or(d.max_up_age_s),
             tilt_sigma_deg: h.tilt_sigma_deg.unwrap_or(d.tilt_sigma_deg),
             field_sigma_ut: h.field_sigma_ut.unwrap_or(d.field_sigma_ut),
         }
     }
 }
 
-/// Conversions both ways between enums without data.
-macro_rules! same_names {
-    ($($name:ident { $($variant:ident),+ })+) => {$(
-        impl From<magcomp::$name> for $name {
-            fn from(value: magcomp::$name) -> Self {
-                match value { $(magcomp::$name::$variant => Self::$variant),+ }
-            }
-        }
-        impl From<$name> for magcomp::$name {
-            fn from(value: $name) -> Self {
-                match value { $($name::$variant => Self::$variant),+ }
-            }
-        }
-    )+};
-}
-
 same_names! {
-    Method { Auto, Windowed, Constant }
+    Method { Auto, Aided, Windowed, Constant }
     Residual { Algebraic, Corrected }
     Normalisation { HalfRange, EvenSphere }
     ReferenceAxis { TopEdge, Camera, Auto }
@@ -389,10 +449,13 @@ mod tests {
             sensor: None,
             fit: None,
             windowed: Some(windowed),
+            aided: Some(HashMap::from([("strength_ut".to_owned(), 50.0)])),
+            pairing: None,
             heading: None,
         };
         let expected = magcomp::Config {
             windowed: magcomp::WindowedConfig { n_min: 50, ..Default::default() },
+            aided: magcomp::AidedConfig { strength_ut: 50.0, ..Default::default() },
             ..Default::default()
         };
         assert_eq!(magcomp::Config::try_from(config), Ok(expected));
@@ -407,9 +470,15 @@ mod tests {
             value: "-3".to_owned(),
             expected: "0 or above".to_owned(),
         };
-        assert_eq!(magcomp::Config::try_from(config), Err(expected));
+        assert_eq!(magcomp::Config::try_from(config.clone()), Err(expected));
         config.windowed.as_mut().unwrap().n_min = Some(3);
-        let error = magcomp::Config::try_from(config).unwrap_err();
+        let error = magcomp::Config::try_from(config.clone()).unwrap_err();
         assert_eq!(error.to_string(), "config: windowed.n_min is 3, expected at least 9 samples");
+        config.windowed = None;
+        for (name, value) in [("no_such_setting", 1.0), ("strength_ut", f64::NAN), ("strength_ut", -1.0)] {
+            config.aided = Some(HashMap::from([(name.to_owned(), value)]));
+            let error = magcomp::Config::try_from(config.clone()).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("config: aided.{name} is {value}")), "{error}");
+        }
     }
 }

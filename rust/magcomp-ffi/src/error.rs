@@ -1,6 +1,6 @@
 //! Everything that can go wrong at the border, each something a caller can act on.
 
-use crate::status::{FitProblem, RejectReason};
+use crate::status::{EventRejection, FitProblem, RejectReason};
 
 /// What went wrong. `text()` says it in a sentence.
 #[derive(Clone, Debug, PartialEq, uniffi::Error)]
@@ -14,10 +14,15 @@ pub enum MagcompError {
         /// What it may be.
         expected: String,
     },
-    /// An event was not used; nothing has changed.
+    /// A magnetometer sample was not used; nothing has changed.
     Rejected {
         /// Why.
         reason: RejectReason,
+    },
+    /// A gyroscope, accelerometer or gravity event was not used; nothing has changed.
+    EventRejected {
+        /// Why.
+        reason: EventRejection,
     },
     /// There is no fit.
     Fit {
@@ -63,6 +68,7 @@ impl std::fmt::Display for MagcompError {
         match self {
             Self::Config { field, value, expected } => write!(f, "config: {field} is {value}, expected {expected}"),
             Self::Rejected { reason } => magcomp::RejectReason::from(*reason).fmt(f),
+            Self::EventRejected { reason } => magcomp::EventRejection::from(*reason).fmt(f),
             Self::Fit { problem } => magcomp::FitError::from(*problem).fmt(f),
             Self::Calibration { why } | Self::Place { why } => f.write_str(why),
             Self::SnapshotDamaged => magcomp::SnapshotError::Damaged.fmt(f),
@@ -86,6 +92,12 @@ impl From<magcomp::ConfigError> for MagcompError {
 impl From<magcomp::RejectReason> for MagcompError {
     fn from(reason: magcomp::RejectReason) -> Self {
         Self::Rejected { reason: reason.into() }
+    }
+}
+
+impl From<magcomp::EventRejection> for MagcompError {
+    fn from(reason: magcomp::EventRejection) -> Self {
+        Self::EventRejected { reason: reason.into() }
     }
 }
 

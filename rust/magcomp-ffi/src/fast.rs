@@ -11,7 +11,7 @@ use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::java::{Env, JavaArray};
 use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
-use crate::status::{FitProblem, HoldReason, RejectReason, Status};
+use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
 
@@ -24,7 +24,7 @@ const TOO_SHORT: jint = -3;
 /// A batch holds a kind of event that does not exist.
 const NO_SUCH_KIND: jint = -4;
 
-/// An event was accepted; a rejected one answers 1 + the code of its reason.
+/// An event was accepted; a rejected one answers 1 or more, by its reason.
 const ACCEPTED: jint = 0;
 
 /// What `out` holds, in doubles. What is not known is NaN.
@@ -47,7 +47,11 @@ mod slot {
     pub(super) const WINDOW: usize = 20;
     pub(super) const COVERAGE: usize = 21;
     pub(super) const REPORTED_JUMP: usize = 22;
-    pub(super) const COUNT: usize = 23;
+    pub(super) const FIELD_SIGMA: usize = 23;
+    pub(super) const MODE: usize = 24;
+    /// The kind, and two times of two numbers each.
+    pub(super) const EVENT: usize = 25;
+    pub(super) const COUNT: usize = 30;
 }
 
 type Slots = [f64; slot::COUNT];
@@ -74,6 +78,23 @@ fn write_reading(reading: &Reading) -> Slots {
     out[slot::WINDOW] = f64::from(reading.window);
     out[slot::COVERAGE] = reading.coverage;
     out[slot::REPORTED_JUMP] = reading.reported_hard_iron_jump_ut.unwrap_or(unknown);
+    out[slot::FIELD_SIGMA] = reading.field_sigma_ut.unwrap_or(unknown);
+    out[slot::MODE] = f64::from(match reading.mode {
+        SensorMode::GyroscopeAndGravity => 0,
+        SensorMode::GyroscopeOnly => 1,
+        SensorMode::GravityOnly => 2,
+        SensorMode::MagnetometerOnly => 3,
+    });
+    if let Some(event) = &reading.event {
+        out[slot::EVENT] = f64::from(match event.kind {
+            EventKind::DeviceStep => 0,
+            EventKind::DeviceStepBack => 1,
+            EventKind::PlaceChanged => 2,
+            EventKind::Erratic => 3,
+        });
+        out[slot::EVENT + 1..slot::EVENT + 3].copy_from_slice(&halves(event.since_ns));
+        out[slot::EVENT + 3..slot::EVENT + 5].copy_from_slice(&halves(event.decided_ns));
+    }
     out
 }
 
@@ -86,13 +107,21 @@ fn write_vector(v: Option<Vector3>, at: usize, out: &mut Slots) {
 fn write_status(status: &Status, out: &mut Slots) {
     out[slot::STATUS] = f64::from(status_code(status));
     let details: [f64; 2] = match *status {
-        Status::Collecting { samples, samples_needed, refused } => {
-            if let Some(problem) = refused {
-                write_fit_problem(&problem, out);
-            }
-            [samples.into(), samples_needed.into()]
+        Status::Collecting { missing } => {
+            let (code, details) = match missing {
+                Missing::Samples { have, need } => (0, [have.into(), need.into()]),
+                Missing::Fit { problem } => {
+                    write_fit_problem(&problem, out);
+                    (1, [f64::NAN; 2])
+                }
+                Missing::Rotation => (2, [f64::NAN; 2]),
+                Missing::Directions => (3, [f64::NAN; 2]),
+            };
+            out[slot::REASON] = f64::from(code);
+            details
         }
-        Status::Tracking | Status::Suspect => return,
+        Status::Tracking => return,
+        Status::Suspect { since_ns } => halves(since_ns),
         Status::Held { reason } => {
             let code = match reason {
                 HoldReason::LowUniformity => 0,
@@ -101,6 +130,9 @@ fn write_status(status: &Status, out: &mut Slots) {
                     1
                 }
                 HoldReason::Constant => 2,
+                HoldReason::AtRest => 3,
+                HoldReason::TooLittleRotation => 4,
+                HoldReason::NoGyroscope => 5,
             };
             out[slot::REASON] = f64::from(code);
             return;
@@ -126,7 +158,7 @@ fn status_code(status: &Status) -> jint {
     match status {
         Status::Collecting { .. } => 0,
         Status::Tracking => 1,
-        Status::Suspect => 2,
+        Status::Suspect { .. } => 2,
         Status::Held { .. } => 3,
         Status::Disturbed { .. } => 4,
         Status::Rejected { .. } => 5,
@@ -150,9 +182,10 @@ fn write_fit_problem(problem: &FitProblem, out: &mut Slots) {
         FitProblem::TooFewSamples { have } => (0, [have.into(), none, none]),
         FitProblem::Planar { thickness_ut } => (1, [thickness_ut, none, none]),
         FitProblem::PoorCoverage { direction_sigma_deg, limit_deg } => (2, [direction_sigma_deg, limit_deg, none]),
-        FitProblem::NotAnEllipsoid => (3, [none; 3]),
-        FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => (4, [field_ut, low_ut, high_ut]),
-        FitProblem::NotFinite => (5, [none; 3]),
+        FitProblem::Inconsistent { residual_ut, limit_ut } => (3, [residual_ut, limit_ut, none]),
+        FitProblem::NotAnEllipsoid => (4, [none; 3]),
+        FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => (5, [field_ut, low_ut, high_ut]),
+        FitProblem::NotFinite => (6, [none; 3]),
     };
     out[slot::FIT_PROBLEM] = f64::from(code);
     out[slot::FIT_DETAILS..slot::FIT_DETAILS + 3].copy_from_slice(&details);
@@ -169,7 +202,13 @@ fn code_of(error: &MagcompError) -> jint {
 fn event_code(result: Result<(), MagcompError>) -> jint {
     match result {
         Ok(()) => ACCEPTED,
-        Err(MagcompError::Rejected { reason }) => 1 + reject_code(&reason),
+        Err(MagcompError::EventRejected { reason }) => match reason {
+            EventRejection::NotFinite => 1,
+            EventRejection::OutOfRange => 2,
+            EventRejection::Late => 3,
+            EventRejection::Duplicate => 4,
+            EventRejection::Ahead => 5,
+        },
         Err(error) => code_of(&error),
     }
 }

@@ -24,8 +24,8 @@ mod status;
 
 pub use compensator::{Compensator, Restored};
 pub use config::{
-    Config, FitOptions, HeadingConfig, Method, Normalisation, ReferenceAxis, Residual, ScreenRotation, SensorLimits,
-    WindowedConfig, default_config,
+    Config, FitOptions, HeadingConfig, Method, Normalisation, PairingConfig, ReferenceAxis, Residual, ScreenRotation,
+    SensorLimits, WindowedConfig, default_config,
 };
 pub use constant_field::ConstantField;
 pub use error::MagcompError;
@@ -35,6 +35,6 @@ pub use record::{
     Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, RotationRateSample, SoftIron,
     Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
-pub use status::{FitProblem, HoldReason, RejectReason, Status};
+pub use status::{Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
 
 uniffi::setup_scaffolding!();

@@ -2,8 +2,25 @@
 
 use crate::config::{ReferenceAxis, ScreenRotation};
 use crate::error::MagcompError;
-use crate::status::Status;
+use crate::status::{Event, SensorMode, Status};
 use magcomp::nalgebra;
+
+/// Conversions both ways between enums without data that have the same names here and in the core.
+macro_rules! same_names {
+    ($($name:ident { $($variant:ident),+ })+) => {$(
+        impl From<magcomp::$name> for $name {
+            fn from(value: magcomp::$name) -> Self {
+                match value { $(magcomp::$name::$variant => Self::$variant),+ }
+            }
+        }
+        impl From<$name> for magcomp::$name {
+            fn from(value: $name) -> Self {
+                match value { $($name::$variant => Self::$variant),+ }
+            }
+        }
+    )+};
+}
+pub(crate) use same_names;
 
 /// Three components in the device frame: x right, y up along the screen, z out of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
@@ -117,6 +134,8 @@ pub struct Reading {
     pub time_ns: i64,
     /// The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
     pub field_ut: Option<Vector3>,
+    /// One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+    pub field_sigma_ut: Option<f64>,
     /// The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
     pub filtered_field_ut: Option<Vector3>,
     /// Length of `field_ut`, microtesla.
@@ -132,6 +151,10 @@ pub struct Reading {
     /// By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
     /// not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
     pub reported_hard_iron_jump_ut: Option<f64>,
+    /// The sensors the estimator runs on.
+    pub mode: SensorMode,
+    /// The latest change that was decided, kept until the next. None before the first.
+    pub event: Option<Event>,
     /// What the compensator is doing, and why.
     pub status: Status,
 }
@@ -141,17 +164,21 @@ impl From<magcomp::Reading> for Reading {
         let magcomp::Reading {
             time_ns,
             field_ut,
+            field_sigma_ut,
             filtered_field_ut,
             total_field_ut,
             heading,
             sigma_t,
             window,
             coverage,
+            mode,
+            event,
             status,
         } = r;
         Self {
             time_ns,
             field_ut: field_ut.map(Into::into),
+            field_sigma_ut,
             filtered_field_ut: filtered_field_ut.map(Into::into),
             total_field_ut,
             heading: heading.map(Into::into),
@@ -159,6 +186,8 @@ impl From<magcomp::Reading> for Reading {
             window: count(window),
             coverage,
             reported_hard_iron_jump_ut: None,
+            mode: mode.into(),
+            event: event.map(Into::into),
             status: status.into(),
         }
     }
@@ -204,8 +233,8 @@ pub struct Calibration {
     pub field_strength_ut: f64,
 }
 
-impl From<&magcomp::Calibration> for Calibration {
-    fn from(c: &magcomp::Calibration) -> Self {
+impl From<magcomp::Calibration> for Calibration {
+    fn from(c: magcomp::Calibration) -> Self {
         Self {
             soft_iron: c.soft_iron().into(),
             hard_iron_ut: (*c.hard_iron_ut()).into(),
@@ -245,7 +274,7 @@ pub struct Fit {
 impl From<&magcomp::EllipsoidFit> for Fit {
     fn from(f: &magcomp::EllipsoidFit) -> Self {
         Self {
-            calibration: (&f.calibration).into(),
+            calibration: f.calibration.into(),
             covariance: f.covariance.transpose().iter().copied().collect(),
             iterations: count(f.iterations),
             termination: f.termination.into(),
@@ -268,15 +297,7 @@ pub enum Termination {
     MaxIterations,
 }
 
-impl From<magcomp::Termination> for Termination {
-    fn from(t: magcomp::Termination) -> Self {
-        match t {
-            magcomp::Termination::Converged => Self::Converged,
-            magcomp::Termination::Stalled => Self::Stalled,
-            magcomp::Termination::MaxIterations => Self::MaxIterations,
-        }
-    }
-}
+same_names! { Termination { Converged, Stalled, MaxIterations } }
 
 /// Which directions of the sphere have been seen, for guidance.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]

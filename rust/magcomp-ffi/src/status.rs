@@ -7,17 +7,16 @@ use crate::record::count;
 pub enum Status {
     /// No calibration yet.
     Collecting {
-        /// Samples so far.
-        samples: i32,
-        /// Samples needed before a first fit is tried.
-        samples_needed: i32,
-        /// Why the latest fit was not accepted; none before the first.
-        refused: Option<FitProblem>,
+        /// What is still missing.
+        missing: Missing,
     },
     /// Calibrated, and following changes.
     Tracking,
     /// Something changed; not yet decided what.
-    Suspect,
+    Suspect {
+        /// Time of the first sample that did not fit, nanoseconds.
+        since_ns: i64,
+    },
     /// Calibrated, but not learning: the calibration is kept.
     Held {
         /// Why nothing is learned at the moment.
@@ -35,6 +34,27 @@ pub enum Status {
     },
 }
 
+/// What a first calibration still lacks.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
+pub enum Missing {
+    /// More samples before a first fit is tried.
+    Samples {
+        /// Samples so far.
+        have: i32,
+        /// Samples needed.
+        need: i32,
+    },
+    /// The samples allow no fit yet.
+    Fit {
+        /// Why.
+        problem: FitProblem,
+    },
+    /// The device must be turned.
+    Rotation,
+    /// More directions, turned about more than one axis.
+    Directions,
+}
+
 /// Why nothing is learned at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum HoldReason {
@@ -47,6 +67,12 @@ pub enum HoldReason {
     },
     /// The method is a constant calibration: by choice it does not follow changes.
     Constant,
+    /// The device lies still.
+    AtRest,
+    /// The device has hardly been turned of late.
+    TooLittleRotation,
+    /// The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+    NoGyroscope,
 }
 
 /// Why a sample was not used.
@@ -89,6 +115,58 @@ pub enum RejectReason {
     },
 }
 
+/// Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum EventRejection {
+    /// A component is NaN or infinite.
+    NotFinite,
+    /// Beyond anything the sensor can read.
+    OutOfRange,
+    /// At or before a magnetometer sample already answered.
+    Late,
+    /// An event with this very time is there already.
+    Duplicate,
+    /// So far ahead of the magnetometer that it must be from another clock.
+    Ahead,
+}
+
+/// The sensors the estimator runs on, as they come and go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum SensorMode {
+    /// Gyroscope and accelerometer beside the magnetometer: everything works.
+    GyroscopeAndGravity,
+    /// No accelerometer: the field is corrected and carried, there is no heading.
+    GyroscopeOnly,
+    /// No usable gyroscope: changes are followed slower.
+    GravityOnly,
+    /// Neither: as `GravityOnly`, and there is no heading.
+    MagnetometerOnly,
+}
+
+/// A change that was decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Record)]
+pub struct Event {
+    /// What changed.
+    pub kind: EventKind,
+    /// Time of the first sample that no longer fitted, nanoseconds.
+    pub since_ns: i64,
+    /// Time of the decision, nanoseconds.
+    pub decided_ns: i64,
+}
+
+/// What changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum EventKind {
+    /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
+    DeviceStep,
+    /// As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+    DeviceStepBack,
+    /// The field of the place stepped: the calibration is held.
+    PlaceChanged,
+    /// The field follows neither: the calibration is held.
+    Erratic,
+}
+
 /// Why there is no ellipsoid to report.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum FitProblem {
@@ -108,6 +186,13 @@ pub enum FitProblem {
         direction_sigma_deg: f64,
         /// The limit it exceeds, degrees.
         limit_deg: f64,
+    },
+    /// The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
+    Inconsistent {
+        /// Residual rms, microtesla.
+        residual_ut: f64,
+        /// The limit it exceeds, microtesla.
+        limit_ut: f64,
     },
     /// The best quadric is not an ellipsoid.
     NotAnEllipsoid,
@@ -146,6 +231,14 @@ impl RejectReason {
 }
 
 #[uniffi::export]
+impl EventRejection {
+    /// One sentence for a log.
+    pub fn text(&self) -> String {
+        magcomp::EventRejection::from(*self).to_string()
+    }
+}
+
+#[uniffi::export]
 impl FitProblem {
     /// One sentence an app may show.
     pub fn text(&self) -> String {
@@ -157,13 +250,9 @@ impl From<magcomp::Status> for Status {
     fn from(s: magcomp::Status) -> Self {
         use magcomp::Status as S;
         match s {
-            S::Collecting { samples, samples_needed, refused } => Self::Collecting {
-                samples: count(samples),
-                samples_needed: count(samples_needed),
-                refused: refused.map(Into::into),
-            },
+            S::Collecting(missing) => Self::Collecting { missing: missing.into() },
             S::Tracking => Self::Tracking,
-            S::Suspect => Self::Suspect,
+            S::Suspect { since_ns } => Self::Suspect { since_ns },
             S::Held(reason) => Self::Held { reason: reason.into() },
             S::Disturbed { since_ns } => Self::Disturbed { since_ns },
             S::Rejected(reason) => Self::Rejected { reason: reason.into() },
@@ -174,18 +263,50 @@ impl From<magcomp::Status> for Status {
 impl From<Status> for magcomp::Status {
     fn from(s: Status) -> Self {
         match s {
-            Status::Collecting { samples, samples_needed, refused } => Self::Collecting {
-                samples: size(samples),
-                samples_needed: size(samples_needed),
-                refused: refused.map(Into::into),
-            },
+            Status::Collecting { missing } => Self::Collecting(missing.into()),
             Status::Tracking => Self::Tracking,
-            Status::Suspect => Self::Suspect,
+            Status::Suspect { since_ns } => Self::Suspect { since_ns },
             Status::Held { reason } => Self::Held(reason.into()),
             Status::Disturbed { since_ns } => Self::Disturbed { since_ns },
             Status::Rejected { reason } => Self::Rejected(reason.into()),
         }
     }
+}
+
+impl From<magcomp::Missing> for Missing {
+    fn from(m: magcomp::Missing) -> Self {
+        use magcomp::Missing as M;
+        match m {
+            M::Samples { have, need } => Self::Samples { have: count(have), need: count(need) },
+            M::Fit(error) => Self::Fit { problem: error.into() },
+            M::Rotation => Self::Rotation,
+            M::Directions => Self::Directions,
+        }
+    }
+}
+
+impl From<Missing> for magcomp::Missing {
+    fn from(m: Missing) -> Self {
+        match m {
+            Missing::Samples { have, need } => Self::Samples { have: size(have), need: size(need) },
+            Missing::Fit { problem } => Self::Fit(problem.into()),
+            Missing::Rotation => Self::Rotation,
+            Missing::Directions => Self::Directions,
+        }
+    }
+}
+
+impl From<magcomp::Event> for Event {
+    fn from(e: magcomp::Event) -> Self {
+        let magcomp::Event { kind, since_ns, decided_ns } = e;
+        Self { kind: kind.into(), since_ns, decided_ns }
+    }
+}
+
+crate::record::same_names! {
+    EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
+    SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
+    EventKind { DeviceStep, DeviceStepBack, PlaceChanged, Erratic }
 }
 
 impl From<magcomp::HoldReason> for HoldReason {
@@ -195,6 +316,9 @@ impl From<magcomp::HoldReason> for HoldReason {
             H::LowUniformity => Self::LowUniformity,
             H::FitRefused(error) => Self::FitRefused { problem: error.into() },
             H::Constant => Self::Constant,
+            H::AtRest => Self::AtRest,
+            H::TooLittleRotation => Self::TooLittleRotation,
+            H::NoGyroscope => Self::NoGyroscope,
         }
     }
 }
@@ -205,6 +329,9 @@ impl From<HoldReason> for magcomp::HoldReason {
             HoldReason::LowUniformity => Self::LowUniformity,
             HoldReason::FitRefused { problem } => Self::FitRefused(problem.into()),
             HoldReason::Constant => Self::Constant,
+            HoldReason::AtRest => Self::AtRest,
+            HoldReason::TooLittleRotation => Self::TooLittleRotation,
+            HoldReason::NoGyroscope => Self::NoGyroscope,
         }
     }
 }
@@ -244,6 +371,7 @@ impl From<magcomp::FitError> for FitProblem {
             F::TooFewSamples { have } => Self::TooFewSamples { have: count(have) },
             F::Planar { thickness_ut } => Self::Planar { thickness_ut },
             F::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
+            F::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
             F::NotAnEllipsoid => Self::NotAnEllipsoid,
             F::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
             F::NotFinite => Self::NotFinite,
@@ -258,6 +386,7 @@ impl From<FitProblem> for magcomp::FitError {
             P::TooFewSamples { have } => Self::TooFewSamples { have: size(have) },
             P::Planar { thickness_ut } => Self::Planar { thickness_ut },
             P::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
+            P::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
             P::NotAnEllipsoid => Self::NotAnEllipsoid,
             P::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
             P::NotFinite => Self::NotFinite,
@@ -272,16 +401,24 @@ fn size(n: i32) -> usize {
 /// One status of every kind, for comparing what JNI and what uniffi make of it.
 #[cfg(feature = "test-hooks")]
 pub(crate) fn examples() -> Vec<Status> {
-    let collecting = |refused| Status::Collecting { samples: 120, samples_needed: 100, refused };
+    let collecting = |missing| Status::Collecting { missing };
     let problems = [
         FitProblem::TooFewSamples { have: 8 },
         FitProblem::Planar { thickness_ut: 0.5 },
         FitProblem::PoorCoverage { direction_sigma_deg: 12.5, limit_deg: 10.0 },
+        FitProblem::Inconsistent { residual_ut: 7.5, limit_ut: 2.5 },
         FitProblem::NotAnEllipsoid,
         FitProblem::FieldOutOfRange { field_ut: 90.0, low_ut: 22.0, high_ut: 67.0 },
         FitProblem::NotFinite,
     ];
-    let held = [HoldReason::LowUniformity, HoldReason::FitRefused { problem: problems[2] }, HoldReason::Constant];
+    let held = [
+        HoldReason::LowUniformity,
+        HoldReason::FitRefused { problem: problems[2] },
+        HoldReason::Constant,
+        HoldReason::AtRest,
+        HoldReason::TooLittleRotation,
+        HoldReason::NoGyroscope,
+    ];
     let rejected = [
         RejectReason::NotFinite,
         RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
@@ -291,8 +428,10 @@ pub(crate) fn examples() -> Vec<Status> {
         RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
         RejectReason::Stuck { repeats: 50 },
     ];
-    let mut examples = vec![collecting(None), Status::Tracking, Status::Suspect];
-    examples.extend(problems.map(|problem| collecting(Some(problem))));
+    let mut examples = vec![Status::Tracking, Status::Suspect { since_ns: -9_007_199_254_740_993 }];
+    examples.push(collecting(Missing::Samples { have: 60, need: 100 }));
+    examples.extend([Missing::Rotation, Missing::Directions].map(collecting));
+    examples.extend(problems.map(|problem| collecting(Missing::Fit { problem })));
     examples.extend(held.map(|reason| Status::Held { reason }));
     examples.push(Status::Disturbed { since_ns: i64::MIN + 1 });
     examples.extend(rejected.map(|reason| Status::Rejected { reason }));

@@ -60,9 +60,6 @@ pub enum LabError {
     /// The core refused its configuration.
     #[error(transparent)]
     Config(#[from] magcomp::ConfigError),
-    /// A method of a later version.
-    #[error("method '{0}' is not in this version; expected auto, windowed or constant")]
-    MethodNotBuilt(&'static str),
     /// No declination for that place and date.
     #[error("no declination: {0}")]
     Declination(String),

@@ -47,8 +47,9 @@ fn replay_writes_one_row_for_every_row() {
         assert_eq!(row.len(), COLUMNS.split(',').count());
         assert_eq!(row[0], raw.split(',').next().unwrap());
     }
-    // nothing is known at first: empty cells, no zeros, no NaN
-    assert_eq!((rows[0][1], rows[0][7], rows[0][13], rows[0][14]), ("", "", "collecting", ""));
+    // nothing is known at first: empty cells, no NaN, and no correction in force
+    assert_eq!((rows[0][1], rows[0][7], rows[0][13]), ("", "", "collecting"));
+    assert_eq!((rows[0][14], rows[0][17], rows[0][18]), ("0.000000", "1.000000000", "0.000000000"));
     assert_eq!(rows[1199][13], "tracking");
     assert!(!written.contains("NaN") && !written.contains("inf"));
 }

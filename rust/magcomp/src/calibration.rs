@@ -87,7 +87,7 @@ impl Calibration {
         }
         let values = symmetric.symmetric_eigenvalues();
         let ratio = values.min() / values.max();
-        if ratio < SMALLEST_RATIO {
+        if ratio.is_nan() || ratio < SMALLEST_RATIO {
             return Err(CalibrationError::Singular { ratio });
         }
         Self::from_symmetric(symmetric, hard_iron_ut, field_strength_ut)
@@ -120,7 +120,7 @@ impl Calibration {
         let squared = (m * m.transpose()).symmetric_eigen();
         let (low, high) = (squared.eigenvalues.min().max(0.0), squared.eigenvalues.max());
         let ratio = if high > 0.0 { (low / high).sqrt() } else { 0.0 };
-        if ratio < SMALLEST_RATIO {
+        if ratio.is_nan() || ratio < SMALLEST_RATIO {
             return Err(CalibrationError::Singular { ratio });
         }
         if m.determinant() < 0.0 {

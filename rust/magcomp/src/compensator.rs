@@ -2,16 +2,21 @@
 //! forms the heading from the corrected field and the latest `up`.
 
 use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError};
+use crate::config::{Config, ConfigError, Method};
 use crate::coverage::Coverage;
 use crate::ellipsoid::EllipsoidFit;
+use crate::estimator::aided::Aided;
 use crate::estimator::windowed::{Windowed, WindowedState};
 use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
-use crate::reading::{Reading, RejectReason, Status};
+use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::snapshot::{Restored, SnapshotError, open, seal};
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
+
+/// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
+const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -39,27 +44,48 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 pub struct Compensator {
     config: Config,
-    estimator: Windowed,
+    pairing: InertialPairing,
+    aided: Aided,
+    windowed: Windowed,
     inputs: Inputs,
 }
 
-/// The latest accepted event of each kind.
+/// What the checks of the next sample look at, and which estimator answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Inputs {
-    magnetic: Option<MagneticSample>,
-    /// How many equal magnetic samples came in a row before the latest.
+    latest: Option<MagneticSample>,
+    /// How many equal samples came in a row before the latest.
     repeats: usize,
-    rotation_rate: Option<RotationRateSample>,
-    up: Option<UpSample>,
+    /// Time of the latest sample with a rotation, ns: the gyroscope is there.
+    rotated_ns: Option<i64>,
+    /// The windowed estimator answers.
+    alone: bool,
+    mode: SensorMode,
+    event: Option<Event>,
 }
 
 /// Everything a snapshot holds.
 #[derive(Debug, Serialize, Deserialize)]
 struct State {
     config: Config,
-    inputs: Inputs,
     calibration: Option<Calibration>,
+    inputs: Inputs,
+    pairing: InertialPairing,
+    aided: Aided,
     windowed: WindowedState,
+}
+
+/// What an estimator says of one sample.
+struct Answer {
+    field_ut: Option<Vector3<f64>>,
+    field_covariance_ut2: Option<Matrix3<f64>>,
+    filtered_field_ut: Option<Vector3<f64>>,
+    filtered_covariance_ut2: Option<Matrix3<f64>>,
+    up: Option<Vector3<f64>>,
+    sigma_t: Option<f64>,
+    mode: SensorMode,
+    event: Option<Event>,
+    status: Status,
 }
 
 impl Compensator {
@@ -69,8 +95,17 @@ impl Compensator {
     /// [`ConfigError`] names the field that is out of range.
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.validate()?;
-        let estimator = Windowed::new(&config);
-        Ok(Self { config, estimator, inputs: Inputs::default() })
+        let mut aided = Aided::new(config.aided);
+        if let Some(calibration) = &config.initial {
+            aided.begin_from(calibration);
+        }
+        Ok(Self {
+            pairing: InertialPairing::new(config.pairing),
+            aided,
+            windowed: Windowed::new(&config),
+            inputs: Inputs::default(),
+            config,
+        })
     }
 
     /// The config it was made with.
@@ -79,83 +114,154 @@ impl Compensator {
         &self.config
     }
 
-    /// A gyroscope event. Times must increase; other sensors' times do not matter.
+    /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
     ///
     /// # Errors
-    /// [`RejectReason`] when the event is not finite or not after the one before; nothing has changed then.
-    pub fn push_rotation_rate(&mut self, sample: RotationRateSample) -> Result<(), RejectReason> {
-        check_event(&sample.rate_rad_s, sample.time_ns, self.inputs.rotation_rate.map(|latest| latest.time_ns))?;
-        self.inputs.rotation_rate = Some(sample);
-        Ok(())
+    /// [`EventRejection`] says why it was not taken; nothing has changed then.
+    pub fn push_rotation_rate(&mut self, sample: RotationRateSample) -> Result<(), EventRejection> {
+        self.pairing.push_rotation_rate(sample.time_ns, sample.rate_rad_s)
     }
 
-    /// An accelerometer or gravity event. Times must increase; other sensors' times do not matter.
+    /// An accelerometer or gravity event, at its own rate: before the magnetometer sample that follows it in time.
     ///
     /// # Errors
-    /// [`RejectReason`] when the event is not finite or not after the one before; nothing has changed then.
-    pub fn push_up(&mut self, sample: UpSample) -> Result<(), RejectReason> {
-        check_event(&sample.up_m_s2, sample.time_ns, self.inputs.up.map(|latest| latest.time_ns))?;
-        self.inputs.up = Some(sample);
-        Ok(())
+    /// [`EventRejection`] says why it was not taken; nothing has changed then.
+    pub fn push_up(&mut self, sample: UpSample) -> Result<(), EventRejection> {
+        self.pairing.push_up(sample.time_ns, sample.up_m_s2)
     }
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         if let Err(reason) = self.check(&sample) {
-            return Reading {
-                time_ns: sample.time_ns,
-                field_ut: None,
-                filtered_field_ut: None,
-                total_field_ut: None,
-                heading: None,
-                sigma_t: None,
-                window: self.estimator.window(),
-                coverage: self.estimator.coverage().share(),
-                status: Status::Rejected(reason),
-            };
+            return self.reading(sample.time_ns, Answer::none(self.inputs.mode, Status::Rejected(reason)));
         }
-        let same = self.inputs.magnetic.is_some_and(|latest| latest.field_ut == sample.field_ut);
+        let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
         self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
-        self.inputs.magnetic = Some(sample);
-
-        let step = self.estimator.push(&sample.field_ut);
-        let field_ut = self.estimator.calibration().map(|calibration| calibration.correct(&sample.field_ut));
-        let field_ut = field_ut.filter(|field| field.iter().all(|v| v.is_finite()));
-        Reading {
-            time_ns: sample.time_ns,
-            field_ut,
-            filtered_field_ut: None,
-            total_field_ut: field_ut.map(|field| field.norm()),
-            heading: field_ut.and_then(|field| self.heading(&field, sample.time_ns)),
-            sigma_t: step.sigma_t,
-            window: self.estimator.window(),
-            coverage: self.estimator.coverage().share(),
-            status: step.status,
+        self.inputs.latest = Some(sample);
+        let paired = self.pairing.pair(sample.time_ns);
+        if paired.rotation.is_some() {
+            self.inputs.rotated_ns = Some(sample.time_ns);
         }
+        let aided = match self.config.method {
+            Method::Aided => true,
+            Method::Auto => self.inputs.rotated_ns.is_some_and(|at| sample.time_ns - at <= GYROSCOPE_GONE_NS),
+            Method::Windowed | Method::Constant => false,
+        };
+        let answer = if aided { self.aided_answer(&sample, &paired) } else { self.windowed_answer(&sample, &paired) };
+        self.inputs.mode = answer.mode;
+        self.inputs.event = answer.event.or(self.inputs.event);
+        self.reading(sample.time_ns, answer)
+    }
+
+    fn aided_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
+        if self.inputs.alone {
+            // back from the magnetometer alone: what was turned meanwhile is not known
+            self.inputs.alone = false;
+            if let Some(calibration) = self.windowed.calibration() {
+                self.aided.begin_from(&calibration);
+            }
+        }
+        let output = self.aided.push(sample.time_ns, sample.field_ut, paired);
+        let known = if self.windowed.wants_calibration() { self.aided.calibration() } else { None };
+        self.windowed.note(&sample.field_ut, known);
+        Answer {
+            field_ut: output.corrected_ut,
+            field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
+            filtered_field_ut: output.filtered_ut,
+            filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
+            up: output.up,
+            sigma_t: None,
+            mode: output.mode,
+            event: output.event,
+            status: output.status,
+        }
+    }
+
+    fn windowed_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
+        if !self.inputs.alone {
+            self.inputs.alone = true;
+            if let Some(calibration) = self.aided.calibration() {
+                self.windowed.adopt(calibration);
+            }
+        }
+        let step = self.windowed.push(sample.time_ns, &sample.field_ut);
+        let field_ut = self.windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
+        let field_ut = field_ut.filter(|field| field.norm().is_finite());
+        let covariance = self
+            .windowed
+            .fit()
+            .zip(field_ut)
+            .map(|(fit, field)| corrected_covariance_ut2(fit, &field, self.config.heading.field_sigma_ut));
+        Answer {
+            field_ut,
+            field_covariance_ut2: covariance,
+            up: paired.up_m_s2,
+            sigma_t: step.sigma_t,
+            ..Answer::none(
+                if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly },
+                step.status,
+            )
+        }
+    }
+
+    fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
+        let pointing = answer.filtered_field_ut.or(answer.field_ut);
+        let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
+        Reading {
+            time_ns,
+            field_ut: answer.field_ut,
+            field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
+            filtered_field_ut: answer.filtered_field_ut,
+            total_field_ut: answer.field_ut.map(|field| field.norm()),
+            heading: pointing.zip(answer.up).and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref())),
+            sigma_t: answer.sigma_t,
+            window: self.windowed.window(),
+            coverage: self.windowed.coverage().share(),
+            mode: answer.mode,
+            event: self.inputs.event,
+            status: answer.status,
+        }
+    }
+
+    fn heading(&self, field: &Vector3<f64>, up: &Vector3<f64>, covariance: Option<&Matrix3<f64>>) -> Option<Heading> {
+        let config = &self.config.heading;
+        let found = heading(field, up, config.axis, config.screen_rotation)?;
+        Some(Heading {
+            heading_sigma_deg: covariance.and_then(|c| heading_sigma_deg(field, up, c, config.tilt_sigma_deg)),
+            true_heading_deg: config.declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
+            ..found
+        })
     }
 
     /// M, b and field strength in force, if any.
     #[must_use]
-    pub fn calibration(&self) -> Option<&Calibration> {
-        self.estimator.calibration()
+    pub fn calibration(&self) -> Option<Calibration> {
+        if self.inputs.alone { self.windowed.calibration() } else { self.aided.calibration() }.or(self.config.initial)
     }
 
-    /// The latest ellipsoid fit that was accepted, with its covariance.
+    /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
+    #[must_use]
+    pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
+        if self.inputs.alone { self.windowed.fit().map(|fit| fit.covariance) } else { self.aided.covariance() }
+    }
+
+    /// The latest ellipsoid fit that was accepted. None for the aided method, which makes none.
     #[must_use]
     pub fn fit(&self) -> Option<&EllipsoidFit> {
-        self.estimator.fit()
+        self.windowed.fit()
     }
 
     /// Which directions the window has seen, for guidance.
     #[must_use]
     pub fn coverage(&self) -> &Coverage {
-        self.estimator.coverage()
+        self.windowed.coverage()
     }
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        self.estimator = Windowed::new(&self.config);
-        self.inputs = Inputs::default();
+        if let Ok(fresh) = Self::new(self.config.clone()) {
+            *self = fresh;
+        }
     }
 
     /// The whole state as JSON with a version and a checksum. A compensator with the same config that restores it
@@ -164,9 +270,11 @@ impl Compensator {
     pub fn snapshot(&self) -> String {
         seal(&State {
             config: self.config.clone(),
+            calibration: self.calibration(),
             inputs: self.inputs,
-            calibration: self.estimator.calibration().copied(),
-            windowed: self.estimator.state(),
+            pairing: self.pairing.clone(),
+            aided: self.aided.clone(),
+            windowed: self.windowed.state(),
         })
     }
 
@@ -178,13 +286,18 @@ impl Compensator {
     pub fn restore(&mut self, snapshot: &str) -> Result<Restored, SnapshotError> {
         let state: State = open(snapshot)?;
         if state.config == self.config {
-            self.estimator = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
-            self.inputs = state.inputs;
+            let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
+            (self.windowed, self.aided, self.pairing, self.inputs) =
+                (windowed, state.aided, state.pairing, state.inputs);
             return Ok(Restored::Everything);
         }
-        let with_calibration = Config { initial: state.calibration.or(self.config.initial), ..self.config.clone() };
-        self.estimator = Windowed::new(&with_calibration);
-        self.inputs = Inputs::default();
+        self.restore_calibration(state.calibration)
+    }
+
+    fn restore_calibration(&mut self, calibration: Option<Calibration>) -> Result<Restored, SnapshotError> {
+        let config = Config { initial: calibration.or(self.config.initial), ..self.config.clone() };
+        let started = Self::new(config).map_err(|_| SnapshotError::Damaged)?;
+        *self = Self { config: self.config.clone(), ..started };
         Ok(Restored::CalibrationOnly)
     }
 
@@ -201,7 +314,7 @@ impl Compensator {
         if value_ut.abs() > limits.range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: limits.range_ut });
         }
-        let Some(latest) = self.inputs.magnetic else { return Ok(()) };
+        let Some(latest) = self.inputs.latest else { return Ok(()) };
         if sample.time_ns <= latest.time_ns {
             return Err(RejectReason::TimeNotAfter { time_ns: sample.time_ns, latest_ns: latest.time_ns });
         }
@@ -215,23 +328,21 @@ impl Compensator {
         }
         Ok(())
     }
+}
 
-    fn heading(&self, field: &Vector3<f64>, time_ns: i64) -> Option<Heading> {
-        let config = &self.config.heading;
-        let up = self.inputs.up.filter(|up| {
-            let age_s = (i128::from(time_ns) - i128::from(up.time_ns)) as f64 * 1e-9;
-            age_s.abs() <= config.max_up_age_s
-        })?;
-        let found = heading(field, &up.up_m_s2, config.axis, config.screen_rotation)?;
-        let sigma = self.estimator.fit().and_then(|fit| {
-            let covariance = corrected_covariance_ut2(fit, field, config.field_sigma_ut);
-            heading_sigma_deg(field, &up.up_m_s2, &covariance, config.tilt_sigma_deg)
-        });
-        Some(Heading {
-            heading_sigma_deg: sigma,
-            true_heading_deg: config.declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
-            ..found
-        })
+impl Answer {
+    fn none(mode: SensorMode, status: Status) -> Self {
+        Self {
+            field_ut: None,
+            field_covariance_ut2: None,
+            filtered_field_ut: None,
+            filtered_covariance_ut2: None,
+            up: None,
+            sigma_t: None,
+            mode,
+            event: None,
+            status,
+        }
     }
 }
 
@@ -249,14 +360,4 @@ fn corrected_covariance_ut2(fit: &EllipsoidFit, c: &Vector3<f64>, field_sigma_ut
     let gradient = w * gradient;
     let parameters = gradient * fit.covariance * gradient.transpose();
     parameters + w * w.transpose() * fit.residual_rms_ut.powi(2) + Matrix3::identity() * field_sigma_ut.powi(2)
-}
-
-fn check_event(value: &SVector<f64, 3>, time_ns: i64, latest_ns: Option<i64>) -> Result<(), RejectReason> {
-    if !value.iter().all(|v| v.is_finite()) {
-        return Err(RejectReason::NotFinite);
-    }
-    match latest_ns {
-        Some(latest_ns) if time_ns <= latest_ns => Err(RejectReason::TimeNotAfter { time_ns, latest_ns }),
-        _ => Ok(()),
-    }
 }

@@ -2,16 +2,20 @@
 
 use crate::calibration::Calibration;
 use crate::ellipsoid::{FitOptions, SMALLEST_SAMPLE_COUNT};
+use crate::estimator::aided::AidedConfig;
 use crate::heading::{ReferenceAxis, ScreenRotation};
+use crate::pairing::PairingConfig;
 use crate::uniformity::Normalisation;
 use serde::{Deserialize, Serialize};
 
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Method {
-    /// The best that the arriving sensors allow. The default.
+    /// `Aided` while rotation rates arrive, else `Windowed`. The default.
     #[default]
     Auto,
+    /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+    Aided,
     /// The paper's: an ellipsoid fit over the latest N samples, N following sigma_T (fig. 3).
     Windowed,
     /// Its first step alone: one fit of the first well spread samples, then kept (section III).
@@ -30,6 +34,10 @@ pub struct Config {
     pub sensor: SensorLimits,
     /// What an ellipsoid fit accepts.
     pub fit: FitOptions,
+    /// The method with gyroscope and gravity.
+    pub aided: AidedConfig,
+    /// How events of several sensors are brought together.
+    pub pairing: PairingConfig,
     /// The paper's method.
     pub windowed: WindowedConfig,
     /// How headings are reported.
@@ -92,8 +100,6 @@ pub struct HeadingConfig {
     pub screen_rotation: ScreenRotation,
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     pub declination_deg: Option<f64>,
-    /// Oldest `up` that is still used, s. Default 0.2: a phone tilts by a few degrees in that time.
-    pub max_up_age_s: f64,
     /// Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1: a phone's accelerometer bias of
     /// 0.1 m/s^2 and a hand's acceleration of about as much.
     pub tilt_sigma_deg: f64,
@@ -108,7 +114,7 @@ impl Default for HeadingConfig {
             axis: ReferenceAxis::TopEdge,
             screen_rotation: ScreenRotation::Deg0,
             declination_deg: None,
-            max_up_age_s: 0.2,
+
             tilt_sigma_deg: 1.0,
             field_sigma_ut: 1.3,
         }
@@ -139,9 +145,18 @@ impl Config {
         let (s, f, w, h) = (&self.sensor, &self.fit, &self.windowed, &self.heading);
         let positive = |v: f64| v > 0.0 && v.is_finite();
         let not_negative = |v: f64| v >= 0.0 && v.is_finite();
-        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 18] = [
+        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 22] = [
             (positive(s.range_ut), "sensor.range_ut", &s.range_ut, "above 0 uT"),
             (s.rail_ut.is_none_or(positive), "sensor.rail_ut", &s.rail_ut, "above 0 uT, or none"),
+            (positive(self.pairing.stale_s), "pairing.stale_s", &self.pairing.stale_s, "above 0 s"),
+            (
+                positive(self.pairing.max_rate_rad_s),
+                "pairing.max_rate_rad_s",
+                &self.pairing.max_rate_rad_s,
+                "above 0 rad/s",
+            ),
+            (positive(self.pairing.max_up_m_s2), "pairing.max_up_m_s2", &self.pairing.max_up_m_s2, "above 0 m/s^2"),
+            (positive(self.pairing.max_lead_s), "pairing.max_lead_s", &self.pairing.max_lead_s, "above 0 s"),
             (positive(s.max_gap_s), "sensor.max_gap_s", &s.max_gap_s, "above 0 s"),
             (
                 f.field_strength_ut.is_none_or(positive),
@@ -157,8 +172,14 @@ impl Config {
                 &f.field_range_ut,
                 "0 < low < high, uT",
             ),
-            (f.max_direction_sigma_deg > 0.0, "fit.max_direction_sigma_deg", &f.max_direction_sigma_deg, "above 0 deg"),
+            (
+                positive(f.max_direction_sigma_deg),
+                "fit.max_direction_sigma_deg",
+                &f.max_direction_sigma_deg,
+                "above 0 deg",
+            ),
             (not_negative(f.error_floor_ut), "fit.error_floor_ut", &f.error_floor_ut, "0 uT or above"),
+            (positive(f.max_residual_share), "fit.max_residual_share", &f.max_residual_share, "above 0"),
             (f.max_iterations >= 1, "fit.max_iterations", &f.max_iterations, "at least 1"),
             (positive(f.tolerance), "fit.tolerance", &f.tolerance, "above 0"),
             (w.n_min >= SMALLEST_SAMPLE_COUNT, "windowed.n_min", &w.n_min, "at least 9 samples"),
@@ -172,13 +193,16 @@ impl Config {
                 &h.declination_deg,
                 "-180 to 180 deg, or none",
             ),
-            (not_negative(h.max_up_age_s), "heading.max_up_age_s", &h.max_up_age_s, "0 s or above"),
             (not_negative(h.tilt_sigma_deg), "heading.tilt_sigma_deg", &h.tilt_sigma_deg, "0 deg or above"),
             (not_negative(h.field_sigma_ut), "heading.field_sigma_ut", &h.field_sigma_ut, "0 uT or above"),
         ];
         match checks.into_iter().find(|(ok, ..)| !ok) {
-            None => Ok(()),
-            Some((_, field, value, expected)) => Err(ConfigError { field, value: format!("{value:?}"), expected }),
+            None => self.aided.validate(),
+            Some((_, field, value, expected)) => {
+                let value = format!("{value:?}");
+                let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
+                Err(ConfigError { field, value, expected })
+            }
         }
     }
 }

@@ -10,7 +10,8 @@
 //! * automatic: the one horizontal direction in the plane of both, up x (right edge). It is the top edge when flat,
 //!   the camera when upright, and passes through any pitch, overhead too, without a flip. Where the right edge itself
 //!   points up (upright in landscape with the screen locked) that direction is undefined, and the camera takes over
-//!   gradually.
+//!   gradually. Some jump no choice can avoid: a screen locked to portrait turned further, to more than 126 deg from upright
+//!   portrait, is taken as upside down.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

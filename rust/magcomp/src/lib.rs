@@ -21,6 +21,7 @@ mod coverage;
 mod ellipsoid;
 mod estimator;
 mod heading;
+mod pairing;
 mod reading;
 mod sample;
 mod snapshot;
@@ -36,8 +37,10 @@ pub use ellipsoid::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
 };
+pub use estimator::aided::AidedConfig;
 pub use heading::{Heading, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg};
-pub use reading::{HoldReason, Reading, RejectReason, Status};
+pub use pairing::{EventRejection, PairingConfig};
+pub use reading::{Event, EventKind, HoldReason, Missing, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 pub use uniformity::{Normalisation, uniformity};

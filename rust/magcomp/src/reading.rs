@@ -14,6 +14,8 @@ pub struct Reading {
     pub field_ut: Option<Vector3<f64>>,
     /// The estimator's own, smoother estimate of the same vector, uT, where it has one; the heading comes from it.
     pub filtered_field_ut: Option<Vector3<f64>>,
+    /// One standard deviation of `field_ut` per axis, uT. None without `field_ut` or a known covariance.
+    pub field_sigma_ut: Option<f64>,
     /// |field_ut|, uT.
     pub total_field_ut: Option<f64>,
     /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
@@ -24,26 +26,64 @@ pub struct Reading {
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
     pub coverage: f64,
+    /// The sensors the estimator runs on.
+    pub mode: SensorMode,
+    /// The latest change that was decided, kept until the next. None before the first.
+    pub event: Option<Event>,
     /// What the compensator is doing, and why.
     pub status: Status,
+}
+
+/// The sensors an estimator runs on, as they come and go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SensorMode {
+    /// Gyroscope and accelerometer beside the magnetometer: everything works.
+    GyroscopeAndGravity,
+    /// No accelerometer: the field is corrected and carried, there is no heading.
+    GyroscopeOnly,
+    /// No usable gyroscope: changes are followed slower.
+    GravityOnly,
+    /// Neither: as `GravityOnly`, and there is no heading.
+    #[default]
+    MagnetometerOnly,
+}
+
+/// A change that was decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Event {
+    /// What changed.
+    pub kind: EventKind,
+    /// Time of the first sample that no longer fitted, nanoseconds.
+    pub since_ns: i64,
+    /// Time of the decision, nanoseconds.
+    pub decided_ns: i64,
+}
+
+/// What changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EventKind {
+    /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
+    DeviceStep,
+    /// As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+    DeviceStepBack,
+    /// The field of the place stepped: the calibration is held.
+    PlaceChanged,
+    /// The field follows neither: the calibration is held.
+    Erratic,
 }
 
 /// What the compensator is doing, so that an app can tell its user what to do.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Status {
     /// No calibration yet.
-    Collecting {
-        /// Samples so far.
-        samples: usize,
-        /// Samples needed before a first fit is tried.
-        samples_needed: usize,
-        /// Why the latest fit was not accepted; None before the first.
-        refused: Option<FitError>,
-    },
+    Collecting(Missing),
     /// Calibrated, and following changes.
     Tracking,
     /// Something changed; not yet decided what.
-    Suspect,
+    Suspect {
+        /// Time of the first sample that did not fit, nanoseconds.
+        since_ns: i64,
+    },
     /// Calibrated, but not learning: the calibration is kept.
     Held(HoldReason),
     /// The environment is disturbed, not the device: magnitude and dip disagree with the calibration.
@@ -55,6 +95,24 @@ pub enum Status {
     Rejected(RejectReason),
 }
 
+/// What a first calibration still lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Missing {
+    /// More samples before a first fit is tried.
+    Samples {
+        /// Samples so far.
+        have: usize,
+        /// Samples needed.
+        need: usize,
+    },
+    /// The samples allow no fit yet; the error says why.
+    Fit(FitError),
+    /// The device must be turned.
+    Rotation,
+    /// More directions, turned about more than one axis.
+    Directions,
+}
+
 /// Why nothing is learned at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum HoldReason {
@@ -62,6 +120,12 @@ pub enum HoldReason {
     LowUniformity,
     /// The latest fit was refused; the error says what is missing.
     FitRefused(FitError),
+    /// The device lies still.
+    AtRest,
+    /// The device has hardly been turned of late.
+    TooLittleRotation,
+    /// The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+    NoGyroscope,
     /// The method is a constant calibration: by choice it does not follow changes.
     Constant,
 }
@@ -121,9 +185,9 @@ impl Status {
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
-            Self::Collecting { .. } => "collecting",
+            Self::Collecting(_) => "collecting",
             Self::Tracking => "tracking",
-            Self::Suspect => "suspect",
+            Self::Suspect { .. } => "suspect",
             Self::Held(_) => "held",
             Self::Disturbed { .. } => "disturbed",
             Self::Rejected(_) => "rejected",
@@ -135,15 +199,21 @@ impl std::fmt::Display for Status {
     /// One sentence an app may show.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Collecting { samples, samples_needed, .. } if samples < samples_needed => {
-                write!(f, "collecting: {samples} of {samples_needed} samples; turn the device about")
+            Self::Collecting(Missing::Samples { have, need }) => {
+                write!(f, "collecting: {have} of {need} samples; turn the device about")
             }
-            Self::Collecting { refused: Some(error), .. } => write!(f, "collecting: {error}"),
-            Self::Collecting { .. } => write!(f, "collecting: turn the device about"),
+            Self::Collecting(Missing::Fit(error)) => write!(f, "collecting: {error}"),
+            Self::Collecting(Missing::Rotation) => write!(f, "collecting: turn the device"),
+            Self::Collecting(Missing::Directions) => write!(f, "collecting: turn the device about more axes"),
             Self::Tracking => write!(f, "tracking"),
-            Self::Suspect => write!(f, "suspect: the field changed; not yet known whether the device's or the place's"),
+            Self::Suspect { .. } => {
+                write!(f, "suspect: the field changed; not yet known whether the device's or the place's")
+            }
             Self::Held(HoldReason::LowUniformity) => write!(f, "held: the latest orientations are too much alike"),
             Self::Held(HoldReason::FitRefused(error)) => write!(f, "held: {error}"),
+            Self::Held(HoldReason::AtRest) => write!(f, "held: the device lies still"),
+            Self::Held(HoldReason::TooLittleRotation) => write!(f, "held: turn the device to learn more"),
+            Self::Held(HoldReason::NoGyroscope) => write!(f, "held: the gyroscope is gone; turn the device about"),
             Self::Held(HoldReason::Constant) => write!(f, "held: constant calibration"),
             Self::Disturbed { .. } => write!(f, "disturbed: a magnetic object is near; move away from it"),
             Self::Rejected(reason) => write!(f, "rejected: {reason}"),

@@ -61,6 +61,9 @@ pub(crate) fn open<T: DeserializeOwned>(text: &str) -> Result<T, SnapshotError> 
     if version.magcomp_snapshot > SNAPSHOT_VERSION {
         return Err(SnapshotError::Newer { found: version.magcomp_snapshot });
     }
+    if version.magcomp_snapshot != SNAPSHOT_VERSION {
+        return Err(SnapshotError::Damaged);
+    }
     let sealed: Sealed = serde_json::from_str(text).map_err(|_| SnapshotError::Damaged)?;
     if sealed.crc32 != format!("{:08x}", crc32fast::hash(sealed.state.get().as_bytes())) {
         return Err(SnapshotError::Damaged);

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 /// Run a recording through the compensator, one row out for every row in.
 ///
 /// IN is CSV, gzipped or not, with a header: t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's
-/// sign; rad/s; reference orientation, device to east-north-up). Other columns are ignored.
+/// sign; rad/s; reference orientation, device to east-north-up). Other columns are ignored. Out: the corrected sample c, the
+/// estimator's own estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
 #[derive(Debug, Args)]
 pub(super) struct Replay {
     /// The recording
@@ -49,10 +50,8 @@ enum MethodChoice {
     /// The best that the recording's sensors allow
     #[default]
     Auto,
-    /// With the gyroscope (a later version)
+    /// Gyroscope and gravity beside the magnetometer
     Aided,
-    /// From the magnetometer alone, change by change (a later version)
-    Adaptive,
     /// The paper's: an ellipsoid over the latest N samples
     Windowed,
     /// The paper's first step alone: one calibration, then kept
@@ -79,20 +78,19 @@ enum AxisChoice {
 }
 
 impl MethodChoice {
-    fn method(self) -> Result<Method, LabError> {
+    fn method(self) -> Method {
         match self {
-            Self::Auto => Ok(Method::Auto),
-            Self::Windowed => Ok(Method::Windowed),
-            Self::Constant => Ok(Method::Constant),
-            Self::Aided => Err(LabError::MethodNotBuilt("aided")),
-            Self::Adaptive => Err(LabError::MethodNotBuilt("adaptive")),
+            Self::Auto => Method::Auto,
+            Self::Windowed => Method::Windowed,
+            Self::Constant => Method::Constant,
+            Self::Aided => Method::Aided,
         }
     }
 }
 
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
-        let method = self.method.method()?;
+        let method = self.method.method();
         let declination_deg = match (self.declination, self.place, self.date) {
             (None, Some(place), Some(day)) => Some(declination_deg(place, day)?),
             (given, ..) => given,

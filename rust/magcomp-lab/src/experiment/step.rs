@@ -14,7 +14,9 @@ use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
 use crate::simulate::{Noise, Scenario, Simulation, world_field_ut};
 use clap::ValueEnum;
-use magcomp::{Calibration, Compensator, Config, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid};
+use magcomp::{
+    Calibration, Compensator, Config, FitOptions, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid,
+};
 use serde::Serialize;
 
 /// Field of the simulation, uT: so that 1.5 M is still a plausible sensor.
@@ -210,10 +212,13 @@ fn constant_field(options: &StepOptions, seed: u64) -> Result<Calibration, LabEr
 
 /// The paper's method with its numbers: N_min 100, N_max 2000, |h| known.
 fn config(options: &StepOptions, constant: Calibration, normalisation: Normalisation) -> Config {
+    let fit = fit_options(options.residual.into());
+    // with the paper's residual its method is followed as written: whatever the window holds is fitted
+    let max_residual_share = if fit.residual == Residual::Algebraic { f64::MAX } else { fit.max_residual_share };
     Config {
         method: Method::Windowed,
         initial: Some(constant),
-        fit: fit_options(options.residual.into()),
+        fit: FitOptions { max_residual_share, ..fit },
         windowed: WindowedConfig { n_min: 100, n_max: 2000, normalisation, ..WindowedConfig::default() },
         ..Config::default()
     }
@@ -225,8 +230,8 @@ fn follow(stream: &Simulation, constant: Calibration, config: Config) -> Result<
     let mut trace = Trace::default();
     for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {
         let reading = compensator.push(*sample);
-        let calibration = compensator.calibration().unwrap_or(&constant);
-        trace.add(sample, truth, &reading, calibration, &constant);
+        let calibration = compensator.calibration().unwrap_or(constant);
+        trace.add(sample, truth, &reading, &calibration, &constant);
     }
     Ok(trace)
 }

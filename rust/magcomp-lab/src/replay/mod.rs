@@ -59,7 +59,7 @@ pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<
         let started = Instant::now();
         let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
         let push_ns = started.elapsed().as_nanos() as u64;
-        Step { reading, calibration: compensator.calibration().copied(), push_ns }
+        Step { reading, calibration: compensator.calibration(), push_ns }
     });
     let steps = steps.collect();
     bar.finish_and_clear();

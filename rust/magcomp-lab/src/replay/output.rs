@@ -3,6 +3,7 @@
 use super::Step;
 use crate::error::LabError;
 use crate::recording::{Recording, write_atomically};
+use magcomp::Calibration;
 use magcomp::nalgebra::Vector3;
 use std::io::{self, Write};
 use std::path::Path;
@@ -40,10 +41,12 @@ fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
     cell(out, heading.map(|heading| heading.inclination_deg), 4)?;
     cell(out, reading.sigma_t, 6)?;
     write!(out, ",{},{:.4},{}", reading.window, reading.coverage, reading.status.label())?;
-    vector(out, calibration.map(|calibration| *calibration.hard_iron_ut()), 6)?;
+    // in force before there is a calibration: no correction
+    let calibration = calibration.unwrap_or_else(|| Calibration::identity(1.0));
+    vector(out, Some(*calibration.hard_iron_ut()), 6)?;
     for row in 0..3 {
         for column in 0..3 {
-            cell(out, calibration.map(|calibration| calibration.soft_iron_inverse()[(row, column)]), 9)?;
+            cell(out, Some(calibration.soft_iron_inverse()[(row, column)]), 9)?;
         }
     }
     write!(out, ",{push_ns}")

@@ -54,6 +54,9 @@ pub struct FitOptions {
     /// to 2 uT over half a second, some 20 samples. Smaller accepts poorer coverage where the residual is small; 0 trusts
     /// the residual alone, for simulated data.
     pub error_floor_ut: f64,
+    /// Largest residual rms that is accepted, as a share of the field strength. Default 0.05: 30 dB of noise is 0.032, rooms
+    /// stay below 0.04; a window across a change of the disturbance lies above. Larger accepts more noise.
+    pub max_residual_share: f64,
     /// Iterations at the most. Default 50; warm or closed-form starts take 2 to 6.
     pub max_iterations: usize,
     /// The iteration has converged when no parameter would change by more than this (field strengths). Default 1e-10.
@@ -68,6 +71,7 @@ impl Default for FitOptions {
             field_range_ut: (22.0, 67.0),
             max_direction_sigma_deg: 10.0,
             error_floor_ut: 5.0,
+            max_residual_share: 0.05,
             max_iterations: 50,
             tolerance: 1e-10,
         }
@@ -109,6 +113,16 @@ pub enum FitError {
         direction_sigma_deg: f64,
         /// The limit it exceeds, degrees.
         limit_deg: f64,
+    },
+    /// The samples do not lie on one ellipsoid.
+    #[error(
+        "samples lie {residual_ut:.1} uT off the best ellipsoid, more than {limit_ut:.1} uT; the disturbance or the place changed meanwhile"
+    )]
+    Inconsistent {
+        /// Residual rms, uT.
+        residual_ut: f64,
+        /// The limit it exceeds, uT.
+        limit_ut: f64,
     },
     /// The best quadric is not an ellipsoid.
     #[error(
@@ -184,7 +198,7 @@ impl Moments {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
         let (s, n) = self.scatter();
-        if !s.iter().all(|v| v.is_finite()) {
+        if !self.is_finite() || !s.iter().all(|v| v.is_finite()) {
             return Err(FitError::NotFinite);
         }
         Ok(Problem { s, n, residual: options.residual })
@@ -298,7 +312,10 @@ impl Problem {
                 Residual::Corrected => self.s - self.n * point.cost,
             };
             let gradient = point.gradient(&q);
-            let hessian = point.hessian(&q);
+            let mut hessian = point.hessian(&q);
+            if self.residual == Residual::Algebraic {
+                hessian += point.curvature(&q);
+            }
             let theta = point.shape.theta();
             let mut taken = None;
             for _ in 0..MAX_DAMPINGS {
@@ -310,11 +327,9 @@ impl Problem {
                 let step = ldl::solve(&damped, &-gradient);
                 let next = step.and_then(|step| Some((step.amax(), self.at(Shape::from_theta(&(theta + step)))?)));
                 if let Some((size, next)) = next
-                    && (next.cost <= point.cost || size <= options.tolerance)
+                    && (next.cost <= point.cost || (damping == 0.0 && next.cost <= point.cost * (1.0 + ROUNDING)))
                 {
-                    if next.cost <= point.cost {
-                        point = next;
-                    }
+                    point = next;
                     taken = Some(size);
                     break;
                 }
@@ -334,6 +349,9 @@ impl Problem {
     }
 }
 
+/// A Newton step that raises the cost by no more than its rounding (relative) is taken: closer to the minimum than
+/// the root of this the cost says nothing any more, the gradient still does.
+const ROUNDING: f64 = 1e-11;
 /// Damping of the first step after one that did not lower the cost.
 const FIRST_DAMPING: f64 = 1e-4;
 /// Factors of 10 in the damping before an iteration gives up.
@@ -362,6 +380,21 @@ impl Point {
         let mut gradient = qp.fixed_rows::<9>(0).component_mul(&DIAGONAL) + self.last_row() * qp[9];
         gradient.apply(|v| *v = if v.is_finite() { *v } else { 0.0 });
         gradient
+    }
+
+    /// What J^T Q J leaves out of the Hessian: (Q p)_10 times the second derivative of g.A^-1 g - 1, 2 V^T A^-1 V with
+    /// V = [-E_k beta, I]. Zero at the minimum of the corrected cost, where Q p = 0; without it the algebraic cost's
+    /// iteration converges only linearly.
+    fn curvature(&self, q: &Matrix10) -> Matrix9 {
+        let b = &self.beta;
+        let mut v = SMatrix::<f64, 3, 9>::zeros();
+        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            v[(i, k)] = -b[j];
+            v[(j, k)] = -b[i];
+        }
+        v.fixed_view_mut::<3, 3>(0, 6).fill_with_identity();
+        let inverse = self.shape.a.try_inverse().unwrap_or_else(Matrix3::zeros);
+        v.transpose() * inverse * v * (2.0 * q.row(9).transpose().dot(&self.p))
     }
 
     /// Lower triangle of J^T Q J.

@@ -45,6 +45,8 @@ const PLACES: [[usize; 10]; 10] = {
 };
 
 /// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
+///
+/// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct ExactSum {
     high: i64,
@@ -52,14 +54,25 @@ struct ExactSum {
 }
 
 const HIGH_UNIT: f64 = (1u64 << 20) as f64;
-const LOW_UNIT: f64 = (1u64 << 40) as f64;
+const LOW_BITS: u32 = 40;
+const LOW_UNIT: f64 = (1u64 << LOW_BITS) as f64;
+const LOW_MASK: i64 = (1 << LOW_BITS) - 1;
+const LARGEST: f64 = (1u64 << 40) as f64;
 
 impl ExactSum {
     #[inline]
     fn split(value: f64) -> (i64, i64) {
-        let scaled = value * HIGH_UNIT;
+        // far beyond any field: only keeps absurd input from overflowing
+        let scaled = value.clamp(-LARGEST, LARGEST) * HIGH_UNIT;
         let high = scaled as i64;
         (high, ((scaled - high as f64) * LOW_UNIT) as i64)
+    }
+
+    #[inline]
+    fn add(&mut self, (high, low): (i64, i64)) {
+        let low = self.low + low;
+        self.high = self.high.wrapping_add(high).wrapping_add(low >> LOW_BITS);
+        self.low = low & LOW_MASK;
     }
 
     #[inline]
@@ -74,6 +87,8 @@ pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,
     count: usize,
+    /// Samples among them with a NaN or infinite component: while there are any, nothing can be fitted.
+    not_finite: usize,
     sums: [ExactSum; MONOMIALS],
 }
 
@@ -82,7 +97,7 @@ impl Moments {
     /// the field strength: moments about a far centre are badly conditioned (at 500 uT off by 1e5).
     #[must_use]
     pub fn new(centre_ut: Vector3<f64>, scale_ut: f64) -> Self {
-        Self { centre_ut, scale_ut, count: 0, sums: [ExactSum::default(); MONOMIALS] }
+        Self { centre_ut, scale_ut, count: 0, not_finite: 0, sums: [ExactSum::default(); MONOMIALS] }
     }
 
     /// Moments of a slice, centred on its mean and scaled by its spread.
@@ -96,6 +111,11 @@ impl Moments {
             moments.add(point);
         }
         moments
+    }
+
+    /// Whether every sample in the set is finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.not_finite == 0
     }
 
     /// Samples in the set.
@@ -120,11 +140,10 @@ impl Moments {
     #[inline]
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
         self.count += 1;
+        self.not_finite += usize::from(!is_finite(raw_ut));
         let monomials = self.monomials(raw_ut);
         for (sum, value) in self.sums.iter_mut().zip(monomials) {
-            let (high, low) = ExactSum::split(value);
-            sum.high = sum.high.wrapping_add(high);
-            sum.low = sum.low.wrapping_add(low);
+            sum.add(ExactSum::split(value));
         }
     }
 
@@ -132,11 +151,11 @@ impl Moments {
     #[inline]
     pub fn remove(&mut self, raw_ut: &Vector3<f64>) {
         self.count = self.count.saturating_sub(1);
+        self.not_finite = self.not_finite.saturating_sub(usize::from(!is_finite(raw_ut)));
         let monomials = self.monomials(raw_ut);
         for (sum, value) in self.sums.iter_mut().zip(monomials) {
             let (high, low) = ExactSum::split(value);
-            sum.high = sum.high.wrapping_sub(high);
-            sum.low = sum.low.wrapping_sub(low);
+            sum.add((-high, -low));
         }
     }
 
@@ -252,9 +271,14 @@ impl Moments {
     }
 }
 
+fn is_finite(v: &Vector3<f64>) -> bool {
+    v.iter().all(|component| component.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ellipsoid::{FitError, FitOptions};
 
     #[test]
     fn scatter_is_the_sum_of_outer_products() {
@@ -308,6 +332,20 @@ mod tests {
         let count = points.len() as f64;
         assert!((s - s_direct / count).abs().max() < 1e-13);
         assert!((n - n_direct / count).abs().max() < 1e-13);
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_blocks_the_fit_until_it_leaves() {
+        let mut moments = Moments::new(Vector3::zeros(), 50.0);
+        for k in 0..200 {
+            let (a, b) = (f64::from(k) * 1.1, f64::from(k) * 0.37);
+            moments.add(&(Vector3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 50.0));
+        }
+        let bad = Vector3::new(f64::NAN, 1.0, f64::INFINITY);
+        moments.add(&bad);
+        assert_eq!(moments.fit(&FitOptions::default()), Err(FitError::NotFinite));
+        moments.remove(&bad);
+        assert!(moments.fit(&FitOptions::default()).is_ok());
     }
 
     #[test]

@@ -95,6 +95,10 @@ impl Moments {
             return Err(self.poorly_covered(expected_deg, noise_ut, options));
         }
         let half_axis_ut = scale * roots.radius;
+        let limit_ut = options.max_residual_share * half_axis_ut;
+        if noise_ut > limit_ut {
+            return Err(FitError::Inconsistent { residual_ut: noise_ut, limit_ut });
+        }
         let (low_ut, high_ut) = options.field_range_ut;
         if !(low_ut..=high_ut).contains(&half_axis_ut) {
             return Err(FitError::FieldOutOfRange { field_ut: half_axis_ut, low_ut, high_ut });

@@ -1,3 +1,4 @@
 //! The estimators behind one `push`.
 
+pub(crate) mod aided;
 pub(crate) mod windowed;

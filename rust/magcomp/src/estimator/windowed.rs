@@ -6,13 +6,14 @@
 //!
 //! What is ours: the cost of a window is kept as its moments, so a fit costs the same for every N; each fit starts from
 //! the previous parameters or from a closed form, whichever fits better; a fit that the samples don't support is refused
-//! with its reason and the parameters stay.
+//! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
+//! the latest N_min and grows from there. `FitOptions` switches the checks off.
 
 use crate::calibration::Calibration;
 use crate::config::{Config, Method, WindowedConfig};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments};
-use crate::reading::{HoldReason, Status};
+use crate::reading::{HoldReason, Missing, Status};
 use crate::uniformity::uniformity;
 use crate::window::window_length;
 use nalgebra::Vector3;
@@ -61,7 +62,10 @@ struct Kept {
     seen_through: Option<Calibration>,
     since_fit: usize,
     since_recentred: usize,
+    /// Samples since the last change that was noticed: older ones are not used.
+    since_change: usize,
     refused: Option<FitError>,
+    suspect_since_ns: Option<i64>,
 }
 
 /// The state as a snapshot holds it: moments and cells follow from the samples, exactly.
@@ -95,8 +99,8 @@ impl Windowed {
         }
     }
 
-    pub fn calibration(&self) -> Option<&Calibration> {
-        self.kept.calibration.as_ref()
+    pub fn calibration(&self) -> Option<Calibration> {
+        self.kept.calibration
     }
 
     /// The latest fit that was accepted.
@@ -113,7 +117,7 @@ impl Windowed {
     }
 
     /// One step of fig. 3.
-    pub fn push(&mut self, raw_ut: &Vector3<f64>) -> WindowedStep {
+    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> WindowedStep {
         self.enter(raw_ut);
         self.kept.since_fit += 1;
         let (sigma_t, spread) = self.variability();
@@ -127,19 +131,20 @@ impl Windowed {
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
-                self.resize(window_length(sigma_t, self.config.n_min, self.config.n_max));
+                let length = window_length(sigma_t, self.config.n_min, self.config.n_max);
+                self.resize(length.min(self.kept.since_change));
                 self.refit()
             }
             None if self.ring.len() >= self.config.n_min => self.refit(),
             None => self.collecting(),
         };
         self.recount();
-        match status {
-            Status::Tracking | Status::Held(_) if spread > SUSPECT_SPREAD => {
-                WindowedStep { sigma_t, status: Status::Suspect }
-            }
-            status => WindowedStep { sigma_t, status },
+        if spread <= SUSPECT_SPREAD {
+            self.kept.suspect_since_ns = None;
+            return WindowedStep { sigma_t, status };
         }
+        let since_ns = *self.kept.suspect_since_ns.get_or_insert(time_ns);
+        WindowedStep { sigma_t, status: Status::Suspect { since_ns } }
     }
 
     /// 1. (15) over the latest N_min samples, with the parameters of the step before; and the rms deviation of |h| there.
@@ -181,6 +186,11 @@ impl Windowed {
             Ok(_) => self.collecting(),
             Err(error) => {
                 self.kept.refused = Some(error);
+                if matches!(error, FitError::Inconsistent { .. }) {
+                    // something changed inside the window: only its latest samples may still agree
+                    self.kept.since_change = self.config.n_min;
+                    self.resize(self.config.n_min);
+                }
                 match self.kept.calibration {
                     Some(_) => Status::Held(HoldReason::FitRefused(error)),
                     None => self.collecting(),
@@ -195,7 +205,32 @@ impl Windowed {
     }
 
     fn collecting(&self) -> Status {
-        Status::Collecting { samples: self.ring.len(), samples_needed: self.config.n_min, refused: self.kept.refused }
+        Status::Collecting(match self.kept.refused {
+            Some(error) => Missing::Fit(error),
+            None => Missing::Samples { have: self.ring.len(), need: self.config.n_min },
+        })
+    }
+
+    /// A sample that another estimator has answered, and now and then what it has found: kept, so that this one can take
+    /// over at any time, and directions are counted.
+    pub fn note(&mut self, raw_ut: &Vector3<f64>, calibration: Option<Calibration>) {
+        self.enter(raw_ut);
+        if calibration.is_some() {
+            self.kept.calibration = calibration;
+        }
+        self.recount();
+    }
+
+    /// Whether the next `note` should bring a calibration: often enough for counting directions.
+    pub fn wants_calibration(&self) -> bool {
+        self.kept.since_recentred.is_multiple_of(RECOUNT_SAMPLES)
+    }
+
+    /// What another estimator has found.
+    pub fn adopt(&mut self, calibration: Calibration) {
+        self.kept.calibration = Some(calibration);
+        self.kept.fit = None;
+        self.recount();
     }
 
     /// The sample enters ring and window.
@@ -211,6 +246,7 @@ impl Windowed {
         self.count(raw_ut, 1);
         self.window += 1;
         self.kept.since_recentred += 1;
+        self.kept.since_change += 1;
     }
 
     /// Samples enter or leave the window at its old end until it has this length.

@@ -1,0 +1,170 @@
+//! What the filter learns about its own noise while it runs.
+//!
+//! Magnetometer noise, from what one step of the chain does not explain (independent of the filter's covariance):
+//! ```text
+//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / t_n) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
+//! ```
+//! A gyroscope that explains nothing: |e| beyond what any offset could do to a turn of |theta| (|e| > 17 uT and
+//! |e| > 150 uT |theta|) in most samples; then only the magnitude can be used.
+//! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion.
+//! Random walk of b, from its own corrections D_k = sum db over T seconds: a true drift keeps their direction, noise and
+//! an uneven field do not (after Myers and Tapley 1976, with the lagged product in place of the square):
+//! ```text
+//! seen = (D_k . D_{k-1} + max(0, tr P_bb,end - tr P_bb,start)) / (3 T),   q_b^2 += gain (seen - q_b^2),
+//! ```
+//! so that q_b falls while nothing drifts, rises with a drift, and stays when nothing is seen (P_bb grows by 3 q_b^2 T).
+//! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
+//! then c and f differ slowly, which white noise does not do:
+//! ```text
+//! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain min(U, U_max)
+//! ```
+//! Source: AIDED.md section 3, but for the walk of b, which the prototype held at one value.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::config::AidedConfig;
+use super::measure::Innovation;
+
+const USELESS_STEP_UT: f64 = 17.0;
+const USELESS_LEVER_UT: f64 = 150.0;
+const USELESS_GAIN: f64 = 0.05;
+const USELESS_ON: f64 = 0.6;
+const USELESS_OFF: f64 = 0.3;
+/// Time constant of the slow difference between c and f, s.
+const SLOW_TIME_S: f64 = 0.25;
+/// Magnetometer noise never counts as more, uT^2.
+const LARGEST_VARIANCE_UT2: f64 = 100.0;
+const WALK_GAIN: f64 = 0.3;
+
+/// One step of the chain from sample to sample.
+pub(crate) struct Increment {
+    pub(crate) offset_ut: Vector3<f64>,
+    pub(crate) soft_iron: Matrix3<f64>,
+    /// R of `propagate`.
+    pub(crate) turn: Matrix3<f64>,
+    pub(crate) angle_rad: f64,
+    pub(crate) dt_s: f64,
+}
+
+/// Noise levels, learned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Adaptation {
+    variance_ut2: f64,
+    pub(crate) local_ut: f64,
+    pub(crate) offset_walk_ut: f64,
+    walked_ut: Vector3<f64>,
+    walked_before_ut: Vector3<f64>,
+    walk_start_ut2: f64,
+    walk_time_s: f64,
+    previous_raw_ut: Option<Vector3<f64>>,
+    slow_ut: Vector3<f64>,
+    slow_power_ut2: f64,
+    useless_share: f64,
+    pub(crate) useless: bool,
+}
+
+impl Adaptation {
+    pub(crate) fn new(config: &AidedConfig) -> Self {
+        Self {
+            variance_ut2: config.noise_start_ut.powi(2),
+            local_ut: config.local_start_ut,
+            offset_walk_ut: config.offset_walk_ut,
+            walked_ut: Vector3::zeros(),
+            walked_before_ut: Vector3::zeros(),
+            walk_start_ut2: -1.0,
+            walk_time_s: 0.0,
+            previous_raw_ut: None,
+            slow_ut: Vector3::zeros(),
+            slow_power_ut2: config.uneven_max_ut.powi(2),
+            useless_share: 0.0,
+            useless: false,
+        }
+    }
+
+    pub(crate) fn sigma_ut(&self) -> f64 {
+        self.variance_ut2.sqrt()
+    }
+
+    /// The slow difference between the corrected sample and the carried field.
+    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, config: &AidedConfig) {
+        let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
+        self.slow_ut += (difference_ut - self.slow_ut) * gain;
+        // what white noise alone would leave after this low-pass
+        let white = self.variance_ut2 * gain / (2.0 - gain);
+        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * config.uneven_max_ut.powi(2));
+        self.slow_power_ut2 += (1.0 - (-dt_s / config.uneven_time_s).exp()) * (seen - self.slow_power_ut2);
+    }
+
+    /// Variance per axis of what the covariance cannot know, uT^2.
+    pub(crate) fn floor_ut2(&self, config: &AidedConfig) -> f64 {
+        config.uneven_gain.powi(2) * self.slow_power_ut2.clamp(0.0, config.uneven_max_ut.powi(2))
+    }
+
+    /// Breaks the chain of one-step increments (gap, or no rotation known).
+    pub(crate) fn forget_previous(&mut self) {
+        self.previous_raw_ut = None;
+    }
+
+    /// One sample, with the step from the one before.
+    pub(crate) fn step(&mut self, raw_ut: &Vector3<f64>, increment: &Increment, config: &AidedConfig) {
+        let Increment { offset_ut, soft_iron, turn, angle_rad, dt_s } = increment;
+        if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
+            let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
+            let size = e.norm();
+            let surprise = size > USELESS_STEP_UT && size > USELESS_LEVER_UT * angle_rad;
+            self.useless_share += USELESS_GAIN * (f64::from(surprise) - self.useless_share);
+            if self.useless_share > USELESS_ON {
+                self.useless = true;
+            } else if self.useless_share < USELESS_OFF {
+                self.useless = false;
+            }
+            let gain = (dt_s / config.noise_time_s).min(0.2);
+            let variance = self.variance_ut2;
+            self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);
+            self.variance_ut2 = self.variance_ut2.min(LARGEST_VARIANCE_UT2).max(config.noise_min_ut.powi(2));
+        }
+        self.previous_raw_ut = Some(*raw_ut);
+    }
+
+    /// The local field's standard deviation, from the size of an innovation.
+    ///
+    /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
+    pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, config: &AidedConfig) {
+        let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
+        let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
+        let excess = if excess < 0.0 { excess * motion } else { excess };
+        self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
+        self.local_ut = self.local_ut.min(config.local_max_ut).max(config.local_min_ut);
+    }
+
+    /// The random walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
+    pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, config: &AidedConfig) {
+        if self.walk_start_ut2 < 0.0 {
+            self.walk_start_ut2 = variance_ut2;
+            self.walk_time_s = 0.0;
+            self.walked_ut = Vector3::zeros();
+            self.walked_before_ut = Vector3::zeros();
+            return;
+        }
+        self.walked_ut += correction_ut;
+        self.walk_time_s += dt_s;
+        if self.walk_time_s >= config.offset_walk_time_s {
+            let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
+            let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walk_time_s);
+            let now = self.offset_walk_ut.powi(2);
+            // from a single window the estimate has three degrees of freedom: it is not believed beyond 9 fold
+            let next = now + WALK_GAIN * (seen.clamp(0.0, 9.0 * now) - now);
+            self.offset_walk_ut = next.sqrt().min(config.offset_walk_max_ut).max(config.offset_walk_min_ut);
+            self.walk_start_ut2 = variance_ut2;
+            self.walk_time_s = 0.0;
+            self.walked_before_ut = self.walked_ut;
+            self.walked_ut = Vector3::zeros();
+        }
+    }
+
+    /// Starts the window of `walk` anew (after a step, a gap or a rest).
+    pub(crate) fn restart_walk(&mut self) {
+        self.walk_start_ut2 = -1.0;
+    }
+}

@@ -1,0 +1,252 @@
+//! Change or disturbance: hypotheses that run side by side from the onset of a misfit, compared by their likelihoods.
+//!
+//! ```text
+//! nothing   the filter as it was, predicted only; has won when its samples fit again
+//! device    P_bb += s^2 I, P_ee += T (room left): the device's disturbance stepped, the field m holds
+//! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
+//! erratic   neither of the last two explains the samples for longer than a second
+//! l = -(min(NIS, 25) + ln det S) / 2,   L += 0.2 min(dt / 10 ms, 4) (l_device - l_place),   |L| <= 30
+//! ```
+//! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
+//! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
+//! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
+//! (a ramp, or a field that keeps changing). If the calibration in force before the last step fits, `device` starts
+//! from it. Source: AIDED.md section 4; starting at the onset instead of at the declaration, holding the calibration
+//! while undecided, `erratic` and the recall are new.
+
+// index arithmetic is the mathematics here
+#![allow(clippy::needless_range_loop)]
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::config::AidedConfig;
+use super::measure::{Correct, Innovation};
+use super::propagate::ProcessNoise;
+use super::state::{Dense, FIELD, Gaussian, OFFSET};
+use super::watch::{Former, Watch};
+
+const SMALLEST_STEP_UT: f64 = 8.0;
+const LARGEST_STEP_UT: f64 = 500.0;
+const IRON_STEP: f64 = 0.05;
+const NIS_CAP: f64 = 25.0;
+const LARGEST_LOG_RATIO: f64 = 30.0;
+const FIT_TIME_S: f64 = 0.25;
+/// Share of misfits allowed to a hypothesis that wins within an erratic field.
+const STRICT_MISFIT: f64 = 0.15;
+const RECALL_LIMIT_UT: f64 = 4.0;
+
+/// What the hypotheses have come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Phase {
+    /// Not decided yet.
+    Undecided,
+    /// The field of the place has changed.
+    Place,
+    /// Neither fits.
+    Erratic,
+}
+
+/// What just happened in a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Goes on.
+    Open,
+    /// The device's disturbance stepped.
+    Device,
+    /// The place's field stepped (told once, when found).
+    Place,
+    /// Neither (told once, when found).
+    Erratic,
+    /// The changed place has lasted: take it as the new one.
+    NewPlace,
+}
+
+/// The hypotheses `device` and `place`, running.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Trial {
+    pub(crate) phase: Phase,
+    pub(crate) onset_ns: i64,
+    device: Gaussian,
+    place: Gaussian,
+    pub(crate) recalled: bool,
+    log_ratio: f64,
+    device_misfit: f64,
+    place_misfit: f64,
+    rotation_rad: f64,
+    /// Seconds since the hypotheses were started (last).
+    age_s: f64,
+    /// Seconds of motion since the onset.
+    total_s: f64,
+    /// Seconds the place hypothesis has held.
+    place_s: f64,
+}
+
+/// What a trial needs to know of one sample.
+pub(crate) struct Step<'a> {
+    pub(crate) time_ns: i64,
+    pub(crate) raw_ut: &'a Vector3<f64>,
+    pub(crate) rate_rad_s: &'a Vector3<f64>,
+    pub(crate) increment_rad: &'a Vector3<f64>,
+    pub(crate) angle_rad: f64,
+    pub(crate) dt_s: f64,
+    pub(crate) noise: &'a ProcessNoise,
+    pub(crate) sigma_ut: f64,
+    pub(crate) resting: bool,
+    pub(crate) motion: f64,
+}
+
+impl Trial {
+    /// Starts the hypotheses from the filter as it is.
+    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, config: &AidedConfig) -> Self {
+        let mut trial = Self {
+            phase: Phase::Undecided,
+            onset_ns: watch.since_ns,
+            device: filter.clone(),
+            place: filter.clone(),
+            recalled: false,
+            log_ratio: 0.0,
+            device_misfit: 0.0,
+            place_misfit: 0.0,
+            rotation_rad: 0.0,
+            age_s: 0.0,
+            total_s: 0.0,
+            place_s: 0.0,
+        };
+        trial.seed(filter, watch, former, config);
+        trial
+    }
+
+    /// Starts both hypotheses (anew).
+    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>, config: &AidedConfig) {
+        let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
+        let base = filter.open();
+        let mut device = base.clone();
+        let recall = former.filter(|_| watch.former_ut.norm() < RECALL_LIMIT_UT.min(0.4 * step_ut));
+        self.recalled = recall.is_some();
+        if let Some(former) = recall {
+            former.put_into(&mut device);
+        } else {
+            device.add_variance(OFFSET, step_ut * step_ut);
+            let room = config.iron_sd_max.powi(2) - device.iron_variance();
+            let wanted = (IRON_STEP * (step_ut / 20.0).min(1.5)).powi(2);
+            device.add_iron_variance(wanted.min(room).max(0.0));
+        }
+        let mut place = base;
+        place.add_variance(FIELD, step_ut * step_ut);
+        self.device.keep(&device);
+        self.place.keep(&place);
+        self.log_ratio = 0.0;
+        self.device_misfit = 0.0;
+        self.place_misfit = 0.0;
+        self.rotation_rad = 0.0;
+        self.age_s = 0.0;
+    }
+
+    /// One sample. `filter` is the filter as it was, predicted to now.
+    pub(crate) fn step(
+        &mut self,
+        step: &Step<'_>,
+        filter: &Gaussian,
+        watch: &Watch,
+        former: Option<&Former>,
+        config: &AidedConfig,
+    ) -> Verdict {
+        let mut device = self.device.open();
+        let mut place = self.place.open();
+        device.propagate(step.increment_rad, step.dt_s, step.noise);
+        place.propagate(step.increment_rad, step.dt_s, step.noise);
+        if !step.resting {
+            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, config.jitter_s);
+            if let (Some(d), Some(p)) = (seen(&device), seen(&place)) {
+                self.judge(&d, &p, step, config);
+                if d.nis < config.gate {
+                    device.update(&d, Correct::All);
+                }
+                if p.nis < config.gate {
+                    place.update(&p, Correct::FieldOnly);
+                }
+            }
+        }
+        self.device.keep(&device);
+        self.place.keep(&place);
+        if step.resting {
+            return Verdict::Open;
+        }
+        self.decide(step, filter, watch, former, config)
+    }
+
+    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, config: &AidedConfig) {
+        let log = |i: &Innovation| -0.5 * (i.nis.min(NIS_CAP) + i.ln_det);
+        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0);
+        self.log_ratio =
+            (self.log_ratio + weight * (log(device) - log(place))).clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO);
+        let gain = 1.0 - (-step.dt_s / FIT_TIME_S).exp();
+        self.device_misfit += gain * (f64::from(device.nis > config.gate) - self.device_misfit);
+        self.place_misfit += gain * (f64::from(place.nis > config.gate) - self.place_misfit);
+        self.rotation_rad += step.angle_rad;
+        self.age_s += step.dt_s;
+        self.total_s += step.dt_s * step.motion;
+    }
+
+    fn decide(
+        &mut self,
+        step: &Step<'_>,
+        filter: &Gaussian,
+        watch: &Watch,
+        former: Option<&Former>,
+        config: &AidedConfig,
+    ) -> Verdict {
+        let device_fits = self.device_misfit < config.fit_share;
+        let place_fits = self.place_misfit < config.fit_share;
+        if self.phase == Phase::Place {
+            if place_fits {
+                self.place_s += step.dt_s;
+                return if self.place_s > config.place_time_s { Verdict::NewPlace } else { Verdict::Open };
+            }
+            self.place_s = 0.0;
+            self.seed(filter, watch, former, config);
+            self.phase = Phase::Erratic;
+            return Verdict::Open;
+        }
+        if !device_fits && !place_fits {
+            self.seed(filter, watch, former, config);
+            if self.total_s > config.erratic_time_s && self.phase == Phase::Undecided {
+                self.phase = Phase::Erratic;
+                return Verdict::Erratic;
+            }
+            return Verdict::Open;
+        }
+        let strict = self.phase == Phase::Erratic;
+        let (rotation, ratio) = if strict {
+            (config.erratic_rotation_rad, 2.0 * config.decide_log_ratio)
+        } else if self.recalled {
+            (0.5 * config.decide_rotation_rad, config.decide_log_ratio)
+        } else {
+            (config.decide_rotation_rad, config.decide_log_ratio)
+        };
+        let age_s = if strict { config.erratic_settle_s } else { config.decide_time_s };
+        let device_fits = device_fits && (!strict || self.device_misfit < STRICT_MISFIT);
+        let place_fits = place_fits && (!strict || self.place_misfit < STRICT_MISFIT);
+        if self.rotation_rad < rotation || self.age_s < age_s {
+            return Verdict::Open;
+        }
+        if self.log_ratio > ratio && device_fits {
+            return Verdict::Device;
+        }
+        if self.log_ratio < -ratio && place_fits {
+            self.phase = Phase::Place;
+            self.place_s = 0.0;
+            return Verdict::Place;
+        }
+        Verdict::Open
+    }
+
+    pub(crate) fn device(&self) -> &Gaussian {
+        &self.device
+    }
+
+    pub(crate) fn place(&self) -> &Gaussian {
+        &self.place
+    }
+}

@@ -1,0 +1,276 @@
+//! One sample with a known rotation: predict, gate, rest, hypotheses, update, adopt.
+//!
+//! ```text
+//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 20
+//! at rest: no magnetometer update, the rate measures the bias
+//! undecided or disturbed: the calibration holds, the hypotheses run
+//! else update, unless gated; learn the noises
+//! ```
+//! Source: AIDED.md sections 2 to 4.
+
+use nalgebra::Vector3;
+
+use super::adapt::Increment;
+use super::events::{Phase, Step, Trial, Verdict};
+use super::measure::{Correct, Innovation};
+use super::propagate::ProcessNoise;
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
+use super::strength::{Strength, Witness};
+use super::watch::{Former, Watch};
+use super::{Aided, AidedOutput};
+use crate::pairing::Rotation;
+use crate::reading::{Event, EventKind, SensorMode};
+
+/// The prior on |m| is applied this often, as one measurement.
+const PRIOR_PERIOD_S: f64 = 0.1;
+/// The prior on |m| counts as one measurement of its standard deviation in this time.
+const PRIOR_TIME_S: f64 = 10.0;
+/// It only guards the start: with |m| known better than this it is left out, uT.
+const PRIOR_ENOUGH_UT: f64 = 3.0;
+/// No direction to apply it along below this |m|, uT.
+const PRIOR_LEAST_UT: f64 = 5.0;
+/// Standard deviation of the zero-rate measurement at rest for a sample of 10 ms, rad/s.
+const REST_RATE_SD_RAD_S: f64 = 0.03;
+const REST_SETTLE_S: f64 = 0.5;
+/// What is known about |h| across a gap, uT.
+const GAP_STRENGTH_SD_UT: f64 = 5.0;
+/// A gap longer than this many times `gap_s`, bridged by the gyroscope, still lets the offset drift.
+const LONG_GAP: f64 = 5.0;
+/// Drift in a gap is not counted beyond this, s: the drift of a phone is bounded.
+pub(super) const LONGEST_DRIFT_S: f64 = 225.0;
+/// Share of gated samples at which the offset is freed before a calibration was found, and the least freedom, uT.
+const UNADOPTED_SHARE: f64 = 0.451;
+const UNADOPTED_STEP_UT: f64 = 8.0;
+/// NIS beyond which a sample is a spike and says nothing about the local field.
+const SPIKE_NIS: f64 = 200.0;
+
+impl Aided {
+    pub(super) fn with_rotation(
+        &mut self,
+        time_ns: i64,
+        raw_ut: &Vector3<f64>,
+        rotation: &Rotation,
+        up: Option<Vector3<f64>>,
+        dt_s: f64,
+    ) -> AidedOutput {
+        let Some(mut filter) = self.filter.take() else {
+            self.adaptation.forget_previous();
+            return self.without_rotation(time_ns, raw_ut, up, None);
+        };
+        let mut dense = filter.open();
+        let bias_sd = (BIAS..BIAS + 3).map(|k| dense.p[k][k]).fold(0.0, f64::max).sqrt();
+        if dt_s > LONG_GAP * self.config.gap_s {
+            dense.add_variance(OFFSET, self.config.gap_offset_walk_ut.powi(2) * dt_s.min(LONGEST_DRIFT_S));
+        }
+        self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.config);
+        let noise = self.process_noise();
+        let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
+        let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
+        let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
+        let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
+        self.adaptation.step(raw_ut, &increment, &self.config);
+        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.config);
+        self.mode = match (self.adaptation.useless, up.is_some()) {
+            (false, true) => SensorMode::GyroscopeAndGravity,
+            (false, false) => SensorMode::GyroscopeOnly,
+            (true, true) => SensorMode::GravityOnly,
+            (true, false) => SensorMode::MagnetometerOnly,
+        };
+        if self.adaptation.useless {
+            self.filter = Some(filter);
+            return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
+        }
+        self.leave_magnitude(&mut dense, &filter, raw_ut);
+        let step = Step {
+            time_ns,
+            raw_ut,
+            rate_rad_s: &rotation.rate_rad_s,
+            increment_rad: &rotation.increment_rad,
+            angle_rad,
+            dt_s,
+            noise: &noise,
+            sigma_ut: self.adaptation.sigma_ut(),
+            resting: self.motion.at_rest(),
+            motion: self.motion.amount(),
+        };
+        self.learn(&step, &mut dense, &mut filter);
+        if let Some(strength_ut) = self.lost_strength_ut.take() {
+            dense.update_strength(strength_ut, GAP_STRENGTH_SD_UT.powi(2));
+        }
+        if !filter.keep(&dense) {
+            filter = self.start(raw_ut);
+        }
+        let output = self.published(time_ns, raw_ut, rotation, &filter);
+        self.filter = Some(filter);
+        output
+    }
+
+    /// The magnetometer's part of one sample.
+    fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
+        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, self.config.jitter_s)
+        else {
+            return;
+        };
+        let gated = innovation.nis > self.config.gate;
+        let field = dense.vector(FIELD);
+        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
+        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.config);
+        if self.motion.rest_s > REST_SETTLE_S {
+            let sd = REST_RATE_SD_RAD_S * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
+            dense.update_bias(step.rate_rad_s, sd * sd);
+        }
+        self.watch_strength(step, dense);
+        if self.trial.is_some() {
+            self.run_trial(step, dense, filter);
+            return;
+        }
+        if !step.resting {
+            if !gated {
+                self.update(step, &innovation, dense);
+            }
+            if !gated || innovation.nis < SPIKE_NIS {
+                self.adaptation.local(&innovation, step.motion, step.dt_s, &self.config);
+            }
+            self.hold_strength(dense, step.dt_s);
+            self.adopt(dense);
+        }
+        if self.adopted {
+            if self.watch.share > self.config.suspect_share {
+                filter.keep(dense);
+                self.trial = Some(Trial::start(filter, &self.watch, self.former.as_ref(), &self.config));
+            }
+        } else if self.watch.share > UNADOPTED_SHARE && self.watch.rotation_rad > self.config.decide_rotation_rad {
+            dense.add_variance(OFFSET, self.watch.misfit_ut.max(UNADOPTED_STEP_UT).powi(2));
+            self.watch = Watch::new();
+        }
+    }
+
+    /// The ordinary update, weakened while the magnitude says that this is not the field of the place.
+    fn update(&mut self, step: &Step<'_>, innovation: &Innovation, dense: &mut Dense) {
+        let before = dense.vector(OFFSET);
+        let excess_ut = self.strength.excess_ut();
+        if excess_ut > 0.0 {
+            let sd = step.sigma_ut.hypot(excess_ut);
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
+                dense.update(&weak, Correct::All);
+            }
+        } else {
+            dense.update(innovation, Correct::All);
+            self.watch_unevenness(step, dense);
+        }
+        if self.adopted {
+            let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
+            self.adaptation.walk(&(dense.vector(OFFSET) - before), variance, step.dt_s, &self.config);
+        }
+    }
+
+    /// One sample while the hypotheses run; `dense` is the filter as it was, predicted.
+    fn run_trial(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
+        let Some(mut trial) = self.trial.take() else { return };
+        filter.keep(dense);
+        let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.config);
+        let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
+        match verdict {
+            Verdict::Device => {
+                let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+                self.event = event(kind);
+                self.former = Some(Former::of(filter));
+                self.strength.clear();
+                return self.go_on_with(trial.device(), dense);
+            }
+            Verdict::NewPlace => return self.go_on_with(trial.place(), dense),
+            Verdict::Place => self.event = event(EventKind::PlaceChanged),
+            Verdict::Erratic => {
+                self.event = event(EventKind::Erratic);
+                // what came just before the onset may have gone into the bias, which now carries the heading
+                dense.add_variance(BIAS, self.config.erratic_bias_rad_s.powi(2));
+            }
+            Verdict::Open => {}
+        }
+        if self.watch.share < self.config.clear_share {
+            self.adaptation.restart_walk();
+            if trial.phase != Phase::Undecided {
+                // it fits again, perhaps by chance: the field is not trusted to be even at once
+                self.adaptation.local_ut = self.config.local_max_ut;
+            }
+            return; // nothing happened, or it is over
+        }
+        if trial.phase == Phase::Erratic {
+            // the earth's field plus something of known size that averages out along the way
+            let sd = self.config.erratic_sd_ut * (2.0 * self.config.erratic_correlation_s / step.dt_s).sqrt();
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
+                dense.update(&weak, Correct::FieldAndBias);
+            }
+        }
+        self.trial = Some(trial);
+    }
+
+    /// A hypothesis has won: it is the filter from here on.
+    fn go_on_with(&mut self, winner: &Gaussian, dense: &mut Dense) {
+        *dense = winner.open();
+        self.watch = Watch::new();
+        self.adaptation.restart_walk();
+    }
+
+    /// Follows the slow difference between c and f, once there is a calibration.
+    fn watch_unevenness(&mut self, step: &Step<'_>, dense: &Dense) {
+        if !self.adopted {
+            return;
+        }
+        let Some(w) = dense.soft_iron().try_inverse() else { return };
+        let still = w * (step.raw_ut - dense.vector(OFFSET));
+        let rate = step.rate_rad_s - dense.vector(BIAS);
+        let c = still - rate.cross(&still) * dense.x[DELAY];
+        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.config);
+    }
+
+    /// Follows |c| against its running median, once there is a calibration.
+    fn watch_strength(&mut self, step: &Step<'_>, dense: &Dense) {
+        if !self.adopted {
+            self.strength = Strength::default();
+            return;
+        }
+        let Some(w) = dense.soft_iron().try_inverse() else { return };
+        let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() / 3.0;
+        let witness = Witness {
+            size_ut: (w * (step.raw_ut - dense.vector(OFFSET))).norm(),
+            field_ut: dense.vector(FIELD).norm(),
+            sd_ut: (variance + step.sigma_ut.powi(2)).sqrt(),
+            moving: !step.resting,
+        };
+        self.strength.step(step.time_ns, &witness, step.dt_s, &self.config);
+    }
+
+    /// The weak prior on |m|: guards the start, is silent once |m| is known.
+    fn hold_strength(&mut self, dense: &mut Dense, dt_s: f64) {
+        self.prior_age_s += dt_s;
+        if self.prior_age_s < PRIOR_PERIOD_S {
+            return;
+        }
+        let m = dense.vector(FIELD);
+        let size = m.norm();
+        if size > PRIOR_LEAST_UT {
+            let u = m / size;
+            if u.dot(&(dense.block(FIELD, FIELD) * u)) > PRIOR_ENOUGH_UT.powi(2) {
+                let variance = self.config.strength_sd_ut.powi(2) * PRIOR_TIME_S / self.prior_age_s.min(1.0);
+                dense.update_strength(self.config.strength_ut, variance);
+            }
+        }
+        self.prior_age_s = 0.0;
+    }
+
+    fn process_noise(&self) -> ProcessNoise {
+        let c = &self.config;
+        ProcessNoise {
+            field_ut: c.field_walk_ut,
+            angle_rad: c.angle_walk_rad,
+            scale: c.scale_walk,
+            offset_ut: self.adaptation.offset_walk_ut * self.motion.amount().sqrt(),
+            iron: c.iron_walk,
+            bias_rad_s: c.bias_walk_rad_s,
+            delay_s: c.delay_walk,
+            local_ut: self.adaptation.local_ut,
+            local_time_s: c.local_time_s,
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! How the device moves: turning, at rest, and where up is.
+//!
+//! rate = low-pass of |w - g| (0.5 s, starting at 1 rad/s: starting at 0 would take the first motion for bias).
+//! motion = clamp((rate / 0.3)^2, 0.02, 1): how much of the process noise and of the learning applies.
+//! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
+//! and does not scatter, as no hand holds. At rest the rate itself is the bias.
+//! up: turned with the gyroscope, drawn to the accelerometer with the weight exp(-((|a| - G) / tolerance)^2).
+//! Source: AIDED.md sections 2, 4 and 5; the weight and the rule for large bias are new.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::config::AidedConfig;
+
+const RATE_TIME_S: f64 = 0.5;
+const FULL_MOTION_RAD_S: f64 = 0.3;
+const LEAST_MOTION: f64 = 0.02;
+const TURNED_TIME_S: f64 = 5.0;
+/// Bias uncertainty above which a steady small rate may be bias, rad/s.
+const UNKNOWN_BIAS_RAD_S: f64 = 0.02;
+/// Largest bias a phone was found with, with room, rad/s.
+const LARGEST_BIAS_RAD_S: f64 = 0.15;
+
+/// Motion statistics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Motion {
+    pub(crate) rate_rad_s: f64,
+    mean_rad_s: Vector3<f64>,
+    scatter_rad2_s2: f64,
+    /// Seconds at rest, 0 while moving.
+    pub(crate) rest_s: f64,
+    /// Low-passed rate over 5 s: how much has been turned of late, rad/s.
+    pub(crate) lately_rad_s: f64,
+    pub(crate) up: Option<Vector3<f64>>,
+    up_age_s: f64,
+}
+
+impl Motion {
+    pub(crate) fn new() -> Self {
+        Self {
+            rate_rad_s: 1.0,
+            mean_rad_s: Vector3::zeros(),
+            scatter_rad2_s2: 1.0,
+            rest_s: 0.0,
+            lately_rad_s: 0.0,
+            up: None,
+            up_age_s: 0.0,
+        }
+    }
+
+    pub(crate) fn amount(&self) -> f64 {
+        (self.rate_rad_s / FULL_MOTION_RAD_S).powi(2).clamp(LEAST_MOTION, 1.0)
+    }
+
+    pub(crate) fn at_rest(&self) -> bool {
+        self.rest_s > 0.0
+    }
+
+    /// One sample: `rate` as the gyroscope reads it, `bias` and its standard deviation as the filter has them.
+    pub(crate) fn step(
+        &mut self,
+        rate: &Vector3<f64>,
+        bias: &Vector3<f64>,
+        bias_sd: f64,
+        dt_s: f64,
+        config: &AidedConfig,
+    ) {
+        let now = (rate - bias).norm();
+        let gain = 1.0 - (-dt_s / RATE_TIME_S).exp();
+        self.rate_rad_s += gain * (now - self.rate_rad_s);
+        self.lately_rad_s += (1.0 - (-dt_s / TURNED_TIME_S).exp()) * (now - self.lately_rad_s);
+        self.mean_rad_s += (rate - self.mean_rad_s) * gain;
+        self.scatter_rad2_s2 += gain * ((rate - self.mean_rad_s).norm_squared() - self.scatter_rad2_s2);
+        let still = self.rate_rad_s < config.rest_rate_rad_s && now < 2.0 * config.rest_rate_rad_s;
+        let steady = bias_sd > UNKNOWN_BIAS_RAD_S
+            && self.mean_rad_s.norm() < LARGEST_BIAS_RAD_S
+            && self.scatter_rad2_s2.sqrt() < config.rest_scatter * config.rest_rate_rad_s;
+        self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
+    }
+
+    /// Carries `up` by the rotation `r` and draws it to the accelerometer.
+    pub(crate) fn carry_up(
+        &mut self,
+        r: &Matrix3<f64>,
+        measured: Option<Vector3<f64>>,
+        bias_sd: f64,
+        dt_s: f64,
+        config: &AidedConfig,
+    ) {
+        if let Some(up) = &mut self.up {
+            *up = r * *up;
+        }
+        let Some(measured) = measured else { return };
+        let size = measured.norm();
+        if size < 0.1 * config.gravity_m_s2 {
+            return;
+        }
+        match &mut self.up {
+            None => {
+                self.up = Some(measured / size);
+                self.up_age_s = 0.0;
+            }
+            Some(up) => {
+                let off = (size - config.gravity_m_s2) / config.gravity_tolerance_m_s2;
+                let trust = (-off * off).exp();
+                // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
+                let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(self.up_age_s + dt_s);
+                self.up_age_s = (self.up_age_s + dt_s * trust).min(2.0 * config.up_time_s);
+                *up += (measured / size - *up) * (trust * (dt_s / time_s).min(1.0));
+                let norm = up.norm();
+                if norm > 1e-6 {
+                    *up /= norm;
+                } else {
+                    self.up = None;
+                }
+            }
+        }
+    }
+
+    /// The gyroscope is gone: nothing is known about motion; `up` is the accelerometer's.
+    pub(crate) fn without_rotation(&mut self, measured: Option<Vector3<f64>>) {
+        let up = measured.filter(|m| m.norm() > 1.0).map(|m| m.normalize());
+        *self = Self { up, ..Self::new() };
+    }
+}

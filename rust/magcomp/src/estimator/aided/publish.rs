@@ -1,0 +1,129 @@
+//! What is published after a sample: c, f, their uncertainties (equations in `output`), and the status.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::events::Phase;
+use super::output::{calibration_covariance, heading_sigma_deg};
+use super::state::{BIAS, DELAY, FIELD, Gaussian, OFFSET};
+use super::{Aided, AidedOutput};
+use crate::pairing::Rotation;
+use crate::reading::{HoldReason, Missing, Status};
+
+/// Rate lately below which nothing is being learned, rad/s.
+const TOO_LITTLE_RAD_S: f64 = 0.04;
+/// Magnetometer noise assumed at most in the magnitude mode, whose one-step increments mean nothing, uT.
+const MAGNITUDE_NOISE_UT: f64 = 2.0;
+
+impl Aided {
+    /// An answer that says nothing but its status.
+    pub(super) fn blank(&self, time_ns: i64, status: Status) -> AidedOutput {
+        AidedOutput {
+            time_ns,
+            corrected_ut: None,
+            corrected_covariance_ut2: Matrix3::zeros(),
+            filtered_ut: None,
+            filtered_covariance_ut2: Matrix3::zeros(),
+            up: None,
+            corrected_heading_sigma_deg: None,
+            filtered_heading_sigma_deg: None,
+            status,
+            event: self.event,
+            mode: self.mode,
+        }
+    }
+
+    pub(super) fn published(
+        &self,
+        time_ns: i64,
+        raw_ut: &Vector3<f64>,
+        rotation: &Rotation,
+        filter: &Gaussian,
+    ) -> AidedOutput {
+        let mut output = self.blank(time_ns, self.status());
+        output.up = self.motion.up;
+        let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
+        let rate = rotation.rate_rad_s - filter.vector(BIAS);
+        let still = w * (raw_ut - filter.vector(OFFSET));
+        let c = still - rate.cross(&still) * filter.mean[DELAY];
+        let f = filter.vector(FIELD);
+        let swing = rate.cross(&f) * self.config.clock_sd_s;
+        let timing = swing * swing.transpose();
+        let floor = self.adaptation.floor_ut2(&self.config);
+        let mut unseen = self.adaptation.local_ut.powi(2) + floor;
+        if self.trial.is_some() {
+            // undecided: c is wrong by the step if it is the device's
+            unseen += self.watch.misfit_ut.powi(2) / 3.0;
+        }
+        let p_c = calibration_covariance(&calibration_block(filter), &w, &f)
+            + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
+            + Matrix3::identity() * unseen
+            + timing;
+        let p_f = filter.block(FIELD, FIELD) + Matrix3::identity() * floor + timing;
+        if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
+            return output;
+        }
+        output.corrected_ut = Some(c);
+        output.filtered_ut = Some(f);
+        output.corrected_covariance_ut2 = p_c;
+        output.filtered_covariance_ut2 = p_f;
+        output.corrected_heading_sigma_deg = self.motion.up.map(|up| heading_sigma_deg(&f, &p_c, &up));
+        output.filtered_heading_sigma_deg = self.motion.up.map(|up| heading_sigma_deg(&f, &p_f, &up));
+        output
+    }
+
+    fn status(&self) -> Status {
+        if !self.adopted {
+            return Status::Collecting(Missing::Rotation);
+        }
+        if let Some(trial) = &self.trial {
+            let since_ns = trial.onset_ns;
+            return match trial.phase {
+                Phase::Undecided => Status::Suspect { since_ns },
+                Phase::Place | Phase::Erratic => Status::Disturbed { since_ns },
+            };
+        }
+        if let Some(since_ns) = self.strength.since_ns {
+            return Status::Disturbed { since_ns };
+        }
+        if self.motion.at_rest() {
+            Status::Held(HoldReason::AtRest)
+        } else if self.motion.lately_rad_s < TOO_LITTLE_RAD_S {
+            Status::Held(HoldReason::TooLittleRotation)
+        } else {
+            Status::Tracking
+        }
+    }
+
+    /// The magnitude-only mode, and what it publishes.
+    pub(super) fn by_magnitude(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
+        let sigma = self.adaptation.sigma_ut().min(MAGNITUDE_NOISE_UT);
+        self.magnitude.push(raw_ut, sigma);
+        let (known, status) = if self.magnitude_is_better() {
+            let m = &self.magnitude;
+            (Some((m.soft_iron(), m.offset_ut, m.covariance())), Status::Tracking)
+        } else if let Some(f) = self.filter.as_ref().filter(|_| self.adopted) {
+            let held = Status::Held(HoldReason::NoGyroscope);
+            (Some((f.soft_iron(), f.vector(OFFSET), calibration_block(f))), held)
+        } else {
+            (None, Status::Collecting(Missing::Directions))
+        };
+        let mut output = self.blank(time_ns, status);
+        output.up = self.motion.up;
+        let Some((m, b, p)) = known else { return output };
+        let Some(w) = m.try_inverse() else { return output };
+        let c = w * (raw_ut - b);
+        let floor = self.adaptation.floor_ut2(&self.config);
+        let p_c = calibration_covariance(&p, &w, &c) + w * w.transpose() * sigma.powi(2) + Matrix3::identity() * floor;
+        if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
+            output.corrected_ut = Some(c);
+            output.corrected_covariance_ut2 = p_c;
+            output.corrected_heading_sigma_deg = output.up.map(|up| heading_sigma_deg(&c, &p_c, &up));
+        }
+        output
+    }
+}
+
+/// The covariance of (b, e).
+fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
+    SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j))
+}

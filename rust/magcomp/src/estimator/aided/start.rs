@@ -1,0 +1,195 @@
+//! Starts: from one raw sample, a second time about the first answer, after a gap, and from the magnitude mode.
+//!
+//! ```text
+//! raw_0 = m + b is known, its split is not:  P_mm = s^2 I,  P_bb = (s^2 + 0.25) I,  P_mb = -s^2 I
+//! 20 < |raw_0| < 75 uT ("near"): m = raw_0, b = 0, s = 25; else m = 0, b = raw_0, s = 30
+//! ```
+//! A prior that is wide and without that correlation would give the split wholly to b, and h would go to 0.
+//! Nothing is published until sqrt(tr P_bb) < 6 uT (adoption). Source: AIDED.md section 2; the second start is new.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::learn::LONGEST_DRIFT_S;
+use super::magnitude::Magnitude;
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET};
+use super::watch::Watch;
+use super::{Aided, AidedOutput};
+use crate::calibration::Calibration;
+use crate::reading::SensorMode;
+
+/// A first raw sample of this size may be a field without an offset, uT.
+const NEAR_UT: std::ops::Range<f64> = 20.0..75.0;
+const NEAR_SD_UT: f64 = 25.0;
+const FAR_SD_UT: f64 = 30.0;
+/// Variance of the sum of m and b at the start, uT^2: half a microtesla of noise.
+const SUM_VARIANCE_UT2: f64 = 0.25;
+/// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
+const GIVEN_OFFSET_SD_UT: f64 = 2.0;
+const GIVEN_IRON_SD: f64 = 0.02;
+/// Added to what the bias is known to at the second start, rad/s.
+const RESTART_BIAS_RAD_S: f64 = 0.002;
+
+impl Aided {
+    /// A filter that knows one raw sample.
+    pub(super) fn start(&mut self, raw_ut: &Vector3<f64>) -> Gaussian {
+        self.restarted = false;
+        self.adopted = false;
+        self.trial = None;
+        let near = NEAR_UT.contains(&raw_ut.norm());
+        let mut dense = self.fresh(if near { NEAR_SD_UT } else { FAR_SD_UT });
+        dense.set_vector(if near { FIELD } else { OFFSET }, raw_ut);
+        if near {
+            dense.update_strength(self.config.strength_ut, self.config.strength_sd_ut.powi(2));
+        }
+        let mut gaussian = Gaussian::zero();
+        gaussian.keep(&dense);
+        gaussian
+    }
+
+    /// Takes over a calibration from elsewhere, as adopted; where the field points is not known.
+    pub fn begin_from(&mut self, calibration: &Calibration) {
+        // the filter's gauge is trace M = 3
+        let trace = calibration.soft_iron().trace();
+        let e = calibration.soft_iron() * (3.0 / trace) - Matrix3::identity();
+        let mut dense = self.fresh(FAR_SD_UT);
+        dense.x[IRON..IRON + 6].copy_from_slice(&[e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
+        dense.set_vector(OFFSET, calibration.hard_iron_ut());
+        dense.isolate(OFFSET, GIVEN_OFFSET_SD_UT * GIVEN_OFFSET_SD_UT);
+        dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
+        dense.isolate(IRON, 0.0);
+        dense.isolate(IRON + 3, 0.0);
+        dense.add_iron_variance(GIVEN_IRON_SD * GIVEN_IRON_SD);
+        let mut gaussian = Gaussian::zero();
+        if gaussian.keep(&dense) {
+            self.filter = Some(gaussian);
+            self.lost_strength_ut = Some(calibration.field_strength_ut() * trace / 3.0);
+            self.restarted = true;
+            self.adopted = true;
+            self.trial = None;
+            self.watch = Watch::new();
+            self.magnitude = Magnitude::new();
+        }
+    }
+
+    /// Mean zero, and the covariance of a start with the split of m and b known to `sd_ut` per axis.
+    fn fresh(&self, sd_ut: f64) -> Dense {
+        let mut dense = Gaussian::zero().open();
+        let variance = sd_ut * sd_ut;
+        for k in 0..3 {
+            dense.p[FIELD + k][FIELD + k] = variance;
+            dense.p[OFFSET + k][OFFSET + k] = variance + SUM_VARIANCE_UT2;
+            dense.p[FIELD + k][OFFSET + k] = -variance;
+            dense.p[OFFSET + k][FIELD + k] = -variance;
+        }
+        dense.add_iron_variance(self.config.iron_sd.powi(2));
+        dense.add_variance(BIAS, self.config.bias_sd_rad_s.powi(2));
+        dense.add_variance(LOCAL, self.config.local_start_ut.powi(2));
+        dense.p[DELAY][DELAY] = self.config.delay_sd_s.powi(2);
+        dense
+    }
+
+    /// Until the first calibration: a second start, then adoption.
+    ///
+    /// The first answer comes from a filter linearised far from the truth (m from 0 to 50 uT), which trusts it too much.
+    /// So once the offset is roughly known, all is freed again about the better point.
+    pub(super) fn adopt(&mut self, dense: &mut Dense) {
+        if self.adopted {
+            return;
+        }
+        let trace: f64 = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
+        if !self.restarted {
+            if trace < self.config.restart_sd_ut.powi(2) {
+                self.restarted = true;
+                let mut again = self.fresh(self.config.restart_sd_ut);
+                again.x = dense.x;
+                for k in BIAS..BIAS + 3 {
+                    // the bias may be known from rest, where nothing was linearised
+                    again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k] + RESTART_BIAS_RAD_S.powi(2));
+                }
+                *dense = again;
+            }
+        } else if trace < self.config.adopt_sd_ut.powi(2) {
+            self.adopted = true;
+            self.adaptation.restart_walk();
+        }
+    }
+
+    /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
+    ///
+    /// The direction of the field is lost; its strength and the calibration are not, and wait.
+    pub(super) fn without_rotation(
+        &mut self,
+        time_ns: i64,
+        raw_ut: &Vector3<f64>,
+        up: Option<Vector3<f64>>,
+        dt_s: Option<f64>,
+    ) -> AidedOutput {
+        self.adaptation.restart_walk();
+        self.motion.without_rotation(up);
+        self.trial = None;
+        self.watch = Watch::new();
+        self.mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
+        let filter = match (self.filter.take(), dt_s) {
+            (Some(mut filter), _) if self.adopted => {
+                let dt_s = dt_s.unwrap_or(0.0);
+                let mut dense = filter.open();
+                self.lost_strength_ut.get_or_insert(dense.vector(FIELD).norm());
+                let walk_ut2 = self.config.gap_offset_walk_ut.powi(2) * dt_s.min(LONGEST_DRIFT_S);
+                if (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() < LONGEST_DRIFT_S * 3.0 {
+                    dense.add_variance(OFFSET, walk_ut2);
+                }
+                if let Some(w) = dense.soft_iron().try_inverse() {
+                    dense.set_vector(FIELD, &(w * (raw_ut - dense.vector(OFFSET))));
+                }
+                dense.set_vector(LOCAL, &Vector3::zeros());
+                dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
+                dense.isolate(LOCAL, self.adaptation.local_ut.powi(2));
+                filter.keep(&dense);
+                filter
+            }
+            _ => self.start(raw_ut),
+        };
+        self.filter = Some(filter);
+        self.by_magnitude(time_ns, raw_ut)
+    }
+
+    /// Whether the magnitude mode knows the offset better than the filter, which has no gyroscope now.
+    pub(super) fn magnitude_is_better(&self) -> bool {
+        let of_filter = |f: &Gaussian| (OFFSET..OFFSET + 3).map(|i| f.p(i, i)).sum::<f64>();
+        let of_magnitude: f64 = self.magnitude.offset_variance_ut2();
+        self.magnitude.started
+            && (!self.adopted || self.filter.as_ref().is_none_or(|filter| of_filter(filter) > of_magnitude))
+    }
+
+    /// The gyroscope makes sense again: what the magnitude found is taken over if it is better, and dropped.
+    pub(super) fn leave_magnitude(&mut self, dense: &mut Dense, filter: &Gaussian, raw_ut: &Vector3<f64>) {
+        if !self.magnitude.started {
+            return;
+        }
+        let of_filter: f64 = (OFFSET..OFFSET + 3).map(|i| filter.p(i, i)).sum();
+        let magnitude = std::mem::replace(&mut self.magnitude, Magnitude::new());
+        let of_magnitude: f64 = magnitude.offset_variance_ut2();
+        let Some(w) = magnitude.soft_iron().try_inverse() else { return };
+        if self.adopted && of_filter < of_magnitude {
+            return;
+        }
+        let delay_s = dense.x[DELAY];
+        *dense = self.fresh(FAR_SD_UT);
+        let e = magnitude.soft_iron() - Matrix3::identity();
+        dense.x[IRON..IRON + 6].copy_from_slice(&[e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
+        dense.x[DELAY] = delay_s;
+        dense.set_vector(OFFSET, &magnitude.offset_ut);
+        dense.set_vector(FIELD, &(w * (raw_ut - magnitude.offset_ut)));
+        dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
+        let covariance = magnitude.covariance();
+        for i in 0..9 {
+            for j in 0..9 {
+                dense.p[OFFSET + i][OFFSET + j] = covariance[(i, j)];
+            }
+        }
+        self.lost_strength_ut = Some(magnitude.strength_ut);
+        self.restarted = true;
+        self.adopted = false;
+        self.adopt(dense);
+    }
+}

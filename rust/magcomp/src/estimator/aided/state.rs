@@ -1,0 +1,192 @@
+//! The state and its covariance: x = [m, b, e, g, d, tau], 19 numbers, P symmetric.
+//!
+//! ```text
+//! m    field of the place in the device frame at the gyroscope's time, uT
+//! b    hard iron, uT
+//! e    soft iron M = I + E, e = (E_xx, E_yy, E_zz, E_xy, E_xz, E_yz), trace E = 0
+//! g    gyroscope bias, rad/s
+//! d    local deviation of the field (rooms are not uniform), device frame, uT
+//! tau  how late the magnetometer is against the gyroscope, s
+//! ```
+//!
+//! The gauge: raw = M h + b leaves the scale between M and |h| free, so E is held traceless: every variance given to e
+//! (prior, process noise, step) has the pattern T, in which the trace has variance zero. Without it |m| walks away.
+//! Stored as the packed lower triangle (190 numbers), worked on as a dense matrix on the stack.
+//! Source: prototype, AIDED.md section 2.
+
+// index arithmetic is the mathematics here
+#![allow(clippy::needless_range_loop)]
+
+use nalgebra::{Matrix3, SVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Length of the state.
+pub(crate) const STATES: usize = 19;
+/// Numbers in the packed lower triangle of the covariance.
+pub(crate) const PACKED: usize = STATES * (STATES + 1) / 2;
+/// First index of m.
+pub(crate) const FIELD: usize = 0;
+/// First index of b.
+pub(crate) const OFFSET: usize = 3;
+/// First index of e.
+pub(crate) const IRON: usize = 6;
+/// First index of g.
+pub(crate) const BIAS: usize = 12;
+/// First index of d.
+pub(crate) const LOCAL: usize = 15;
+/// Index of tau.
+pub(crate) const DELAY: usize = 18;
+
+/// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
+const TRACE_SHARE: f64 = 1e-6;
+
+/// State and covariance as they are kept between samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Gaussian {
+    pub(crate) mean: SVector<f64, STATES>,
+    packed: SVector<f64, PACKED>,
+}
+
+/// State and covariance as they are worked on.
+#[derive(Clone)]
+pub(crate) struct Dense {
+    pub(crate) x: [f64; STATES],
+    pub(crate) p: [[f64; STATES]; STATES],
+}
+
+impl Gaussian {
+    pub(crate) fn zero() -> Self {
+        Self { mean: SVector::zeros(), packed: SVector::zeros() }
+    }
+
+    pub(crate) fn open(&self) -> Dense {
+        let mut dense = Dense { x: self.mean.into(), p: [[0.0; STATES]; STATES] };
+        let mut k = 0;
+        for i in 0..STATES {
+            for j in 0..=i {
+                let value = self.packed[k];
+                dense.p[i][j] = value;
+                dense.p[j][i] = value;
+                k += 1;
+            }
+        }
+        dense
+    }
+
+    /// Keeps `dense`, unless a number in it is not finite: then the former state stays and `false` is returned.
+    pub(crate) fn keep(&mut self, dense: &Dense) -> bool {
+        let mut sum = 0.0;
+        let mut packed = SVector::<f64, PACKED>::zeros();
+        let mut k = 0;
+        for i in 0..STATES {
+            sum += dense.x[i];
+            for j in 0..=i {
+                packed[k] = dense.p[i][j];
+                sum += dense.p[i][j];
+                k += 1;
+            }
+        }
+        if !sum.is_finite() {
+            return false;
+        }
+        self.mean = SVector::from(dense.x);
+        self.packed = packed;
+        true
+    }
+
+    /// Covariance of states i and j.
+    pub(crate) fn p(&self, i: usize, j: usize) -> f64 {
+        let (row, column) = if i >= j { (i, j) } else { (j, i) };
+        self.packed[row * (row + 1) / 2 + column]
+    }
+
+    /// The 3x3 block of the covariance whose first indices are given.
+    pub(crate) fn block(&self, i: usize, j: usize) -> Matrix3<f64> {
+        Matrix3::from_fn(|r, c| self.p(i + r, j + c))
+    }
+
+    pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
+        Vector3::new(self.mean[i], self.mean[i + 1], self.mean[i + 2])
+    }
+
+    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
+        soft_iron(self.mean.as_slice())
+    }
+}
+
+impl Dense {
+    pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
+        Vector3::new(self.x[i], self.x[i + 1], self.x[i + 2])
+    }
+
+    pub(crate) fn set_vector(&mut self, i: usize, v: &Vector3<f64>) {
+        self.x[i..i + 3].copy_from_slice(v.as_slice());
+    }
+
+    pub(crate) fn block(&self, i: usize, j: usize) -> Matrix3<f64> {
+        Matrix3::from_fn(|r, c| self.p[i + r][j + c])
+    }
+
+    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
+        soft_iron(&self.x)
+    }
+
+    /// Adds variance to three states on the diagonal.
+    pub(crate) fn add_variance(&mut self, i: usize, variance: f64) {
+        for k in i..i + 3 {
+            self.p[k][k] += variance;
+        }
+    }
+
+    /// Adds a symmetric 3x3 block on the diagonal.
+    pub(crate) fn add_block(&mut self, i: usize, block: &Matrix3<f64>) {
+        for r in 0..3 {
+            for c in 0..3 {
+                self.p[i + r][i + c] += block[(r, c)];
+            }
+        }
+    }
+
+    /// Adds variance to the soft iron by the traceless pattern T.
+    pub(crate) fn add_iron_variance(&mut self, variance: f64) {
+        for r in 0..3 {
+            for c in 0..3 {
+                self.p[IRON + r][IRON + c] +=
+                    if r == c { variance * (2.0 / 3.0 + TRACE_SHARE) } else { -variance / 3.0 };
+            }
+            self.p[IRON + 3 + r][IRON + 3 + r] += 0.5 * variance;
+        }
+    }
+
+    /// Sets the covariances between states `range` and all others to zero, and their own block to `variance` I.
+    pub(crate) fn isolate(&mut self, i: usize, variance: f64) {
+        for k in i..i + 3 {
+            for j in 0..STATES {
+                self.p[k][j] = 0.0;
+                self.p[j][k] = 0.0;
+            }
+            self.p[k][k] = variance;
+        }
+    }
+
+    /// Mean variance of one element of e, in units of the pattern T.
+    pub(crate) fn iron_variance(&self) -> f64 {
+        // the pattern has trace 2 v (diagonal) + 1.5 v (off the diagonal)
+        (IRON..IRON + 6).map(|k| self.p[k][k]).sum::<f64>() / 3.5
+    }
+}
+
+fn soft_iron(x: &[f64]) -> Matrix3<f64> {
+    let e = &x[IRON..IRON + 6];
+    Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
+}
+
+/// The matrix [a]x for which [a]x v = a x v.
+pub(crate) fn cross(a: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+/// D e = E h: the 3x6 matrix that makes M h linear in e.
+pub(crate) fn iron_rows(h: &Vector3<f64>) -> [[f64; 6]; 3] {
+    [[h.x, 0.0, 0.0, h.y, h.z, 0.0], [0.0, h.y, 0.0, h.x, 0.0, h.z], [0.0, 0.0, h.z, 0.0, h.x, h.y]]
+}

@@ -1,0 +1,104 @@
+//! Consistency: the covariance stays positive definite, its size is right, nothing is learned at rest.
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::super::state::{OFFSET, STATES};
+use super::super::{Aided, AidedConfig};
+use super::simulator::World;
+use crate::pairing::PairedInertial;
+use crate::reading::{HoldReason, Status};
+
+fn assert_positive_definite(aided: &Aided, at: usize) {
+    let Some(filter) = &aided.filter else { return };
+    // scaled to unit diagonal, so that units do not matter
+    let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| filter.p(i, j) / (filter.p(i, i) * filter.p(j, j)).sqrt());
+    assert!(p.cholesky().is_some(), "not positive definite at sample {at}");
+}
+
+#[test]
+fn covariance_stays_positive_definite_over_a_million_samples_with_gaps_and_rate_changes() {
+    positive_definite_over(1_000_000);
+}
+
+/// Three to five minutes in release: `cargo test --release -- --ignored a_hundred_million`.
+#[test]
+#[ignore = "minutes"]
+fn covariance_stays_positive_definite_over_a_hundred_million_samples() {
+    positive_definite_over(100_000_000);
+}
+
+fn positive_definite_over(samples: usize) {
+    let mut world = World::new(3);
+    let mut aided = Aided::new(AidedConfig::default());
+    let rates = [0.01, 0.02, 0.0025, 0.1, 0.04, 0.005];
+    for k in 0..samples {
+        let mut dt_s = rates[(k / 5_000) % rates.len()] * (0.9 + 0.2 * world.random.uniform());
+        world.tumbling_rad_s = [1.0, 0.0, 3.0, 0.2][(k / 20_000) % 4];
+        if k % 7_777 == 0 {
+            dt_s = 3.0;
+        }
+        if k % 100_000 == 50_000 {
+            world.hard_iron_ut += Vector3::new(15.0, -20.0, 10.0);
+        }
+        let sample = world.sample(dt_s);
+        let inertial = if k % 7_777 == 0 { PairedInertial::default() } else { sample.inertial };
+        let output = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        assert!(output.corrected_ut.is_none_or(|c| c.iter().all(|v| v.is_finite())));
+        if k % 500 == 0 {
+            assert_positive_definite(&aided, k);
+        }
+    }
+}
+
+/// The next test's mean is over seeds, axes and time; a single run is correlated over many seconds.
+#[test]
+fn offset_errors_match_their_covariance() {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for seed in 10..30 {
+        let mut world = World::new(seed);
+        let mut aided = Aided::new(AidedConfig::default());
+        for k in 0..3_000 {
+            let sample = world.sample(0.01);
+            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            if k >= 500 && k % 100 == 0 {
+                let (Some(c), Some(p)) = (aided.calibration(), aided.covariance()) else { continue };
+                let error = c.hard_iron_ut() - world.hard_iron_ut;
+                for i in 0..3 {
+                    sum += error[i] * error[i] / p[(i, i)];
+                    count += 1.0;
+                }
+            }
+        }
+    }
+    let nees: f64 = sum / count;
+    assert!(count > 1_000.0 && (0.3..3.0).contains(&nees), "NEES per axis {nees:.2} over {count}");
+}
+
+#[test]
+fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
+    let mut world = World::new(5);
+    let mut aided = Aided::new(AidedConfig::default());
+    for _ in 0..2_000 {
+        let sample = world.sample(0.01);
+        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    }
+    world.tumbling_rad_s = 0.0;
+    let mut state = Status::Tracking;
+    for _ in 0..300 {
+        let sample = world.sample(0.01);
+        state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).status;
+    }
+    assert_eq!(state, Status::Held(HoldReason::AtRest));
+    let before = aided.filter.as_ref().unwrap().vector(OFFSET);
+    world.hard_iron_ut += Vector3::new(80.0, -60.0, 40.0);
+    let mut heading_moved = 0.0_f64;
+    for _ in 0..1_000 {
+        let sample = world.sample(0.01);
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        heading_moved = heading_moved.max(output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees());
+        state = output.status;
+    }
+    assert!(matches!(state, Status::Suspect { .. }), "{state:?}");
+    assert_eq!(before, aided.filter.as_ref().unwrap().vector(OFFSET));
+    assert!(heading_moved < 3.0, "carried field wrong by {heading_moved} deg");
+}

@@ -1,0 +1,117 @@
+//! Every Jacobian against central finite differences.
+
+// index arithmetic is the mathematics here
+#![allow(clippy::needless_range_loop)]
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::super::measure::{foretell, jacobian};
+use super::super::output::heading_sigma_deg;
+use super::super::propagate::ProcessNoise;
+use super::super::state::{Dense, Gaussian, STATES};
+use super::simulator::Random;
+
+const QUIET: ProcessNoise = ProcessNoise {
+    field_ut: 0.0,
+    angle_rad: 0.0,
+    scale: 0.0,
+    offset_ut: 0.0,
+    iron: 0.0,
+    bias_rad_s: 0.0,
+    delay_s: 0.0,
+    local_ut: 0.0,
+    local_time_s: 1.0,
+};
+
+/// Sizes of the states, for steps and tolerances.
+fn scale(i: usize) -> f64 {
+    match i {
+        0..6 | 15..18 => 10.0,
+        6..12 => 0.05,
+        12..15 => 0.02,
+        _ => 0.01,
+    }
+}
+
+fn random_state(random: &mut Random) -> Dense {
+    let mut dense = Gaussian::zero().open();
+    for i in 0..STATES {
+        dense.x[i] = scale(i) * random.normal();
+    }
+    let a = SMatrix::<f64, STATES, STATES>::from_fn(|i, _| scale(i) * random.normal());
+    let p = a * a.transpose();
+    for i in 0..STATES {
+        for j in 0..STATES {
+            dense.p[i][j] = p[(i, j)];
+        }
+    }
+    dense
+}
+
+#[test]
+fn propagation_of_the_covariance_is_f_p_f_transposed() {
+    let mut random = Random(1);
+    for _ in 0..50 {
+        let dense = random_state(&mut random);
+        let increment = random.vector(0.3);
+        let dt_s = 0.01 + 0.2 * random.uniform();
+        let run = |x: [f64; STATES]| {
+            let mut moved = dense.clone();
+            moved.x = x;
+            moved.propagate(&increment, dt_s, &QUIET);
+            moved.x
+        };
+        let mut f = SMatrix::<f64, STATES, STATES>::zeros();
+        for j in 0..STATES {
+            let step = 1e-5 * scale(j);
+            let (mut low, mut high) = (dense.x, dense.x);
+            low[j] -= step;
+            high[j] += step;
+            let (low, high) = (run(low), run(high));
+            for i in 0..STATES {
+                f[(i, j)] = (high[i] - low[i]) / (2.0 * step);
+            }
+        }
+        let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| dense.p[i][j]);
+        let expected = f * p * f.transpose();
+        let mut moved = dense.clone();
+        moved.propagate(&increment, dt_s, &QUIET);
+        for i in 0..STATES {
+            for j in 0..STATES {
+                let size = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                let error = (moved.p[i][j] - expected[(i, j)]).abs();
+                assert!(error < 1e-7 * size, "({i}, {j}): {error:e} against {size:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn measurement_jacobian_is_the_derivative() {
+    let mut random = Random(2);
+    for _ in 0..100 {
+        let dense = random_state(&mut random);
+        let rate = random.vector(3.0);
+        let h = jacobian(&dense, &rate);
+        for j in 0..STATES {
+            let step = 1e-5 * scale(j);
+            let (mut low, mut high) = (dense.clone(), dense.clone());
+            low.x[j] -= step;
+            high.x[j] += step;
+            let slope = (foretell(&high, &rate) - foretell(&low, &rate)) / (2.0 * step);
+            for i in 0..3 {
+                let error = (h[i][j] - slope[i]).abs() * scale(j);
+                assert!(error < 1e-7, "({i}, {j}): {} against {}", h[i][j], slope[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn heading_sigma_is_the_slope_of_the_heading() {
+    // field (0, 20, -40), up z: 1 uT to the east turns the heading by 1/20 rad
+    let covariance = nalgebra::Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
+    let sigma = heading_sigma_deg(&Vector3::new(0.0, 20.0, -40.0), &covariance, &Vector3::z());
+    assert!((sigma - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
+    assert_eq!(heading_sigma_deg(&Vector3::new(0.0, 0.0, -40.0), &covariance, &Vector3::z()), 180.0);
+}

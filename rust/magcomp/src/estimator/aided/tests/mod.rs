@@ -1,0 +1,7 @@
+//! Tests of the aided estimator that look inside it.
+
+mod filter;
+mod jacobians;
+mod robustness;
+mod simulator;
+mod steps;

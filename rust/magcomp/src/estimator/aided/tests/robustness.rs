@@ -1,0 +1,124 @@
+//! Whatever comes in, the state stays sound; degraded sensors are reported.
+
+use nalgebra::Vector3;
+
+use super::super::{Aided, AidedConfig};
+use super::simulator::{Random, World};
+use crate::pairing::{InertialPairing, PairedInertial, Rotation};
+use crate::reading::{HoldReason, SensorMode, Status};
+
+#[test]
+fn unusable_samples_change_nothing() {
+    let mut world = World::new(7);
+    let mut aided = Aided::new(AidedConfig::default());
+    for _ in 0..1_000 {
+        let sample = world.sample(0.01);
+        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    }
+    let before = aided.clone();
+    let sample = world.sample(0.01);
+    for (time_ns, raw) in [
+        (sample.time_ns, Vector3::new(f64::NAN, 0.0, 0.0)),
+        (sample.time_ns, Vector3::new(0.0, f64::INFINITY, 0.0)),
+        (sample.time_ns, Vector3::new(0.0, 0.0, 1e5)),
+        (world.time_ns - 20_000_000, sample.raw_ut),
+        (i64::MIN, sample.raw_ut),
+    ] {
+        let output = aided.push(time_ns, raw, &sample.inertial);
+        assert!(matches!(output.status, Status::Rejected(_)));
+        assert_eq!(aided, before);
+    }
+}
+
+#[test]
+fn garbage_never_panics_and_never_comes_out() {
+    let mut random = Random(8);
+    let mut aided = Aided::new(AidedConfig::default());
+    let mut time_ns = i64::MIN / 4;
+    for k in 0..200_000 {
+        let wild = |random: &mut Random| match (random.uniform() * 12.0) as u32 {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => -1e300,
+            3 => 0.0,
+            4 => 1e-300,
+            _ => 60.0 * random.normal(),
+        };
+        let mut vector = || Vector3::new(wild(&mut random), wild(&mut random), wild(&mut random));
+        let (raw, increment, rate, up) = (vector(), vector(), vector(), vector());
+        let pick = random.uniform();
+        time_ns = time_ns.saturating_add(if pick < 0.01 { i64::MAX / 2_000_000 } else { (pick * 3e7) as i64 - 1_000 });
+        let rotation = (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate });
+        let output = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
+        for v in [output.corrected_ut, output.filtered_ut, output.up].into_iter().flatten() {
+            assert!(v.iter().all(|v| v.is_finite()), "sample {k}");
+        }
+        let text = serde_json::to_string(&aided).unwrap();
+        if k % 1_000 == 0 {
+            assert_eq!(serde_json::from_str::<Aided>(&text).unwrap(), aided, "sample {k}");
+        }
+    }
+}
+
+#[test]
+fn the_gyroscope_comes_and_goes() {
+    let mut world = World::new(9);
+    let mut aided = Aided::new(AidedConfig::default());
+    let mut last = None;
+    for k in 0..6_000 {
+        let sample = world.sample(0.01);
+        let gone = (2_500..3_000).contains(&k);
+        let inertial = PairedInertial { rotation: sample.inertial.rotation.filter(|_| !gone), ..sample.inertial };
+        let output = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        if gone && k > 2_510 {
+            assert_eq!(output.mode, SensorMode::GravityOnly);
+            assert_eq!(output.filtered_ut, None);
+            assert!(output.status == Status::Held(HoldReason::NoGyroscope) || output.status == Status::Tracking);
+            let error = output.corrected_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            assert!(error < 6.0, "without gyroscope: {error} deg at {k}");
+        }
+        if k > 3_100 {
+            let error = output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            assert!(error < 4.0, "after it came back: {error} deg at {k}");
+        }
+        last = Some(output);
+    }
+    let last = last.unwrap();
+    assert_eq!((last.status, last.mode, last.event), (Status::Tracking, SensorMode::GyroscopeAndGravity, None));
+}
+
+#[test]
+fn a_gyroscope_that_reads_nonsense_is_found_out() {
+    let mut world = World::new(10);
+    let mut aided = Aided::new(AidedConfig::default());
+    for k in 0..1_500 {
+        world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
+        let mut sample = world.sample(0.01);
+        let noise = world.random.vector(0.003);
+        sample.inertial.rotation = Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise });
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        if k == 800 {
+            world.hard_iron_ut += Vector3::new(20.0, -15.0, 10.0);
+        }
+        if (300..800).contains(&k) || k > 1_000 {
+            assert_eq!(output.mode, SensorMode::GravityOnly);
+            let calibration = aided.calibration().unwrap();
+            let clean = world.soft_iron * sample.field_ut + world.hard_iron_ut;
+            let error = calibration.correct(&clean).angle(&sample.field_ut).to_degrees();
+            assert!(error < 2.0, "{error} deg at {k}");
+        }
+    }
+}
+
+#[test]
+fn state_fits_in_eight_kilobytes() {
+    let bytes = size_of::<Aided>() + size_of::<InertialPairing>();
+    assert!(bytes <= 8_192, "{bytes} bytes");
+}
+
+#[test]
+fn every_default_is_inside_its_range() {
+    AidedConfig::default().validate().unwrap();
+    let config = AidedConfig { gate: f64::NAN, ..AidedConfig::default() };
+    assert!(config.validate().is_err());
+}

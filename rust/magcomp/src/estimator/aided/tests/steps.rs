@@ -1,0 +1,78 @@
+//! Device or place: exactly one event, the right one; a former calibration comes back.
+
+use nalgebra::Vector3;
+
+use super::super::{Aided, AidedConfig};
+use super::simulator::World;
+use crate::reading::{EventKind, Status};
+
+const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
+
+fn settled(seed: u64) -> (World, Aided) {
+    let mut world = World::new(seed);
+    let mut aided = Aided::new(AidedConfig::default());
+    for _ in 0..2_500 {
+        let sample = world.sample(0.01);
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        assert_eq!(output.event, None);
+    }
+    (world, aided)
+}
+
+fn run(world: &mut World, aided: &mut Aided, samples: usize) -> (f64, Option<usize>) {
+    let (mut worst_deg, mut suspect_at) = (0.0_f64, None);
+    for k in 0..samples {
+        let sample = world.sample(0.01);
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        worst_deg = worst_deg.max(output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees());
+        if matches!(output.status, Status::Suspect { .. } | Status::Disturbed { .. }) {
+            suspect_at = suspect_at.or(Some(k));
+        }
+    }
+    (worst_deg, suspect_at)
+}
+
+#[test]
+fn a_device_step_is_relearned_and_its_undoing_recalled() {
+    for seed in 40..46 {
+        let (mut world, mut aided) = settled(seed);
+        world.hard_iron_ut += MAGNET_UT;
+        let at = world.time_ns;
+        let (worst, suspect) = run(&mut world, &mut aided, 1_500);
+        assert!(worst < 3.0, "seed {seed}: carried field wrong by {worst} deg");
+        assert!(suspect.is_some_and(|k| k < 30), "seed {seed}: suspect after {suspect:?} samples");
+        let event = aided.event.unwrap();
+        assert_eq!(event.kind, EventKind::DeviceStep, "seed {seed}");
+        assert!((event.since_ns - at).abs() < 100_000_000, "seed {seed}");
+        let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+        assert!(error < 1.5, "seed {seed}: offset wrong by {error} uT");
+        world.hard_iron_ut -= MAGNET_UT;
+        run(&mut world, &mut aided, 300);
+        assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStepBack, "seed {seed}");
+        let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+        assert!(error < 1.5, "seed {seed}: offset wrong by {error} uT after the recall");
+    }
+}
+
+#[test]
+fn a_place_step_is_held_and_forgotten() {
+    for seed in 50..56 {
+        let (mut world, mut aided) = settled(seed);
+        let before = *aided.calibration().unwrap().hard_iron_ut();
+        let earth = world.field_ut;
+        world.field_ut += Vector3::new(14.0, -8.0, 12.0);
+        // the truth to be carried is the earth's field: compare with the disturbed one only through b
+        for _ in 0..1_000 {
+            let sample = world.sample(0.01);
+            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let moved = (aided.calibration().unwrap().hard_iron_ut() - before).norm();
+            assert!(moved < 3.0, "seed {seed}: b moved by {moved} uT");
+        }
+        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+        world.field_ut = earth;
+        run(&mut world, &mut aided, 150);
+        let (worst, suspect) = run(&mut world, &mut aided, 500);
+        assert!(worst < 3.0 && suspect.is_none(), "seed {seed}: {worst} deg, {suspect:?}");
+        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+    }
+}

@@ -1,0 +1,127 @@
+//! What is kept of the samples that do not fit: their share, size and beginning; and the calibration before the last step.
+//!
+//! ```text
+//! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.6 s, falling with 0.25 s while hypotheses run
+//! |v|, raw - (M h + b)_former:  low-passed over gated samples (gain 0.1)
+//! ```
+//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: AIDED.md section 4;
+//! the recall is new.
+
+// index arithmetic is the mathematics here
+#![allow(clippy::needless_range_loop)]
+
+use nalgebra::{SVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::config::AidedConfig;
+use super::events::Step;
+use super::state::{Dense, Gaussian, OFFSET, iron_rows};
+
+/// A gated sample after a share below this begins a new run.
+const NEW_RUN: f64 = 0.05;
+const MISFIT_GAIN: f64 = 0.1;
+const RECALL_SD_UT: f64 = 1.0;
+
+/// A calibration that was in force before a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Former {
+    /// b and e.
+    mean: SVector<f64, 9>,
+    /// Their covariance, packed lower triangle.
+    packed: SVector<f64, 45>,
+}
+
+impl Former {
+    pub(crate) fn of(filter: &Gaussian) -> Self {
+        let mut packed = SVector::zeros();
+        let mut k = 0;
+        for i in 0..9 {
+            for j in 0..=i {
+                packed[k] = filter.p(OFFSET + i, OFFSET + j);
+                k += 1;
+            }
+        }
+        Self { mean: filter.mean.fixed_rows::<9>(OFFSET).into_owned(), packed }
+    }
+
+    /// raw - (M h + b) of this calibration, uT.
+    pub(crate) fn residual(&self, raw_ut: &Vector3<f64>, h: &Vector3<f64>) -> Vector3<f64> {
+        let rows = iron_rows(h);
+        let mut r = raw_ut - h;
+        for i in 0..3 {
+            r[i] -= self.mean[i];
+            for k in 0..6 {
+                r[i] -= rows[i][k] * self.mean[3 + k];
+            }
+        }
+        r
+    }
+
+    /// Puts this calibration into a filter, apart from all else in it.
+    pub(crate) fn put_into(&self, dense: &mut Dense) {
+        for i in OFFSET..OFFSET + 9 {
+            for j in 0..dense.p.len() {
+                dense.p[i][j] = 0.0;
+                dense.p[j][i] = 0.0;
+            }
+        }
+        let mut k = 0;
+        for i in 0..9 {
+            dense.x[OFFSET + i] = self.mean[i];
+            for j in 0..=i {
+                dense.p[OFFSET + i][OFFSET + j] = self.packed[k];
+                dense.p[OFFSET + j][OFFSET + i] = self.packed[k];
+                k += 1;
+            }
+        }
+        dense.add_variance(OFFSET, RECALL_SD_UT * RECALL_SD_UT);
+    }
+}
+
+/// Watches the share of samples that the filter does not explain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Watch {
+    /// Low-passed share of gated samples.
+    pub(crate) share: f64,
+    /// When the present run of gated samples began.
+    pub(crate) since_ns: i64,
+    /// Low-passed |v| over gated samples, uT.
+    pub(crate) misfit_ut: f64,
+    /// Low-passed residual of the former calibration over gated samples, uT.
+    pub(crate) former_ut: Vector3<f64>,
+    /// Rotation over gated samples, fading otherwise, rad.
+    pub(crate) rotation_rad: f64,
+}
+
+impl Watch {
+    pub(crate) fn new() -> Self {
+        Self { share: 0.0, since_ns: 0, misfit_ut: 0.0, former_ut: Vector3::zeros(), rotation_rad: 0.0 }
+    }
+
+    /// One sample: its innovation if it was gated, and the residual of the former calibration.
+    pub(crate) fn step(
+        &mut self,
+        step: &Step<'_>,
+        gated: Option<&Vector3<f64>>,
+        former: Option<Vector3<f64>>,
+        clearing: bool,
+        config: &AidedConfig,
+    ) {
+        let time_s = if clearing && gated.is_none() { config.clear_time_s } else { config.gated_time_s };
+        if let Some(v) = gated {
+            if self.share < NEW_RUN {
+                self.since_ns = step.time_ns;
+                self.misfit_ut = v.norm();
+                self.former_ut = former.unwrap_or_default();
+            }
+            self.misfit_ut += MISFIT_GAIN * (v.norm() - self.misfit_ut);
+            if let Some(former) = former {
+                self.former_ut += (former - self.former_ut) * MISFIT_GAIN;
+            }
+            self.rotation_rad += step.angle_rad;
+        } else {
+            self.rotation_rad *= (-step.dt_s).exp();
+        }
+        self.share += (1.0 - (-step.dt_s / time_s).exp()) * (f64::from(gated.is_some()) - self.share);
+    }
+}

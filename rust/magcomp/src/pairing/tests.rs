@@ -1,0 +1,154 @@
+//! Pairing of sensor events by time.
+
+use super::{EventRejection, InertialPairing, PairingConfig};
+use nalgebra::Vector3;
+
+const MS: i64 = 1_000_000;
+
+fn rate(t_s: f64) -> Vector3<f64> {
+    Vector3::new((3.0 * t_s).sin(), 0.5 * (2.0 * t_s).cos(), 0.2 * t_s)
+}
+
+/// Integral of `rate` from 0.
+fn angle(t_s: f64) -> Vector3<f64> {
+    Vector3::new((1.0 - (3.0 * t_s).cos()) / 3.0, 0.25 * (2.0 * t_s).sin(), 0.1 * t_s * t_s)
+}
+
+/// Feeds gyroscope events of one rate and magnetometer samples of another, `late_ms` late; the sum of all increments
+/// must be the integral.
+fn total_error(gyro_ns: i64, magnetometer_ns: i64, late_ns: i64, jitter_ns: i64) -> f64 {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    let (mut next_gyro, mut sum) = (0, Vector3::zeros());
+    let mut first = None;
+    let mut last = 0;
+    let mut state = 1u64;
+    for k in 0..200 {
+        let time = 500 * MS + k * magnetometer_ns;
+        while next_gyro + late_ns <= time {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let jitter = (state >> 33) as i64 % (jitter_ns + 1);
+            let at = next_gyro + jitter;
+            pairing.push_rotation_rate(at, rate(at as f64 * 1e-9)).unwrap();
+            next_gyro += gyro_ns;
+        }
+        let paired = pairing.pair(time);
+        if let Some(rotation) = paired.rotation {
+            if first.is_none() {
+                first = Some(time - magnetometer_ns);
+            }
+            sum += rotation.increment_rad;
+            last = time;
+        }
+    }
+    (sum - (angle(last as f64 * 1e-9) - angle(first.unwrap() as f64 * 1e-9))).norm()
+}
+
+#[test]
+fn no_rotation_is_lost_at_any_pair_of_rates() {
+    for (gyro_hz, magnetometer_hz) in [(400, 50), (400, 10), (100, 100), (25, 100), (25, 25), (200, 15), (10, 50)] {
+        let (gyro_ns, magnetometer_ns) = (1_000_000_000 / gyro_hz, 1_000_000_000 / magnetometer_hz);
+        let error = total_error(gyro_ns, magnetometer_ns, 0, 0);
+        let one_step = gyro_ns as f64 * 1e-9;
+        assert!(error < 2e-3 + 3.0 * one_step * one_step, "{gyro_hz} and {magnetometer_hz} Hz: {error}");
+        let error = total_error(gyro_ns, magnetometer_ns, 30 * MS, gyro_ns / 3);
+        assert!(error < 6e-3 + 0.15 * (one_step + 0.03), "{gyro_hz} and {magnetometer_hz} Hz, late, jitter: {error}");
+    }
+}
+
+#[test]
+fn a_constant_rate_is_exact_even_when_events_come_late() {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    let w = Vector3::new(0.3, -0.2, 0.1);
+    pairing.push_rotation_rate(0, w).unwrap();
+    pairing.pair(5 * MS);
+    for k in 1..100 {
+        let paired = pairing.pair(5 * MS + k * 20 * MS).rotation.unwrap();
+        assert!((paired.increment_rad - w * 0.02).norm() < 1e-12, "{k}");
+        // the events of that interval arrive only now
+        for j in 0..4 {
+            pairing.push_rotation_rate((k - 1) * 20 * MS + j * 5 * MS + MS, w).unwrap();
+        }
+    }
+}
+
+#[test]
+fn bad_events_are_refused_by_name_and_change_nothing() {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    for k in 0..10 {
+        pairing.push_rotation_rate(k * 10 * MS, Vector3::new(0.1, 0.0, 0.0)).unwrap();
+        pairing.push_up(k * 10 * MS, Vector3::new(0.0, 0.0, 9.8)).unwrap();
+    }
+    pairing.pair(55 * MS);
+    let before = pairing.clone();
+    let good = Vector3::new(0.1, 0.0, 0.0);
+    let refusals = [
+        (pairing.push_rotation_rate(60 * MS, Vector3::new(f64::NAN, 0.0, 0.0)), EventRejection::NotFinite),
+        (pairing.push_rotation_rate(61 * MS, Vector3::new(1e6, 0.0, 0.0)), EventRejection::OutOfRange),
+        (pairing.push_rotation_rate(60 * MS, good), EventRejection::Duplicate),
+        (pairing.push_rotation_rate(20 * MS, good), EventRejection::Late),
+        (pairing.push_rotation_rate(i64::MIN, good), EventRejection::Late),
+        (pairing.push_rotation_rate(i64::MAX, good), EventRejection::Ahead),
+        (pairing.push_up(20 * MS, good), EventRejection::Late),
+        (pairing.push_up(90 * MS, good), EventRejection::Duplicate),
+        (pairing.push_up(95 * MS, Vector3::new(0.0, f64::INFINITY, 0.0)), EventRejection::NotFinite),
+    ];
+    for (result, reason) in refusals {
+        assert_eq!(result, Err(reason));
+    }
+    assert_eq!(pairing, before);
+    // time running backwards at the magnetometer gives nothing and changes nothing
+    assert_eq!(pairing.pair(55 * MS).rotation, None);
+    assert_eq!(pairing, before);
+}
+
+#[test]
+fn events_out_of_order_find_their_place() {
+    let run = |order: &[i64]| {
+        let mut pairing = InertialPairing::new(PairingConfig::default());
+        pairing.push_rotation_rate(0, rate(0.0)).unwrap();
+        pairing.push_up(0, rate(0.0)).unwrap();
+        pairing.pair(5 * MS);
+        for &k in order {
+            pairing.push_rotation_rate(k * 10 * MS, rate(k as f64 * 0.01)).unwrap();
+            pairing.push_up(k * 10 * MS, rate(k as f64 * 0.01)).unwrap();
+        }
+        pairing.pair(42 * MS)
+    };
+    assert_eq!(run(&[1, 2, 3, 4, 5]), run(&[3, 1, 5, 2, 4]));
+}
+
+#[test]
+fn a_gap_breaks_the_chain_once_and_absence_is_told() {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    let w = Vector3::new(0.0, 0.0, 1.0);
+    let mut told = Vec::new();
+    for k in 0..400 {
+        let time = k * 10 * MS;
+        if !(100..200).contains(&k) {
+            pairing.push_rotation_rate(time, w).unwrap();
+            pairing.push_up(time, w * 9.8).unwrap();
+        }
+        let paired = pairing.pair(time);
+        told.push((paired.rotation.is_some(), paired.up_m_s2.is_some()));
+        if let Some(rotation) = paired.rotation {
+            assert!((rotation.increment_rad - w * 0.01).norm() < 1e-9, "{k}");
+        }
+    }
+    // held for the stale limit, then absent, then back after one sample
+    assert_eq!(told[120], (true, true));
+    assert_eq!(told[150], (false, false));
+    assert_eq!(told[200], (false, true));
+    assert_eq!(told[201], (true, true));
+}
+
+#[test]
+fn a_flood_of_events_is_folded_and_nothing_is_lost() {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    pairing.push_rotation_rate(0, rate(0.0)).unwrap();
+    pairing.pair(0);
+    for k in 1..=1_000 {
+        pairing.push_rotation_rate(k * MS, rate(k as f64 * 1e-3)).unwrap();
+    }
+    let got = pairing.pair(1_000 * MS).rotation.unwrap().increment_rad;
+    assert!((got - angle(1.0)).norm() < 1e-5, "{got}");
+}

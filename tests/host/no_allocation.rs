@@ -1,0 +1,119 @@
+//! `push` takes no memory after construction: every allocation of this thread is counted.
+#![allow(unsafe_code)]
+
+use magcomp::nalgebra::{Rotation3, Vector3};
+use magcomp::{
+    Compensator, Config, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample, Status, UpSample,
+};
+use magcomp_tests::{REF, Random, calibration, sample};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static TAKEN: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    // a thread that ends has no counter any more
+    let _ = TAKEN.try_with(|taken| taken.set(taken.get() + 1));
+}
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc_zeroed(layout) }
+    }
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        unsafe { System.realloc(block, layout, size) }
+    }
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn taken() -> usize {
+    TAKEN.with(Cell::get)
+}
+
+#[test]
+fn the_counter_counts() {
+    let before = taken();
+    let block = std::hint::black_box(vec![1_u8; 100]);
+    assert_eq!(taken() - before, 1);
+    drop(block);
+}
+
+/// From the first sample on, in every method: collecting, tracking, a step, a bad sample, one axis, rest.
+#[test]
+fn push_takes_no_memory() {
+    for method in [Method::Auto, Method::Aided, Method::Windowed, Method::Constant] {
+        let aided = matches!(method, Method::Auto | Method::Aided);
+        let mut attitude = Rotation3::identity();
+        let heading = HeadingConfig { declination_deg: Some(3.0), ..HeadingConfig::default() };
+        let mut compensator =
+            Compensator::new(Config { method, heading, ..Config::default() }).expect("a valid config");
+        let (before, after) = (calibration(&REF, 40.0), calibration(&REF.map(|v| v * 1.2), 40.0));
+        let mut random = Random::new(400);
+        // collecting, tracking, rejected, suspect, held for uniformity, held for a refused fit or by the method
+        let mut seen = [false; 6];
+        let mut headings = 0;
+        for k in 0..14_000_usize {
+            // a smooth motion, seen by the gyroscope, for the methods that listen to it
+            let phase = k as f64 * 0.004;
+            let rate_rad_s = Vector3::new(phase.sin(), (1.7 * phase).cos(), 0.7 * (0.6 * phase).sin());
+            attitude *= Rotation3::new(rate_rad_s * 0.01);
+            let carried = attitude.inverse() * Vector3::new(0.0, 20.0, -34.6);
+            let field = match k {
+                _ if aided && k < 6000 => before.distort(&carried) + random.normal3() * 0.3,
+                _ if aided => after.distort(&carried) + random.normal3() * 0.3,
+                0..3000 => random.raw_one(&before, 0.5),
+                3000..6000 => random.raw_one(&after, 0.5),
+                6000..8000 => after.distort(&Vector3::new(20.0, 10.0, -35.0)) + random.normal3() * 0.3,
+                8000..12_000 => {
+                    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), k as f64 * 0.013);
+                    after.distort(&(turn * Vector3::new(20.0, 10.0, -35.0))) + random.normal3() * 0.3
+                }
+                _ => random.raw_one(&before, 0.5),
+            };
+            let field = if k % 101 == 7 { Vector3::new(f64::NAN, 0.0, 0.0) } else { field };
+            let MagneticSample { time_ns, field_ut } = sample(k, field);
+            let start = taken();
+            let rate = RotationRateSample { time_ns, rate_rad_s };
+            let turned = compensator.push_rotation_rate(rate);
+            let up = compensator.push_up(UpSample { time_ns, up_m_s2: Vector3::new(0.0, 1.0, 9.7) });
+            let reading = compensator.push(MagneticSample { time_ns, field_ut });
+            assert_eq!(taken() - start, 0, "{method:?}, sample {k}: {}", reading.status);
+            assert!(turned.is_ok() && up.is_ok());
+            headings += usize::from(reading.heading.is_some());
+            seen[match reading.status {
+                Status::Collecting(_) => 0,
+                Status::Tracking => 1,
+                Status::Rejected(_) => 2,
+                Status::Suspect { .. } => 3,
+                Status::Held(HoldReason::LowUniformity) => 4,
+                Status::Held(_) => 5,
+                Status::Disturbed { .. } => continue,
+            }] = true;
+        }
+        let all = match method {
+            Method::Constant => [true, false, true, true, false, true],
+            Method::Windowed => [true; 6],
+            Method::Auto | Method::Aided => [true, true, true, true, false, false],
+        };
+        for (kind, expected) in all.into_iter().enumerate() {
+            assert!(seen[kind] || !expected, "{method:?}: status {kind} never came, so it was not tested");
+        }
+        assert!(headings > 1000);
+    }
+}

@@ -1,0 +1,417 @@
+//! Laws of the stream: the compensator as a state machine, over any input that proptest finds.
+
+use magcomp::nalgebra::Vector3;
+use magcomp::{
+    Compensator, Config, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Reading, RejectReason,
+    Residual, Restored, RotationRateSample, SensorLimits, SnapshotError, Status, UpSample, WindowedConfig,
+    fit_ellipsoid,
+};
+use magcomp_tests::{REF, Random, calibration, difference, sample};
+use proptest::prelude::*;
+
+fn config(method: Method, n_min: usize, n_max: usize) -> Config {
+    Config {
+        method,
+        windowed: WindowedConfig { n_min, n_max, ..WindowedConfig::default() },
+        heading: HeadingConfig { declination_deg: Some(-4.5), ..HeadingConfig::default() },
+        ..Config::default()
+    }
+}
+
+fn compensator(config: &Config) -> Compensator {
+    Compensator::new(config.clone()).expect("a valid config")
+}
+
+/// Every bit of a reading, the sign of zero included.
+fn bits(reading: &Reading) -> String {
+    serde_json::to_string(reading).expect("a reading is plain data")
+}
+
+/// One 10 ms of a stream: even motion, then rest, then a step, with bad samples in between.
+fn advance(compensator: &mut Compensator, random: &mut Random, k: usize) -> Reading {
+    let truth = calibration(&if k < 1500 { REF } else { REF.map(|v| v * 1.1) }, 45.0);
+    let field_ut = match k {
+        600..800 => truth.distort(&Vector3::new(10.0, 20.0, -38.0)) + random.normal3() * 0.2,
+        _ => random.raw_one(&truth, 0.6),
+    };
+    let field_ut = if k % 97 == 50 { Vector3::new(f64::NAN, 0.0, 0.0) } else { field_ut };
+    let MagneticSample { time_ns, .. } = sample(k, field_ut);
+    let rate = RotationRateSample { time_ns, rate_rad_s: random.normal3() };
+    let up = UpSample { time_ns, up_m_s2: random.direction() * 9.8 };
+    assert!(compensator.push_rotation_rate(rate).is_ok() && compensator.push_up(up).is_ok());
+    compensator.push(MagneticSample { time_ns, field_ut })
+}
+
+/// Restarted at each of `cuts`, a stream of 3000 samples goes on bit for bit as the one that was not.
+fn restarted_stream_is_the_same(config: &Config, seed: u64, cuts: &[usize]) -> Result<(), TestCaseError> {
+    let mut whole = compensator(config);
+    let mut restarted = compensator(config);
+    let (mut one, mut other) = (Random::new(seed), Random::new(seed));
+    for k in 0..3000 {
+        if cuts.contains(&k) {
+            let snapshot = restarted.snapshot();
+            restarted = compensator(config);
+            prop_assert_eq!(restarted.restore(&snapshot), Ok(Restored::Everything));
+            prop_assert_eq!(&restarted.snapshot(), &snapshot);
+            prop_assert_eq!(restarted.calibration(), whole.calibration());
+            prop_assert_eq!(restarted.fit(), whole.fit());
+            prop_assert_eq!(restarted.coverage(), whole.coverage());
+        }
+        let expected = advance(&mut whole, &mut one, k);
+        let found = advance(&mut restarted, &mut other, k);
+        prop_assert_eq!(bits(&expected), bits(&found), "sample {}", k);
+    }
+    prop_assert_eq!(whole.snapshot(), restarted.snapshot());
+    Ok(())
+}
+
+fn any_method() -> impl Strategy<Value = Method> {
+    prop::sample::select(vec![Method::Auto, Method::Windowed, Method::Constant])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_snapshot_cut_anywhere_goes_on_bit_for_bit(
+        method in any_method(),
+        seed: u64,
+        cuts in prop::collection::vec(0_usize..3000, 1..4),
+        early in 0_usize..140,
+    ) {
+        let cuts: Vec<_> = cuts.into_iter().chain([early]).collect();
+        restarted_stream_is_the_same(&config(method, 100, 2000), seed, &cuts)?;
+    }
+
+    #[test]
+    fn a_snapshot_goes_on_with_any_windows_and_residual(
+        seed: u64, n_min in 9_usize..150, more in 0_usize..800, stride in 1_usize..20, algebraic: bool, cut in 0_usize..3000,
+    ) {
+        let mut config = config(Method::Windowed, n_min, n_min + more);
+        config.windowed.refit_stride = stride;
+        config.windowed.normalisation = if algebraic { Normalisation::EvenSphere } else { Normalisation::HalfRange };
+        config.fit.residual = if algebraic { Residual::Algebraic } else { Residual::Corrected };
+        restarted_stream_is_the_same(&config, seed, &[cut])?;
+    }
+
+    #[test]
+    fn a_stream_is_a_batch_fit_of_its_window(seed: u64, n_min in 50_usize..200, noise_ut in 0.05..1.0) {
+        let config = config(Method::Windowed, n_min, 1000);
+        let mut stream = compensator(&config);
+        let truth = calibration(&REF, 48.0);
+        let mut random = Random::new(seed);
+        let mut raw = Vec::new();
+        let mut compared = 0;
+        for k in 0..1500 {
+            raw.push(random.raw_one(&truth, noise_ut));
+            let reading = stream.push(sample(k, raw[k]));
+            if k % 50 == 49 && reading.status == Status::Tracking {
+                let window = &raw[raw.len() - reading.window..];
+                let batch = fit_ellipsoid(window, &config.fit).map_err(|e| TestCaseError::fail(e.to_string()))?;
+                let found = stream.calibration().expect("tracking");
+                let off = difference(&found, &batch.calibration);
+                prop_assert!(off < 1e-8, "sample {}: {}", k, off);
+                let corrected = reading.field_ut.expect("tracking");
+                prop_assert!((corrected - batch.calibration.correct(&raw[k])).amax() < 1e-5);
+                compared += 1;
+            }
+        }
+        prop_assert!(compared > 15, "{}", compared);
+    }
+}
+
+/// What push must refuse, given the state of the compensator after `k` samples.
+fn bad_sample(kind: usize, value: f64, next_ns: i64) -> MagneticSample {
+    let good = Vector3::new(20.0, -30.0, 25.0);
+    let at = |field_ut| MagneticSample { time_ns: next_ns, field_ut };
+    let earlier = |by: i64| MagneticSample { time_ns: next_ns - 10_000_000 - by, field_ut: good };
+    match kind {
+        0 => at(Vector3::new(f64::NAN, value, 3.0)),
+        1 => at(Vector3::new(value, f64::INFINITY, 3.0)),
+        2 => at(Vector3::new(1.0, value, f64::NEG_INFINITY)),
+        3 => at(Vector3::new(2000.5 + value.abs(), 0.0, 0.0)),
+        4 => at(Vector3::new(0.0, 0.0, -1e300)),
+        5 => earlier(0),
+        6 => earlier(1 + value.abs() as i64 * 1_000_000),
+        7 => MagneticSample { time_ns: i64::MIN, field_ut: good },
+        8 => MagneticSample { time_ns: i64::MAX, field_ut: good },
+        _ => at(Vector3::new(0.0, 1200.0, 0.0)),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn bad_input_leaves_every_byte_as_it_was(
+        method in any_method(),
+        seed: u64,
+        count in 1_usize..400,
+        bad in prop::collection::vec((0_usize..10, -1000.0..1000.0_f64), 1..12),
+    ) {
+        let mut config = config(method, 100, 300);
+        config.sensor.rail_ut = Some(1200.0);
+        let mut compensator = compensator(&config);
+        let mut random = Random::new(seed);
+        for k in 0..count {
+            // the last one is good, so that its time is the latest
+            let k = if k + 1 == count && k % 97 == 50 { k + 1 } else { k };
+            advance(&mut compensator, &mut random, k);
+        }
+        let next_ns = sample(count + 1, Vector3::zeros()).time_ns + 10_000_000;
+        // one good sample at a known time
+        let latest = MagneticSample { time_ns: next_ns - 10_000_000, field_ut: Vector3::new(60.0, 5.0, -20.0) };
+        prop_assert!(!matches!(compensator.push(latest).status, Status::Rejected(_)));
+        let before = compensator.snapshot();
+        for (kind, value) in bad {
+            let refused = bad_sample(kind, value, next_ns);
+            let reading = compensator.push(refused);
+            prop_assert!(matches!(reading.status, Status::Rejected(_)), "{:?}: {}", refused, reading.status);
+            prop_assert_eq!((reading.field_ut, reading.total_field_ut, reading.heading), (None, None, None));
+            prop_assert_eq!(reading.time_ns, refused.time_ns);
+            prop_assert_eq!(&compensator.snapshot(), &before);
+            let late = latest.time_ns - 10_000_000 * 500;
+            for (time_ns, value) in [(next_ns, f64::NAN), (next_ns, f64::INFINITY), (late, 1.0)] {
+                let three = Vector3::new(0.0, value, 9.8);
+                let up = UpSample { time_ns, up_m_s2: three };
+                prop_assert!(compensator.push_up(up).is_err());
+                let rate = RotationRateSample { time_ns, rate_rad_s: three };
+                prop_assert!(compensator.push_rotation_rate(rate).is_err());
+                prop_assert_eq!(&compensator.snapshot(), &before);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sensor_that_hangs_is_rejected_and_changes_nothing() {
+    let mut compensator = compensator(&config(Method::Auto, 100, 300));
+    let mut random = Random::new(600);
+    for k in 0..200 {
+        advance(&mut compensator, &mut random, k);
+    }
+    let stuck = Vector3::new(31.0, 12.0, -20.0);
+    let mut kept = None;
+    for k in 200..300 {
+        let reading = compensator.push(sample(k, stuck));
+        let expected = k >= 250;
+        assert_eq!(matches!(reading.status, Status::Rejected(RejectReason::Stuck { repeats: 50 })), expected, "{k}");
+        if expected {
+            let now = compensator.snapshot();
+            assert_eq!(*kept.get_or_insert_with(|| now.clone()), now);
+        }
+    }
+    assert!(!matches!(compensator.push(sample(300, stuck + Vector3::x() * 0.1)).status, Status::Rejected(_)));
+}
+
+/// A small compensator in mid-stream, so that every byte of its snapshot can be tried.
+fn small(count: usize) -> (Config, Compensator) {
+    let config = config(Method::Windowed, 12, 15);
+    let mut compensator = compensator(&config);
+    let mut random = Random::new(610);
+    let truth = calibration(&REF, 45.0);
+    for k in 0..count {
+        compensator.push(sample(k, random.raw_one(&truth, 0.1)));
+    }
+    (config, compensator)
+}
+
+#[test]
+fn no_damaged_byte_goes_unnoticed() {
+    for count in [0, 5, 40] {
+        let (config, source) = small(count);
+        let snapshot = source.snapshot();
+        let mut victim = compensator(&config);
+        for k in 0..20 {
+            victim.push(sample(k, Vector3::new(k as f64, 20.0, -3.0 * k as f64)));
+        }
+        let before = victim.snapshot();
+        assert_ne!(before, snapshot);
+        let mut tried = 0;
+        for place in 0..snapshot.len() {
+            for bit in 0..7 {
+                let mut bytes = snapshot.clone().into_bytes();
+                bytes[place] ^= 1 << bit;
+                let text = String::from_utf8(bytes).expect("ASCII stays ASCII");
+                let found = victim.restore(&text);
+                let near = &snapshot[place.saturating_sub(25)..(place + 25).min(snapshot.len())];
+                let noticed = matches!(found, Err(SnapshotError::Damaged | SnapshotError::Newer { .. }));
+                assert!(noticed, "bit {bit} of byte {place} in `{near}`: {found:?}");
+                tried += 1;
+            }
+            if place % 100 == 0 {
+                assert_eq!(victim.snapshot(), before);
+            }
+        }
+        assert_eq!(victim.snapshot(), before);
+        assert!(tried > 5000);
+    }
+}
+
+#[test]
+fn no_cut_or_mended_snapshot_goes_unnoticed() {
+    let (config, source) = small(40);
+    let snapshot = source.snapshot();
+    let mut victim = compensator(&config);
+    let before = victim.snapshot();
+    for end in 0..snapshot.len() {
+        assert_eq!(victim.restore(&snapshot[..end]), Err(SnapshotError::Damaged), "cut at {end}");
+    }
+    for text in ["", "null", "{}", "[]", "\u{0}", "{\"magcomp_snapshot\":1}", "{\"magcomp_snapshot\":-1}"] {
+        assert_eq!(victim.restore(text), Err(SnapshotError::Damaged), "{text}");
+    }
+    let newer = "{\"magcomp_snapshot\":7,\"something\":\"else\"}";
+    assert_eq!(victim.restore(newer), Err(SnapshotError::Newer { found: 7 }));
+    assert_eq!(victim.snapshot(), before);
+    assert_eq!(victim.restore(&snapshot), Ok(Restored::Everything));
+    assert_eq!(victim.snapshot(), snapshot);
+}
+
+#[test]
+fn another_config_takes_the_calibration_alone() {
+    let (_, source) = small(40);
+    let other = config(Method::Windowed, 20, 60);
+    let mut target = compensator(&other);
+    assert_eq!(target.restore(&source.snapshot()), Ok(Restored::CalibrationOnly));
+    assert_eq!(target.calibration(), source.calibration());
+    assert_eq!(target.config(), &other);
+    // the clock starts anew
+    assert!(!matches!(target.push(sample(0, Vector3::new(1.0, 2.0, 3.0))).status, Status::Rejected(_)));
+}
+
+#[test]
+fn every_valid_config_can_be_restored() {
+    for fit in [
+        FitOptions { max_direction_sigma_deg: f64::INFINITY, ..FitOptions::default() },
+        FitOptions { max_direction_sigma_deg: f64::MAX, ..FitOptions::default() },
+        FitOptions { tolerance: 5e-324, field_strength_ut: Some(1e300), ..FitOptions::default() },
+    ] {
+        let Ok(mut compensator) = Compensator::new(Config { fit, ..Config::default() }) else { continue };
+        let mut random = Random::new(620);
+        for k in 0..150 {
+            compensator.push(sample(k, random.raw_one(&calibration(&REF, 45.0), 0.5)));
+        }
+        let snapshot = compensator.snapshot();
+        assert_eq!(compensator.restore(&snapshot), Ok(Restored::Everything), "{fit:?}");
+    }
+}
+
+/// Any double there is.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        6 => -60.0..60.0,
+        1 => -3000.0..3000.0,
+        1 => any::<u64>().prop_map(f64::from_bits),
+        1 => prop::sample::select(vec![
+            0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, f64::MIN_POSITIVE, 5e-324, 1e154,
+            -1e154, 1e-160, 2000.0,
+        ]),
+    ]
+}
+
+#[derive(Clone, Debug)]
+enum Event {
+    Magnetic,
+    Up,
+    Rate,
+    /// That many good samples.
+    Motion(usize),
+    Reset,
+    Restart,
+}
+
+fn any_event() -> impl Strategy<Value = (Event, i64, [f64; 3])> {
+    let event = prop_oneof![
+        10 => Just(Event::Magnetic),
+        3 => Just(Event::Up),
+        1 => Just(Event::Rate),
+        2 => (1_usize..60).prop_map(Event::Motion),
+        1 => Just(Event::Restart),
+    ];
+    let event = prop_oneof![40 => event, 1 => Just(Event::Reset)];
+    let step_ns = prop_oneof![8 => 1_i64..20_000_000, 1 => any::<i64>(), 1 => -5_i64..1];
+    (event, step_ns, [any_number(), any_number(), any_number()])
+}
+
+/// Nothing in a reading is NaN or infinite, and everything is in its range.
+fn sound(reading: &Reading) -> Result<(), TestCaseError> {
+    for field in [reading.field_ut, reading.filtered_field_ut].into_iter().flatten() {
+        prop_assert!(field.iter().all(|v| v.is_finite()), "{reading:?}");
+    }
+    prop_assert!(reading.total_field_ut.is_none_or(|v| v.is_finite() && v >= 0.0), "{reading:?}");
+    prop_assert_eq!(reading.total_field_ut.is_some(), reading.field_ut.is_some());
+    prop_assert!(reading.sigma_t.is_none_or(|v| (0.0..3.0).contains(&v)), "{reading:?}");
+    prop_assert!((0.0..=1.0).contains(&reading.coverage), "{reading:?}");
+    if let Some(found) = reading.heading {
+        prop_assert!((0.0..360.0).contains(&found.heading_deg), "{reading:?}");
+        prop_assert!(found.true_heading_deg.is_none_or(|v| (0.0..360.0).contains(&v)), "{reading:?}");
+        prop_assert!(found.heading_sigma_deg.is_none_or(|v| (0.0..=180.0).contains(&v)), "{reading:?}");
+        prop_assert!((-90.0..=90.0).contains(&found.inclination_deg), "{reading:?}");
+    }
+    prop_assert!(!reading.status.to_string().contains("NaN"), "{}", reading.status);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn nothing_panics_and_nothing_is_nan(
+        method in any_method(),
+        n_min in 9_usize..40,
+        more in 0_usize..60,
+        wild: bool,
+        algebraic: bool,
+        events in prop::collection::vec(any_event(), 1..150),
+    ) {
+        let mut config = config(method, n_min, n_min + more);
+        config.windowed.sigma_th = 0.0;
+        config.fit.residual = if algebraic { Residual::Algebraic } else { Residual::Corrected };
+        if wild {
+            // nothing is too large, too small, too poor or too late
+            config.sensor = SensorLimits { range_ut: f64::MAX, rail_ut: None, stuck_samples: 0, max_gap_s: f64::MAX };
+            config.fit.field_range_ut = (f64::MIN_POSITIVE, f64::MAX);
+            config.fit.max_direction_sigma_deg = f64::MAX;
+            config.fit.error_floor_ut = 0.0;
+        }
+        let mut compensator = compensator(&config);
+        let mut random = Random::new(n_min as u64);
+        let truth = calibration(&REF, 45.0);
+        let (mut time_ns, mut up_ns) = (0_i64, 0_i64);
+        for (event, step_ns, numbers) in events {
+            let three = Vector3::from(numbers);
+            time_ns = time_ns.saturating_add(step_ns);
+            match event {
+                Event::Magnetic => sound(&compensator.push(MagneticSample { time_ns, field_ut: three }))?,
+                Event::Up => {
+                    up_ns = up_ns.saturating_add(step_ns);
+                    let _ = compensator.push_up(UpSample { time_ns: up_ns, up_m_s2: three });
+                }
+                Event::Rate => {
+                    let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s: three });
+                }
+                Event::Motion(count) => {
+                    for _ in 0..count {
+                        time_ns = time_ns.saturating_add(1_000_000);
+                        let field_ut = random.raw_one(&truth, 0.5);
+                        let _ = compensator.push_up(UpSample { time_ns, up_m_s2: random.direction() });
+                        sound(&compensator.push(MagneticSample { time_ns, field_ut }))?;
+                    }
+                }
+                Event::Reset => {
+                    compensator.reset();
+                    (time_ns, up_ns) = (0, 0);
+                }
+                Event::Restart => {
+                    let snapshot = compensator.snapshot();
+                    prop_assert_eq!(compensator.restore(&snapshot), Ok(Restored::Everything));
+                    prop_assert_eq!(compensator.snapshot(), snapshot);
+                }
+            }
+            if let Some(found) = compensator.calibration() {
+                prop_assert!(found.soft_iron_inverse().iter().chain(found.hard_iron_ut()).all(|v| v.is_finite()));
+            }
+            let _ = compensator.coverage().unseen_directions();
+        }
+    }
+}
