@@ -58,8 +58,8 @@ struct Inputs {
     repeats: usize,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
-    /// The windowed estimator answers.
-    alone: bool,
+    /// The aided estimator answered the latest sample, not the windowed one.
+    aided: bool,
     mode: SensorMode,
     event: Option<Event>,
 }
@@ -95,13 +95,9 @@ impl Compensator {
     /// [`ConfigError`] names the field that is out of range.
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.validate()?;
-        let mut aided = Aided::new(config.aided);
-        if let Some(calibration) = &config.initial {
-            aided.begin_from(calibration);
-        }
         Ok(Self {
             pairing: InertialPairing::new(config.pairing),
-            aided,
+            aided: Aided::new(config.aided),
             windowed: Windowed::new(&config),
             inputs: Inputs::default(),
             config,
@@ -144,7 +140,9 @@ impl Compensator {
         }
         let aided = match self.config.method {
             Method::Aided => true,
-            Method::Auto => self.inputs.rotated_ns.is_some_and(|at| sample.time_ns - at <= GYROSCOPE_GONE_NS),
+            Method::Auto => {
+                self.inputs.rotated_ns.is_some_and(|at| sample.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS)
+            }
             Method::Windowed | Method::Constant => false,
         };
         let answer = if aided { self.aided_answer(&sample, &paired) } else { self.windowed_answer(&sample, &paired) };
@@ -154,14 +152,20 @@ impl Compensator {
     }
 
     fn aided_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
-        if self.inputs.alone {
-            // back from the magnetometer alone: what was turned meanwhile is not known
-            self.inputs.alone = false;
-            if let Some(calibration) = self.windowed.calibration() {
+        let output = if self.inputs.aided {
+            self.aided.push(sample.time_ns, sample.field_ut, paired)
+        } else {
+            self.inputs.aided = true;
+            let found = self.windowed.fit().map(|fit| fit.calibration);
+            if let Some(calibration) =
+                found.or(self.windowed.calibration().filter(|_| self.aided.calibration().is_none()))
+            {
                 self.aided.begin_from(&calibration);
             }
-        }
-        let output = self.aided.push(sample.time_ns, sample.field_ut, paired);
+            // how the device turned while the magnetometer was alone is not known
+            let unknown = PairedInertial { rotation: None, ..*paired };
+            self.aided.push(sample.time_ns, sample.field_ut, &unknown)
+        };
         let known = if self.windowed.wants_calibration() { self.aided.calibration() } else { None };
         self.windowed.note(&sample.field_ut, known);
         Answer {
@@ -178,8 +182,8 @@ impl Compensator {
     }
 
     fn windowed_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
-        if !self.inputs.alone {
-            self.inputs.alone = true;
+        if self.inputs.aided {
+            self.inputs.aided = false;
             if let Some(calibration) = self.aided.calibration() {
                 self.windowed.adopt(calibration);
             }
@@ -236,13 +240,13 @@ impl Compensator {
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        if self.inputs.alone { self.windowed.calibration() } else { self.aided.calibration() }.or(self.config.initial)
+        if self.inputs.aided { self.aided.calibration() } else { self.windowed.calibration() }
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
     #[must_use]
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        if self.inputs.alone { self.windowed.fit().map(|fit| fit.covariance) } else { self.aided.covariance() }
+        if self.inputs.aided { self.aided.covariance() } else { self.windowed.fit().map(|fit| fit.covariance) }
     }
 
     /// The latest ellipsoid fit that was accepted. None for the aided method, which makes none.

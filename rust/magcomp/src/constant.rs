@@ -52,16 +52,15 @@ impl ConstantField {
         self.orientations_ut.len()
     }
 
-    /// Which directions were seen, about the best centre known so far. Costs a fit.
+    /// Which directions were seen, about the best centre known so far.
     #[must_use]
     pub fn coverage(&self) -> Coverage {
         let moments = Moments::of(&self.orientations_ut);
-        let options = FitOptions::default();
-        let centre = moments.provisional_centre_ut(&options);
-        let through = Calibration::identity(options.field_range_ut.0).shifted(centre);
+        let centre = moments.provisional_centre_ut();
+        let through = Calibration::identity(1.0).shifted(centre);
         let mut coverage = Coverage::default();
         for orientation in &self.orientations_ut {
-            coverage.add(Coverage::cell(&through.correct(orientation)));
+            coverage.add(Some(Coverage::cell(&through.correct(orientation)) as u8));
         }
         coverage
     }

@@ -52,22 +52,22 @@ impl Coverage {
         Vector3::z()
     }
 
-    /// One more sample in a cell.
-    pub fn add(&mut self, cell: usize) {
-        if let Some(count) = self.counts.get_mut(cell) {
+    /// One more sample in a cell; in none, nothing changes.
+    pub(crate) fn add(&mut self, cell: Option<u8>) {
+        if let Some(count) = cell.and_then(|cell| self.counts.get_mut(usize::from(cell))) {
             *count += 1;
         }
     }
 
     /// One sample fewer in a cell.
-    pub fn remove(&mut self, cell: usize) {
-        if let Some(count) = self.counts.get_mut(cell) {
+    pub(crate) fn remove(&mut self, cell: Option<u8>) {
+        if let Some(count) = cell.and_then(|cell| self.counts.get_mut(usize::from(cell))) {
             *count = count.saturating_sub(1);
         }
     }
 
     /// No samples.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.counts.fill(0);
     }
 
@@ -104,7 +104,7 @@ mod tests {
             for j in 0..columns {
                 let phi = (f64::from(j) + 0.5) / f64::from(columns) * std::f64::consts::TAU;
                 let flat = (1.0 - z * z).sqrt();
-                coverage.add(Coverage::cell(&Vector3::new(flat * phi.cos(), flat * phi.sin(), z)));
+                coverage.add(Some(Coverage::cell(&Vector3::new(flat * phi.cos(), flat * phi.sin(), z)) as u8));
             }
         }
         let even = f64::from(rows * columns) / CELLS as f64;
@@ -117,10 +117,10 @@ mod tests {
     fn unseen_shrinks_as_cells_fill() {
         let mut coverage = Coverage::default();
         assert_eq!(coverage.unseen_directions().len(), CELLS);
-        coverage.add(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)));
+        coverage.add(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8));
         assert_eq!(coverage.unseen_directions().len(), CELLS - 1);
         assert!((coverage.share() - 1.0 / 48.0).abs() < 1e-15);
-        coverage.remove(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)));
+        coverage.remove(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8));
         assert_eq!(coverage.share(), 0.0);
     }
 }

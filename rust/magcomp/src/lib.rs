@@ -45,3 +45,8 @@ pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 pub use uniformity::{Normalisation, uniformity};
 pub use window::window_length;
+
+/// README's code runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

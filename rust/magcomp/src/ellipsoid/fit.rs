@@ -205,9 +205,9 @@ impl Moments {
     }
 
     /// Where the centre seems to be, uT, however poor the coverage: for showing directions, not for correcting.
-    pub(crate) fn provisional_centre_ut(&self, options: &FitOptions) -> Vector3<f64> {
-        let solution = self.problem(options).ok().and_then(|problem| problem.solve(None, options));
-        let centre = solution.map(|found| self.centre_ut() + found.point.beta * self.scale_ut());
+    pub(crate) fn provisional_centre_ut(&self) -> Vector3<f64> {
+        let start = closed_form(&self.scatter().0).and_then(|shape| shape.centre());
+        let centre = start.map(|beta| self.centre_ut() + beta * self.scale_ut());
         centre.filter(|c| c.iter().all(|v| v.is_finite())).unwrap_or(*self.centre_ut())
     }
 

@@ -30,12 +30,16 @@ const SUSPECT_SPREAD: f64 = 0.1;
 
 /// While collecting, directions are counted anew about a provisional centre after so many samples.
 const RECOUNT_SAMPLES: usize = 25;
+/// ... the latest so many of them, so that no sample costs much.
+const RECOUNT_SPAN: usize = 250;
 /// ... and while tracking when the centre has moved by this many field strengths, less than the width of a cell.
 const RECOUNT_SHIFT: f64 = 0.2;
 
 /// Fits of a stream converge to this, field strengths: a hundredth of what noise at 40 dB leaves in a window of 2000, two
 /// iterations from the fit before.
 const STREAM_TOLERANCE: f64 = 1e-6;
+/// ... in at most so many iterations: a window that needs more is about to be refused.
+const STREAM_ITERATIONS: usize = 12;
 /// Samples from a refused fit to the next try.
 const RETRY_SAMPLES: usize = 10;
 
@@ -68,10 +72,11 @@ struct Kept {
     suspect_since_ns: Option<i64>,
 }
 
-/// The state as a snapshot holds it: moments and cells follow from the samples, exactly.
+/// The state as a snapshot holds it: moments and counts follow from the samples, exactly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct WindowedState {
-    samples_ut: Vec<Vector3<f64>>,
+    /// Oldest first.
+    slots: Vec<Slot>,
     window: usize,
     centre_ut: Vector3<f64>,
     scale_ut: f64,
@@ -89,7 +94,11 @@ impl Windowed {
     pub fn new(config: &Config) -> Self {
         Self {
             config: config.windowed,
-            options: FitOptions { tolerance: config.fit.tolerance.max(STREAM_TOLERANCE), ..config.fit },
+            options: FitOptions {
+                tolerance: config.fit.tolerance.max(STREAM_TOLERANCE),
+                max_iterations: config.fit.max_iterations.min(STREAM_ITERATIONS),
+                ..config.fit
+            },
             constant: config.method == Method::Constant,
             ring: Ring::new(config.windowed.n_max),
             window: 0,
@@ -241,9 +250,10 @@ impl Windowed {
         if self.window == self.config.n_max {
             self.resize(self.window - 1);
         }
-        self.ring.push(*raw_ut);
+        let cell = self.kept.seen_through.map(|through| Coverage::cell(&through.correct(raw_ut)) as u8);
+        self.ring.push(Slot { raw_ut: *raw_ut, cell });
         self.moments.add(raw_ut);
-        self.count(raw_ut, 1);
+        self.cells.add(cell);
         self.window += 1;
         self.kept.since_recentred += 1;
         self.kept.since_change += 1;
@@ -253,23 +263,16 @@ impl Windowed {
     fn resize(&mut self, length: usize) {
         let length = length.min(self.ring.len());
         while self.window > length {
-            let oldest = *self.ring.latest(self.window - 1);
-            self.moments.remove(&oldest);
-            self.count(&oldest, -1);
+            let oldest = self.ring.slot(self.window - 1);
+            self.moments.remove(&oldest.raw_ut);
+            self.cells.remove(oldest.cell);
             self.window -= 1;
         }
         while self.window < length {
-            let next = *self.ring.latest(self.window);
-            self.moments.add(&next);
-            self.count(&next, 1);
+            let next = self.ring.slot(self.window);
+            self.moments.add(&next.raw_ut);
+            self.cells.add(next.cell);
             self.window += 1;
-        }
-    }
-
-    fn count(&mut self, raw_ut: &Vector3<f64>, by: i32) {
-        if let Some(through) = &self.kept.seen_through {
-            let cell = Coverage::cell(&through.correct(raw_ut));
-            if by > 0 { self.cells.add(cell) } else { self.cells.remove(cell) }
         }
     }
 
@@ -284,20 +287,23 @@ impl Windowed {
                 *now
             }
             (Some(now), None) => *now,
-            (None, _) if self.window.is_multiple_of(RECOUNT_SAMPLES) => self.provisional(),
+            (None, _) if self.wants_calibration() => self.provisional(),
             (None, _) => return,
         };
         self.kept.seen_through = Some(through);
         self.cells.clear();
-        for age in 0..self.window {
-            let sample = *self.ring.latest(age);
-            self.count(&sample, 1);
+        for age in 0..self.ring.len() {
+            let place = self.ring.place(age);
+            let slot = &mut self.ring.slots[place];
+            let counted = age < self.window.min(RECOUNT_SPAN);
+            slot.cell = counted.then(|| Coverage::cell(&through.correct(&slot.raw_ut)) as u8);
+            self.cells.add(slot.cell);
         }
     }
 
     /// Where the centre seems to be before any fit is good enough to report.
     fn provisional(&self) -> Calibration {
-        let centre = self.moments.provisional_centre_ut(&self.options);
+        let centre = self.moments.provisional_centre_ut();
         Calibration::identity(typical_field_ut(&self.options)).shifted(centre)
     }
 
@@ -317,7 +323,7 @@ impl Windowed {
 
     pub fn state(&self) -> WindowedState {
         WindowedState {
-            samples_ut: (0..self.ring.len()).rev().map(|age| *self.ring.latest(age)).collect(),
+            slots: (0..self.ring.len()).rev().map(|age| self.ring.slot(age)).collect(),
             window: self.window,
             centre_ut: *self.moments.centre_ut(),
             scale_ut: self.moments.scale_ut(),
@@ -328,9 +334,9 @@ impl Windowed {
     /// The estimator in a state; None when the state does not belong to this config.
     pub fn from_state(config: &Config, state: WindowedState) -> Option<Self> {
         let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
-        let fits = state.samples_ut.len() <= config.windowed.n_max
-            && state.window <= state.samples_ut.len()
-            && state.samples_ut.iter().all(finite)
+        let fits = state.slots.len() <= config.windowed.n_max
+            && state.window <= state.slots.len()
+            && state.slots.iter().all(|slot| finite(&slot.raw_ut))
             && finite(&state.centre_ut)
             && state.scale_ut > 0.0;
         if !fits {
@@ -339,7 +345,7 @@ impl Windowed {
         let mut estimator = Self::new(config);
         estimator.kept = state.kept;
         estimator.moments = Moments::new(state.centre_ut, state.scale_ut);
-        state.samples_ut.into_iter().for_each(|sample| estimator.ring.push(sample));
+        state.slots.into_iter().for_each(|slot| estimator.ring.push(slot));
         estimator.resize(state.window);
         Some(estimator)
     }
@@ -350,35 +356,51 @@ fn typical_field_ut(options: &FitOptions) -> f64 {
     options.field_strength_ut.unwrap_or((options.field_range_ut.0 * options.field_range_ut.1).sqrt())
 }
 
+/// A sample and the cell of the sphere its direction was counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Slot {
+    raw_ut: Vector3<f64>,
+    cell: Option<u8>,
+}
+
 /// The latest samples in a buffer of fixed size.
 #[derive(Clone, Debug)]
 struct Ring {
-    samples: Vec<Vector3<f64>>,
+    slots: Vec<Slot>,
     capacity: usize,
     next: usize,
 }
 
 impl Ring {
     fn new(capacity: usize) -> Self {
-        Self { samples: Vec::with_capacity(capacity), capacity, next: 0 }
+        Self { slots: Vec::with_capacity(capacity), capacity, next: 0 }
     }
 
-    fn push(&mut self, sample: Vector3<f64>) {
-        if self.samples.len() < self.capacity {
-            self.samples.push(sample);
+    fn push(&mut self, slot: Slot) {
+        if self.slots.len() < self.capacity {
+            self.slots.push(slot);
         } else {
-            self.samples[self.next] = sample;
+            self.slots[self.next] = slot;
         }
         self.next = (self.next + 1) % self.capacity;
     }
 
     fn len(&self) -> usize {
-        self.samples.len()
+        self.slots.len()
+    }
+
+    fn place(&self, age: usize) -> usize {
+        let len = self.slots.len();
+        (self.next + 2 * len - 1 - age) % len
+    }
+
+    /// The slot `age` steps back: 0 is the latest.
+    fn slot(&self, age: usize) -> Slot {
+        self.slots[self.place(age)]
     }
 
     /// The sample `age` steps back: 0 is the latest.
     fn latest(&self, age: usize) -> &Vector3<f64> {
-        let len = self.samples.len();
-        &self.samples[(self.next + 2 * len - 1 - age) % len]
+        &self.slots[self.place(age)].raw_ut
     }
 }
