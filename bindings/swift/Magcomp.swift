@@ -594,12 +594,18 @@ public protocol CompensatorProtocol: AnyObject, Sendable {
     func calibration() throws  -> Calibration?
 
     /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+    func covariance() throws  -> [Double]?
+
+    /**
      * Which directions were seen, for guidance.
      */
     func coverage() throws  -> Coverage
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
      */
     func fit() throws  -> Fit?
 
@@ -609,12 +615,12 @@ public protocol CompensatorProtocol: AnyObject, Sendable {
     func push(sample: MagneticSample) throws  -> Reading
 
     /**
-     * A gyroscope event. Fails with `Rejected` when it is not finite or not after the one before.
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
      */
     func pushRotationRate(sample: RotationRateSample) throws
 
     /**
-     * An accelerometer or gravity event. Fails with `Rejected` when it is not finite or not after the one before.
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
      */
     func pushUp(sample: UpSample) throws
 
@@ -734,6 +740,19 @@ open func calibration()throws  -> Calibration?  {
 }
 
     /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+open func covariance()throws  -> [Double]?  {
+    return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_covariance(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
      * Which directions were seen, for guidance.
      */
 open func coverage()throws  -> Coverage  {
@@ -746,7 +765,7 @@ open func coverage()throws  -> Coverage  {
 }
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
      */
 open func fit()throws  -> Fit?  {
     return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -771,7 +790,7 @@ open func push(sample: MagneticSample)throws  -> Reading  {
 }
 
     /**
-     * A gyroscope event. Fails with `Rejected` when it is not finite or not after the one before.
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
      */
 open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -783,7 +802,7 @@ open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWith
 }
 
     /**
-     * An accelerometer or gravity event. Fails with `Rejected` when it is not finite or not after the one before.
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
      */
 open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1252,6 +1271,15 @@ public struct Config: Equatable, Hashable {
      */
     public var windowed: WindowedConfig?
     /**
+     * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
+     * which documents them with their units and ranges. A setting left out is the default.
+     */
+    public var aided: [String: Double]?
+    /**
+     * How events of several sensors are brought together.
+     */
+    public var pairing: PairingConfig?
+    /**
      * How headings are reported.
      */
     public var heading: HeadingConfig?
@@ -1279,6 +1307,13 @@ public struct Config: Equatable, Hashable {
          * The paper's method.
          */windowed: WindowedConfig? = nil,
         /**
+         * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
+         * which documents them with their units and ranges. A setting left out is the default.
+         */aided: [String: Double]? = nil,
+        /**
+         * How events of several sensors are brought together.
+         */pairing: PairingConfig? = nil,
+        /**
          * How headings are reported.
          */heading: HeadingConfig? = nil) {
         self.method = method
@@ -1287,6 +1322,8 @@ public struct Config: Equatable, Hashable {
         self.sensor = sensor
         self.fit = fit
         self.windowed = windowed
+        self.aided = aided
+        self.pairing = pairing
         self.heading = heading
     }
 
@@ -1312,6 +1349,8 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
                 sensor: FfiConverterOptionTypeSensorLimits.read(from: &buf),
                 fit: FfiConverterOptionTypeFitOptions.read(from: &buf),
                 windowed: FfiConverterOptionTypeWindowedConfig.read(from: &buf),
+                aided: FfiConverterOptionDictionaryStringDouble.read(from: &buf),
+                pairing: FfiConverterOptionTypePairingConfig.read(from: &buf),
                 heading: FfiConverterOptionTypeHeadingConfig.read(from: &buf)
         )
     }
@@ -1323,6 +1362,8 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeSensorLimits.write(value.sensor, into: &buf)
         FfiConverterOptionTypeFitOptions.write(value.fit, into: &buf)
         FfiConverterOptionTypeWindowedConfig.write(value.windowed, into: &buf)
+        FfiConverterOptionDictionaryStringDouble.write(value.aided, into: &buf)
+        FfiConverterOptionTypePairingConfig.write(value.pairing, into: &buf)
         FfiConverterOptionTypeHeadingConfig.write(value.heading, into: &buf)
     }
 }
@@ -1409,6 +1450,85 @@ public func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> Coverage 
 #endif
 public func FfiConverterTypeCoverage_lower(_ value: Coverage) -> RustBuffer {
     return FfiConverterTypeCoverage.lower(value)
+}
+
+
+/**
+ * A change that was decided.
+ */
+public struct Event: Equatable, Hashable {
+    /**
+     * What changed.
+     */
+    public var kind: EventKind
+    /**
+     * Time of the first sample that no longer fitted, nanoseconds.
+     */
+    public var sinceNs: Int64
+    /**
+     * Time of the decision, nanoseconds.
+     */
+    public var decidedNs: Int64
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * What changed.
+         */kind: EventKind,
+        /**
+         * Time of the first sample that no longer fitted, nanoseconds.
+         */sinceNs: Int64,
+        /**
+         * Time of the decision, nanoseconds.
+         */decidedNs: Int64) {
+        self.kind = kind
+        self.sinceNs = sinceNs
+        self.decidedNs = decidedNs
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Event: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeEvent: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Event {
+        return
+            try Event(
+                kind: FfiConverterTypeEventKind.read(from: &buf),
+                sinceNs: FfiConverterInt64.read(from: &buf),
+                decidedNs: FfiConverterInt64.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: Event, into buf: inout [UInt8]) {
+        FfiConverterTypeEventKind.write(value.kind, into: &buf)
+        FfiConverterInt64.write(value.sinceNs, into: &buf)
+        FfiConverterInt64.write(value.decidedNs, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEvent_lift(_ buf: RustBuffer) throws -> Event {
+    return try FfiConverterTypeEvent.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEvent_lower(_ value: Event) -> RustBuffer {
+    return FfiConverterTypeEvent.lower(value)
 }
 
 
@@ -1571,6 +1691,10 @@ public struct FitOptions: Equatable, Hashable {
      */
     public var errorFloorUt: Double?
     /**
+     * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+     */
+    public var maxResidualShare: Double?
+    /**
      * Iterations at the most. Default 50.
      */
     public var maxIterations: Int32?
@@ -1602,6 +1726,9 @@ public struct FitOptions: Equatable, Hashable {
          * White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
          */errorFloorUt: Double? = nil,
         /**
+         * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+         */maxResidualShare: Double? = nil,
+        /**
          * Iterations at the most. Default 50.
          */maxIterations: Int32? = nil,
         /**
@@ -1613,6 +1740,7 @@ public struct FitOptions: Equatable, Hashable {
         self.fieldHighUt = fieldHighUt
         self.maxDirectionSigmaDeg = maxDirectionSigmaDeg
         self.errorFloorUt = errorFloorUt
+        self.maxResidualShare = maxResidualShare
         self.maxIterations = maxIterations
         self.tolerance = tolerance
     }
@@ -1639,6 +1767,7 @@ public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
                 fieldHighUt: FfiConverterOptionDouble.read(from: &buf),
                 maxDirectionSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
                 errorFloorUt: FfiConverterOptionDouble.read(from: &buf),
+                maxResidualShare: FfiConverterOptionDouble.read(from: &buf),
                 maxIterations: FfiConverterOptionInt32.read(from: &buf),
                 tolerance: FfiConverterOptionDouble.read(from: &buf)
         )
@@ -1651,6 +1780,7 @@ public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
         FfiConverterOptionDouble.write(value.fieldHighUt, into: &buf)
         FfiConverterOptionDouble.write(value.maxDirectionSigmaDeg, into: &buf)
         FfiConverterOptionDouble.write(value.errorFloorUt, into: &buf)
+        FfiConverterOptionDouble.write(value.maxResidualShare, into: &buf)
         FfiConverterOptionInt32.write(value.maxIterations, into: &buf)
         FfiConverterOptionDouble.write(value.tolerance, into: &buf)
     }
@@ -1867,10 +1997,6 @@ public struct HeadingConfig: Equatable, Hashable {
      */
     public var declinationDeg: Double?
     /**
-     * Oldest `up` that is still used, seconds. Default 0.2.
-     */
-    public var maxUpAgeS: Double?
-    /**
      * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
      */
     public var tiltSigmaDeg: Double?
@@ -1892,9 +2018,6 @@ public struct HeadingConfig: Equatable, Hashable {
          * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
          */declinationDeg: Double? = nil,
         /**
-         * Oldest `up` that is still used, seconds. Default 0.2.
-         */maxUpAgeS: Double? = nil,
-        /**
          * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
          */tiltSigmaDeg: Double? = nil,
         /**
@@ -1903,7 +2026,6 @@ public struct HeadingConfig: Equatable, Hashable {
         self.axis = axis
         self.screenRotation = screenRotation
         self.declinationDeg = declinationDeg
-        self.maxUpAgeS = maxUpAgeS
         self.tiltSigmaDeg = tiltSigmaDeg
         self.fieldSigmaUt = fieldSigmaUt
     }
@@ -1927,7 +2049,6 @@ public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
                 axis: FfiConverterOptionTypeReferenceAxis.read(from: &buf),
                 screenRotation: FfiConverterOptionTypeScreenRotation.read(from: &buf),
                 declinationDeg: FfiConverterOptionDouble.read(from: &buf),
-                maxUpAgeS: FfiConverterOptionDouble.read(from: &buf),
                 tiltSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
                 fieldSigmaUt: FfiConverterOptionDouble.read(from: &buf)
         )
@@ -1937,7 +2058,6 @@ public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeReferenceAxis.write(value.axis, into: &buf)
         FfiConverterOptionTypeScreenRotation.write(value.screenRotation, into: &buf)
         FfiConverterOptionDouble.write(value.declinationDeg, into: &buf)
-        FfiConverterOptionDouble.write(value.maxUpAgeS, into: &buf)
         FfiConverterOptionDouble.write(value.tiltSigmaDeg, into: &buf)
         FfiConverterOptionDouble.write(value.fieldSigmaUt, into: &buf)
     }
@@ -2122,6 +2242,95 @@ public func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> Rus
 
 
 /**
+ * How events of several sensors are brought together. A field left out is the default.
+ */
+public struct PairingConfig: Equatable, Hashable {
+    /**
+     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+     */
+    public var staleS: Double?
+    /**
+     * Largest rotation rate believed, rad/s. Default 60.
+     */
+    public var maxRateRadS: Double?
+    /**
+     * Largest acceleration believed, m/s^2. Default 200.
+     */
+    public var maxUpMS2: Double?
+    /**
+     * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+     */
+    public var maxLeadS: Double?
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+         */staleS: Double? = nil,
+        /**
+         * Largest rotation rate believed, rad/s. Default 60.
+         */maxRateRadS: Double? = nil,
+        /**
+         * Largest acceleration believed, m/s^2. Default 200.
+         */maxUpMS2: Double? = nil,
+        /**
+         * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+         */maxLeadS: Double? = nil) {
+        self.staleS = staleS
+        self.maxRateRadS = maxRateRadS
+        self.maxUpMS2 = maxUpMS2
+        self.maxLeadS = maxLeadS
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension PairingConfig: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypePairingConfig: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> PairingConfig {
+        return
+            try PairingConfig(
+                staleS: FfiConverterOptionDouble.read(from: &buf),
+                maxRateRadS: FfiConverterOptionDouble.read(from: &buf),
+                maxUpMS2: FfiConverterOptionDouble.read(from: &buf),
+                maxLeadS: FfiConverterOptionDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: PairingConfig, into buf: inout [UInt8]) {
+        FfiConverterOptionDouble.write(value.staleS, into: &buf)
+        FfiConverterOptionDouble.write(value.maxRateRadS, into: &buf)
+        FfiConverterOptionDouble.write(value.maxUpMS2, into: &buf)
+        FfiConverterOptionDouble.write(value.maxLeadS, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypePairingConfig_lift(_ buf: RustBuffer) throws -> PairingConfig {
+    return try FfiConverterTypePairingConfig.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypePairingConfig_lower(_ value: PairingConfig) -> RustBuffer {
+    return FfiConverterTypePairingConfig.lower(value)
+}
+
+
+/**
  * The answer to one magnetometer sample. What is not known is none, never NaN.
  */
 public struct Reading: Equatable, Hashable {
@@ -2133,6 +2342,10 @@ public struct Reading: Equatable, Hashable {
      * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
      */
     public var fieldUt: Vector3?
+    /**
+     * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+     */
+    public var fieldSigmaUt: Double?
     /**
      * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
      */
@@ -2163,6 +2376,14 @@ public struct Reading: Equatable, Hashable {
      */
     public var reportedHardIronJumpUt: Double?
     /**
+     * The sensors the estimator runs on.
+     */
+    public var mode: SensorMode
+    /**
+     * The latest change that was decided, kept until the next. None before the first.
+     */
+    public var event: Event?
+    /**
      * What the compensator is doing, and why.
      */
     public var status: Status
@@ -2176,6 +2397,9 @@ public struct Reading: Equatable, Hashable {
         /**
          * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
          */fieldUt: Vector3?,
+        /**
+         * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+         */fieldSigmaUt: Double?,
         /**
          * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
          */filteredFieldUt: Vector3?,
@@ -2199,10 +2423,17 @@ public struct Reading: Equatable, Hashable {
          * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
          */reportedHardIronJumpUt: Double?,
         /**
+         * The sensors the estimator runs on.
+         */mode: SensorMode,
+        /**
+         * The latest change that was decided, kept until the next. None before the first.
+         */event: Event?,
+        /**
          * What the compensator is doing, and why.
          */status: Status) {
         self.timeNs = timeNs
         self.fieldUt = fieldUt
+        self.fieldSigmaUt = fieldSigmaUt
         self.filteredFieldUt = filteredFieldUt
         self.totalFieldUt = totalFieldUt
         self.heading = heading
@@ -2210,6 +2441,8 @@ public struct Reading: Equatable, Hashable {
         self.window = window
         self.coverage = coverage
         self.reportedHardIronJumpUt = reportedHardIronJumpUt
+        self.mode = mode
+        self.event = event
         self.status = status
     }
 
@@ -2231,6 +2464,7 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
             try Reading(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 fieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
+                fieldSigmaUt: FfiConverterOptionDouble.read(from: &buf),
                 filteredFieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
                 totalFieldUt: FfiConverterOptionDouble.read(from: &buf),
                 heading: FfiConverterOptionTypeHeading.read(from: &buf),
@@ -2238,6 +2472,8 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
                 reportedHardIronJumpUt: FfiConverterOptionDouble.read(from: &buf),
+                mode: FfiConverterTypeSensorMode.read(from: &buf),
+                event: FfiConverterOptionTypeEvent.read(from: &buf),
                 status: FfiConverterTypeStatus.read(from: &buf)
         )
     }
@@ -2245,6 +2481,7 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
     public static func write(_ value: Reading, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterOptionTypeVector3.write(value.fieldUt, into: &buf)
+        FfiConverterOptionDouble.write(value.fieldSigmaUt, into: &buf)
         FfiConverterOptionTypeVector3.write(value.filteredFieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.totalFieldUt, into: &buf)
         FfiConverterOptionTypeHeading.write(value.heading, into: &buf)
@@ -2252,6 +2489,8 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
         FfiConverterOptionDouble.write(value.reportedHardIronJumpUt, into: &buf)
+        FfiConverterTypeSensorMode.write(value.mode, into: &buf)
+        FfiConverterOptionTypeEvent.write(value.event, into: &buf)
         FfiConverterTypeStatus.write(value.status, into: &buf)
     }
 }
@@ -2789,6 +3028,218 @@ public func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -> Rus
 
 
 /**
+ * What changed.
+ */
+
+public enum EventKind: Equatable, Hashable {
+
+    /**
+     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     */
+    case deviceStep
+    /**
+     * As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+     */
+    case deviceStepBack
+    /**
+     * The field of the place stepped: the calibration is held.
+     */
+    case placeChanged
+    /**
+     * The field follows neither: the calibration is held.
+     */
+    case erratic
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension EventKind: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeEventKind: FfiConverterRustBuffer {
+    typealias SwiftType = EventKind
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EventKind {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .deviceStep
+
+        case 2: return .deviceStepBack
+
+        case 3: return .placeChanged
+
+        case 4: return .erratic
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: EventKind, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .deviceStep:
+            writeInt(&buf, Int32(1))
+
+
+        case .deviceStepBack:
+            writeInt(&buf, Int32(2))
+
+
+        case .placeChanged:
+            writeInt(&buf, Int32(3))
+
+
+        case .erratic:
+            writeInt(&buf, Int32(4))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEventKind_lift(_ buf: RustBuffer) throws -> EventKind {
+    return try FfiConverterTypeEventKind.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEventKind_lower(_ value: EventKind) -> RustBuffer {
+    return FfiConverterTypeEventKind.lower(value)
+}
+
+
+
+/**
+ * Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
+ */
+
+public enum EventRejection: Equatable, Hashable {
+
+    /**
+     * A component is NaN or infinite.
+     */
+    case notFinite
+    /**
+     * Beyond anything the sensor can read.
+     */
+    case outOfRange
+    /**
+     * At or before a magnetometer sample already answered.
+     */
+    case late
+    /**
+     * An event with this very time is there already.
+     */
+    case duplicate
+    /**
+     * So far ahead of the magnetometer that it must be from another clock.
+     */
+    case ahead
+
+
+
+    /**
+     * One sentence for a log.
+     */
+public func text() -> String  {
+    return try!  FfiConverterString.lift(try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_eventrejection_text(
+            FfiConverterTypeEventRejection_lower(self),uniffiCallStatus
+    )
+})
+}
+
+
+
+}
+
+#if compiler(>=6)
+extension EventRejection: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
+    typealias SwiftType = EventRejection
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EventRejection {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .notFinite
+
+        case 2: return .outOfRange
+
+        case 3: return .late
+
+        case 4: return .duplicate
+
+        case 5: return .ahead
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: EventRejection, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .notFinite:
+            writeInt(&buf, Int32(1))
+
+
+        case .outOfRange:
+            writeInt(&buf, Int32(2))
+
+
+        case .late:
+            writeInt(&buf, Int32(3))
+
+
+        case .duplicate:
+            writeInt(&buf, Int32(4))
+
+
+        case .ahead:
+            writeInt(&buf, Int32(5))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEventRejection_lift(_ buf: RustBuffer) throws -> EventRejection {
+    return try FfiConverterTypeEventRejection.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -> RustBuffer {
+    return FfiConverterTypeEventRejection.lower(value)
+}
+
+
+
+/**
  * Why there is no ellipsoid to report.
  */
 
@@ -2820,6 +3271,17 @@ public enum FitProblem: Equatable, Hashable {
         /**
          * The limit it exceeds, degrees.
          */limitDeg: Double
+    )
+    /**
+     * The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
+     */
+    case inconsistent(
+        /**
+         * Residual rms, microtesla.
+         */residualUt: Double,
+        /**
+         * The limit it exceeds, microtesla.
+         */limitUt: Double
     )
     /**
      * The best quadric is not an ellipsoid.
@@ -2885,12 +3347,15 @@ public struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
         case 3: return .poorCoverage(directionSigmaDeg: try FfiConverterDouble.read(from: &buf), limitDeg: try FfiConverterDouble.read(from: &buf)
         )
 
-        case 4: return .notAnEllipsoid
-
-        case 5: return .fieldOutOfRange(fieldUt: try FfiConverterDouble.read(from: &buf), lowUt: try FfiConverterDouble.read(from: &buf), highUt: try FfiConverterDouble.read(from: &buf)
+        case 4: return .inconsistent(residualUt: try FfiConverterDouble.read(from: &buf), limitUt: try FfiConverterDouble.read(from: &buf)
         )
 
-        case 6: return .notFinite
+        case 5: return .notAnEllipsoid
+
+        case 6: return .fieldOutOfRange(fieldUt: try FfiConverterDouble.read(from: &buf), lowUt: try FfiConverterDouble.read(from: &buf), highUt: try FfiConverterDouble.read(from: &buf)
+        )
+
+        case 7: return .notFinite
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -2916,19 +3381,25 @@ public struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
             FfiConverterDouble.write(limitDeg, into: &buf)
 
 
-        case .notAnEllipsoid:
+        case let .inconsistent(residualUt,limitUt):
             writeInt(&buf, Int32(4))
+            FfiConverterDouble.write(residualUt, into: &buf)
+            FfiConverterDouble.write(limitUt, into: &buf)
+
+
+        case .notAnEllipsoid:
+            writeInt(&buf, Int32(5))
 
 
         case let .fieldOutOfRange(fieldUt,lowUt,highUt):
-            writeInt(&buf, Int32(5))
+            writeInt(&buf, Int32(6))
             FfiConverterDouble.write(fieldUt, into: &buf)
             FfiConverterDouble.write(lowUt, into: &buf)
             FfiConverterDouble.write(highUt, into: &buf)
 
 
         case .notFinite:
-            writeInt(&buf, Int32(6))
+            writeInt(&buf, Int32(7))
 
         }
     }
@@ -2973,6 +3444,18 @@ public enum HoldReason: Equatable, Hashable {
      * The method is a constant calibration: by choice it does not follow changes.
      */
     case constant
+    /**
+     * The device lies still.
+     */
+    case atRest
+    /**
+     * The device has hardly been turned of late.
+     */
+    case tooLittleRotation
+    /**
+     * The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+     */
+    case noGyroscope
 
 
 
@@ -3001,6 +3484,12 @@ public struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
 
         case 3: return .constant
 
+        case 4: return .atRest
+
+        case 5: return .tooLittleRotation
+
+        case 6: return .noGyroscope
+
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
@@ -3020,6 +3509,18 @@ public struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
 
         case .constant:
             writeInt(&buf, Int32(3))
+
+
+        case .atRest:
+            writeInt(&buf, Int32(4))
+
+
+        case .tooLittleRotation:
+            writeInt(&buf, Int32(5))
+
+
+        case .noGyroscope:
+            writeInt(&buf, Int32(6))
 
         }
     }
@@ -3170,12 +3671,20 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Foundation.LocalizedError {
          */expected: String
     )
     /**
-     * An event was not used; nothing has changed.
+     * A magnetometer sample was not used; nothing has changed.
      */
     case Rejected(
         /**
          * Why.
          */reason: RejectReason
+    )
+    /**
+     * A gyroscope, accelerometer or gravity event was not used; nothing has changed.
+     */
+    case EventRejected(
+        /**
+         * Why.
+         */reason: EventRejection
     )
     /**
      * There is no fit.
@@ -3274,21 +3783,24 @@ public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
         case 2: return .Rejected(
             reason: try FfiConverterTypeRejectReason.read(from: &buf)
             )
-        case 3: return .Fit(
+        case 3: return .EventRejected(
+            reason: try FfiConverterTypeEventRejection.read(from: &buf)
+            )
+        case 4: return .Fit(
             problem: try FfiConverterTypeFitProblem.read(from: &buf)
             )
-        case 4: return .Calibration(
+        case 5: return .Calibration(
             why: try FfiConverterString.read(from: &buf)
             )
-        case 5: return .SnapshotDamaged
-        case 6: return .SnapshotNewer(
+        case 6: return .SnapshotDamaged
+        case 7: return .SnapshotNewer(
             found: try FfiConverterInt64.read(from: &buf)
             )
-        case 7: return .Place(
+        case 8: return .Place(
             why: try FfiConverterString.read(from: &buf)
             )
-        case 8: return .Closed
-        case 9: return .Panicked(
+        case 9: return .Closed
+        case 10: return .Panicked(
             what: try FfiConverterString.read(from: &buf)
             )
 
@@ -3315,36 +3827,41 @@ public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
             FfiConverterTypeRejectReason.write(reason, into: &buf)
 
 
-        case let .Fit(problem):
+        case let .EventRejected(reason):
             writeInt(&buf, Int32(3))
+            FfiConverterTypeEventRejection.write(reason, into: &buf)
+
+
+        case let .Fit(problem):
+            writeInt(&buf, Int32(4))
             FfiConverterTypeFitProblem.write(problem, into: &buf)
 
 
         case let .Calibration(why):
-            writeInt(&buf, Int32(4))
+            writeInt(&buf, Int32(5))
             FfiConverterString.write(why, into: &buf)
 
 
         case .SnapshotDamaged:
-            writeInt(&buf, Int32(5))
+            writeInt(&buf, Int32(6))
 
 
         case let .SnapshotNewer(found):
-            writeInt(&buf, Int32(6))
+            writeInt(&buf, Int32(7))
             FfiConverterInt64.write(found, into: &buf)
 
 
         case let .Place(why):
-            writeInt(&buf, Int32(7))
+            writeInt(&buf, Int32(8))
             FfiConverterString.write(why, into: &buf)
 
 
         case .Closed:
-            writeInt(&buf, Int32(8))
+            writeInt(&buf, Int32(9))
 
 
         case let .Panicked(what):
-            writeInt(&buf, Int32(9))
+            writeInt(&buf, Int32(10))
             FfiConverterString.write(what, into: &buf)
 
         }
@@ -3374,9 +3891,13 @@ public func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuf
 public enum Method: Equatable, Hashable {
 
     /**
-     * The best that the arriving sensors allow.
+     * `Aided` while rotation rates arrive, else `Windowed`.
      */
     case auto
+    /**
+     * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+     */
+    case aided
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -3408,9 +3929,11 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
 
         case 1: return .auto
 
-        case 2: return .windowed
+        case 2: return .aided
 
-        case 3: return .constant
+        case 3: return .windowed
+
+        case 4: return .constant
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -3424,12 +3947,16 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
             writeInt(&buf, Int32(1))
 
 
-        case .windowed:
+        case .aided:
             writeInt(&buf, Int32(2))
 
 
-        case .constant:
+        case .windowed:
             writeInt(&buf, Int32(3))
+
+
+        case .constant:
+            writeInt(&buf, Int32(4))
 
         }
     }
@@ -3448,6 +3975,117 @@ public func FfiConverterTypeMethod_lift(_ buf: RustBuffer) throws -> Method {
 #endif
 public func FfiConverterTypeMethod_lower(_ value: Method) -> RustBuffer {
     return FfiConverterTypeMethod.lower(value)
+}
+
+
+
+/**
+ * What a first calibration still lacks.
+ */
+
+public enum Missing: Equatable, Hashable {
+
+    /**
+     * More samples before a first fit is tried.
+     */
+    case samples(
+        /**
+         * Samples so far.
+         */have: Int32,
+        /**
+         * Samples needed.
+         */need: Int32
+    )
+    /**
+     * The samples allow no fit yet.
+     */
+    case fit(
+        /**
+         * Why.
+         */problem: FitProblem
+    )
+    /**
+     * The device must be turned.
+     */
+    case rotation
+    /**
+     * More directions, turned about more than one axis.
+     */
+    case directions
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Missing: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeMissing: FfiConverterRustBuffer {
+    typealias SwiftType = Missing
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Missing {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .samples(have: try FfiConverterInt32.read(from: &buf), need: try FfiConverterInt32.read(from: &buf)
+        )
+
+        case 2: return .fit(problem: try FfiConverterTypeFitProblem.read(from: &buf)
+        )
+
+        case 3: return .rotation
+
+        case 4: return .directions
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: Missing, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case let .samples(have,need):
+            writeInt(&buf, Int32(1))
+            FfiConverterInt32.write(have, into: &buf)
+            FfiConverterInt32.write(need, into: &buf)
+
+
+        case let .fit(problem):
+            writeInt(&buf, Int32(2))
+            FfiConverterTypeFitProblem.write(problem, into: &buf)
+
+
+        case .rotation:
+            writeInt(&buf, Int32(3))
+
+
+        case .directions:
+            writeInt(&buf, Int32(4))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeMissing_lift(_ buf: RustBuffer) throws -> Missing {
+    return try FfiConverterTypeMissing.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeMissing_lower(_ value: Missing) -> RustBuffer {
+    return FfiConverterTypeMissing.lower(value)
 }
 
 
@@ -4031,6 +4669,101 @@ public func FfiConverterTypeScreenRotation_lower(_ value: ScreenRotation) -> Rus
 
 
 /**
+ * The sensors the estimator runs on, as they come and go.
+ */
+
+public enum SensorMode: Equatable, Hashable {
+
+    /**
+     * Gyroscope and accelerometer beside the magnetometer: everything works.
+     */
+    case gyroscopeAndGravity
+    /**
+     * No accelerometer: the field is corrected and carried, there is no heading.
+     */
+    case gyroscopeOnly
+    /**
+     * No usable gyroscope: changes are followed slower.
+     */
+    case gravityOnly
+    /**
+     * Neither: as `GravityOnly`, and there is no heading.
+     */
+    case magnetometerOnly
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension SensorMode: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
+    typealias SwiftType = SensorMode
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorMode {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .gyroscopeAndGravity
+
+        case 2: return .gyroscopeOnly
+
+        case 3: return .gravityOnly
+
+        case 4: return .magnetometerOnly
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: SensorMode, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .gyroscopeAndGravity:
+            writeInt(&buf, Int32(1))
+
+
+        case .gyroscopeOnly:
+            writeInt(&buf, Int32(2))
+
+
+        case .gravityOnly:
+            writeInt(&buf, Int32(3))
+
+
+        case .magnetometerOnly:
+            writeInt(&buf, Int32(4))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeSensorMode_lift(_ buf: RustBuffer) throws -> SensorMode {
+    return try FfiConverterTypeSensorMode.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBuffer {
+    return FfiConverterTypeSensorMode.lower(value)
+}
+
+
+
+/**
  * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
  */
 
@@ -4041,14 +4774,8 @@ public enum Status: Equatable, Hashable {
      */
     case collecting(
         /**
-         * Samples so far.
-         */samples: Int32,
-        /**
-         * Samples needed before a first fit is tried.
-         */samplesNeeded: Int32,
-        /**
-         * Why the latest fit was not accepted; none before the first.
-         */refused: FitProblem?
+         * What is still missing.
+         */missing: Missing
     )
     /**
      * Calibrated, and following changes.
@@ -4057,7 +4784,11 @@ public enum Status: Equatable, Hashable {
     /**
      * Something changed; not yet decided what.
      */
-    case suspect
+    case suspect(
+        /**
+         * Time of the first sample that did not fit, nanoseconds.
+         */sinceNs: Int64
+    )
     /**
      * Calibrated, but not learning: the calibration is kept.
      */
@@ -4127,12 +4858,13 @@ public struct FfiConverterTypeStatus: FfiConverterRustBuffer {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
-        case 1: return .collecting(samples: try FfiConverterInt32.read(from: &buf), samplesNeeded: try FfiConverterInt32.read(from: &buf), refused: try FfiConverterOptionTypeFitProblem.read(from: &buf)
+        case 1: return .collecting(missing: try FfiConverterTypeMissing.read(from: &buf)
         )
 
         case 2: return .tracking
 
-        case 3: return .suspect
+        case 3: return .suspect(sinceNs: try FfiConverterInt64.read(from: &buf)
+        )
 
         case 4: return .held(reason: try FfiConverterTypeHoldReason.read(from: &buf)
         )
@@ -4151,19 +4883,18 @@ public struct FfiConverterTypeStatus: FfiConverterRustBuffer {
         switch value {
 
 
-        case let .collecting(samples,samplesNeeded,refused):
+        case let .collecting(missing):
             writeInt(&buf, Int32(1))
-            FfiConverterInt32.write(samples, into: &buf)
-            FfiConverterInt32.write(samplesNeeded, into: &buf)
-            FfiConverterOptionTypeFitProblem.write(refused, into: &buf)
+            FfiConverterTypeMissing.write(missing, into: &buf)
 
 
         case .tracking:
             writeInt(&buf, Int32(2))
 
 
-        case .suspect:
+        case let .suspect(sinceNs):
             writeInt(&buf, Int32(3))
+            FfiConverterInt64.write(sinceNs, into: &buf)
 
 
         case let .held(reason):
@@ -4384,6 +5115,30 @@ fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeEvent: FfiConverterRustBuffer {
+    typealias SwiftType = Event?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeEvent.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeEvent.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeFit: FfiConverterRustBuffer {
     typealias SwiftType = Fit?
 
@@ -4480,6 +5235,30 @@ fileprivate struct FfiConverterOptionTypeHeadingConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypePairingConfig: FfiConverterRustBuffer {
+    typealias SwiftType = PairingConfig?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypePairingConfig.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypePairingConfig.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeSensorLimits: FfiConverterRustBuffer {
     typealias SwiftType = SensorLimits?
 
@@ -4544,30 +5323,6 @@ fileprivate struct FfiConverterOptionTypeWindowedConfig: FfiConverterRustBuffer 
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterTypeWindowedConfig.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterOptionTypeFitProblem: FfiConverterRustBuffer {
-    typealias SwiftType = FitProblem?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypeFitProblem.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypeFitProblem.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -4696,6 +5451,54 @@ fileprivate struct FfiConverterOptionTypeScreenRotation: FfiConverterRustBuffer 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionSequenceDouble: FfiConverterRustBuffer {
+    typealias SwiftType = [Double]?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterSequenceDouble.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterSequenceDouble.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionDictionaryStringDouble: FfiConverterRustBuffer {
+    typealias SwiftType = [String: Double]?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterDictionaryStringDouble.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterDictionaryStringDouble.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterSequenceDouble: FfiConverterRustBuffer {
     typealias SwiftType = [Double]
 
@@ -4740,6 +5543,32 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
             seq.append(try FfiConverterTypeVector3.read(from: &buf))
         }
         return seq
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterDictionaryStringDouble: FfiConverterRustBuffer {
+    public static func write(_ value: [String: Double], into buf: inout [UInt8]) {
+        let len = Int32(value.count)
+        writeInt(&buf, len)
+        for (key, value) in value {
+            FfiConverterString.write(key, into: &buf)
+            FfiConverterDouble.write(value, into: &buf)
+        }
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> [String: Double] {
+        let len: Int32 = try readInt(&buf)
+        var dict = [String: Double]()
+        dict.reserveCapacity(Int(len))
+        for _ in 0..<len {
+            let key = try FfiConverterString.read(from: &buf)
+            let value = try FfiConverterDouble.read(from: &buf)
+            dict[key] = value
+        }
+        return dict
     }
 }
 /**
@@ -4859,19 +5688,22 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_calibration() != 6080) {
         return InitializationResult.apiChecksumMismatch
     }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_covariance() != 56619) {
+        return InitializationResult.apiChecksumMismatch
+    }
     if (uniffi_magcomp_ffi_checksum_method_compensator_coverage() != 26830) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 38679) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 33260) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 49827) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 42638) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 34691) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 52686) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 62246) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 13008) {

@@ -263,6 +263,11 @@ uint64_t uniffi_magcomp_ffi_fn_constructor_compensator_new(RustBuffer config, Ru
 RustBuffer uniffi_magcomp_ffi_fn_method_compensator_calibration(uint64_t ptr, RustCallStatus *_Nonnull out_status
 );
 #endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_COVARIANCE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_COVARIANCE
+RustBuffer uniffi_magcomp_ffi_fn_method_compensator_covariance(uint64_t ptr, RustCallStatus *_Nonnull out_status
+);
+#endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_COVERAGE
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_COVERAGE
 RustBuffer uniffi_magcomp_ffi_fn_method_compensator_coverage(uint64_t ptr, RustCallStatus *_Nonnull out_status
@@ -366,6 +371,11 @@ void uniffi_magcomp_ffi_fn_method_constantfield_shut_down(uint64_t ptr, RustCall
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_MAGCOMPERROR_TEXT
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_MAGCOMPERROR_TEXT
 RustBuffer uniffi_magcomp_ffi_fn_method_magcomperror_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_EVENTREJECTION_TEXT
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_EVENTREJECTION_TEXT
+RustBuffer uniffi_magcomp_ffi_fn_method_eventrejection_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
 );
 #endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_FITPROBLEM_TEXT
@@ -718,6 +728,12 @@ uint16_t uniffi_magcomp_ffi_checksum_func_true_heading_deg(void
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_CALIBRATION
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_CALIBRATION
 uint16_t uniffi_magcomp_ffi_checksum_method_compensator_calibration(void
+
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_COVARIANCE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_COVARIANCE
+uint16_t uniffi_magcomp_ffi_checksum_method_compensator_covariance(void
 
 );
 #endif

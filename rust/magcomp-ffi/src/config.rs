@@ -336,30 +336,26 @@ impl TryFrom<WindowedConfig> for magcomp::WindowedConfig {
     }
 }
 
-/// The aided method's settings by name.
+/// The aided method's settings by name. As text, because the core's snapshots have brought its reader along anyway.
 fn settings(config: &magcomp::AidedConfig) -> HashMap<String, f64> {
-    let value = serde_json::to_value(config).unwrap_or_default();
-    let fields = value.as_object().into_iter().flatten();
-    fields.filter_map(|(name, value)| Some((name.clone(), value.as_f64()?))).collect()
+    serde_json::to_string(config).and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
 }
 
 fn aided_config(given: &HashMap<String, f64>) -> Result<magcomp::AidedConfig, MagcompError> {
+    let error = |name: &str, value: f64, expected: &str| MagcompError::Config {
+        field: format!("aided.{name}"),
+        value: value.to_string(),
+        expected: expected.to_owned(),
+    };
     let mut all = settings(&magcomp::AidedConfig::default());
     for (name, value) in given {
-        let error = |expected: &str| MagcompError::Config {
-            field: format!("aided.{name}"),
-            value: value.to_string(),
-            expected: expected.to_owned(),
-        };
-        let setting = all.get_mut(name).ok_or_else(|| error("the name of a setting"))?;
-        *setting = if value.is_finite() { *value } else { return Err(error("a finite number")) };
+        if !value.is_finite() {
+            return Err(error(name, *value, "a finite number"));
+        }
+        *all.get_mut(name).ok_or_else(|| error(name, *value, "the name of a setting"))? = *value;
     }
-    let all = serde_json::to_value(all).and_then(serde_json::from_value);
-    all.map_err(|e| MagcompError::Config {
-        field: "aided".to_owned(),
-        value: e.to_string(),
-        expected: "settings".to_owned(),
-    })
+    let text = serde_json::to_string(&all);
+    text.and_then(|text| serde_json::from_str(&text)).map_err(|e| error(&e.to_string(), 0.0, "settings"))
 }
 
 impl From<magcomp::PairingConfig> for PairingConfig {

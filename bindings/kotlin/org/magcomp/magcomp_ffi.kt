@@ -689,6 +689,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_calibration(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_covariance(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_coverage(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_fast_handle(
@@ -757,6 +759,8 @@ internal object UniffiLib {
     ): Long
     external fun uniffi_magcomp_ffi_fn_method_compensator_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_covariance(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_coverage(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_fast_handle(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -800,6 +804,8 @@ internal object UniffiLib {
     external fun uniffi_magcomp_ffi_fn_method_constantfield_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_magcomperror_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_eventrejection_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_fitproblem_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
@@ -961,22 +967,25 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_calibration() and 0xFFFF) != 6080) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_covariance() and 0xFFFF) != 56619) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_coverage() and 0xFFFF) != 26830) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() and 0xFFFF) != 32297) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 38679) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 33260) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 49827) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 42638) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 34691) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_up() and 0xFFFF) != 52686) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_up() and 0xFFFF) != 62246) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 13008) {
@@ -1434,6 +1443,12 @@ public interface NativeCompensatorInterface {
     fun `calibration`(): Calibration?
 
     /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+    fun `covariance`(): List<kotlin.Double>?
+
+    /**
      * Which directions were seen, for guidance.
      */
     fun `coverage`(): Coverage
@@ -1444,7 +1459,7 @@ public interface NativeCompensatorInterface {
     fun `fastHandle`(): kotlin.Long
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
      */
     fun `fit`(): Fit?
 
@@ -1454,12 +1469,12 @@ public interface NativeCompensatorInterface {
     fun `push`(`sample`: MagneticSample): Reading
 
     /**
-     * A gyroscope event. Fails with `Rejected` when it is not finite or not after the one before.
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
      */
     fun `pushRotationRate`(`sample`: RotationRateSample)
 
     /**
-     * An accelerometer or gravity event. Fails with `Rejected` when it is not finite or not after the one before.
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
      */
     fun `pushUp`(`sample`: UpSample)
 
@@ -1635,6 +1650,24 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+    @Throws(MagcompException::class)override fun `covariance`(): List<kotlin.Double>? {
+            return FfiConverterOptionalSequenceDouble.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_covariance(
+        it,
+        _status)
+}
+    }
+    )
+    }
+
+
+
+    /**
      * Which directions were seen, for guidance.
      */
     @Throws(MagcompException::class)override fun `coverage`(): Coverage {
@@ -1668,7 +1701,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
      */
     @Throws(MagcompException::class)override fun `fit`(): Fit? {
             return FfiConverterOptionalTypeFit.lift(
@@ -1703,7 +1736,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * A gyroscope event. Fails with `Rejected` when it is not finite or not after the one before.
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
      */
     @Throws(MagcompException::class)override fun `pushRotationRate`(`sample`: RotationRateSample)
         =
@@ -1720,7 +1753,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * An accelerometer or gravity event. Fails with `Rejected` when it is not finite or not after the one before.
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
      */
     @Throws(MagcompException::class)override fun `pushUp`(`sample`: UpSample)
         =
@@ -2359,6 +2392,17 @@ data class Config (
     val `windowed`: WindowedConfig? = null
     ,
     /**
+     * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
+     * which documents them with their units and ranges. A setting left out is the default.
+     */
+    val `aided`: Map<kotlin.String, kotlin.Double>? = null
+    ,
+    /**
+     * How events of several sensors are brought together.
+     */
+    val `pairing`: PairingConfig? = null
+    ,
+    /**
      * How headings are reported.
      */
     val `heading`: HeadingConfig? = null
@@ -2384,6 +2428,8 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeSensorLimits.read(buf),
             FfiConverterOptionalTypeFitOptions.read(buf),
             FfiConverterOptionalTypeWindowedConfig.read(buf),
+            FfiConverterOptionalMapStringDouble.read(buf),
+            FfiConverterOptionalTypePairingConfig.read(buf),
             FfiConverterOptionalTypeHeadingConfig.read(buf),
         )
     }
@@ -2395,6 +2441,8 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeSensorLimits.allocationSize(value.`sensor`) +
             FfiConverterOptionalTypeFitOptions.allocationSize(value.`fit`) +
             FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`) +
+            FfiConverterOptionalMapStringDouble.allocationSize(value.`aided`) +
+            FfiConverterOptionalTypePairingConfig.allocationSize(value.`pairing`) +
             FfiConverterOptionalTypeHeadingConfig.allocationSize(value.`heading`)
     )
 
@@ -2405,6 +2453,8 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeSensorLimits.write(value.`sensor`, buf)
             FfiConverterOptionalTypeFitOptions.write(value.`fit`, buf)
             FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
+            FfiConverterOptionalMapStringDouble.write(value.`aided`, buf)
+            FfiConverterOptionalTypePairingConfig.write(value.`pairing`, buf)
             FfiConverterOptionalTypeHeadingConfig.write(value.`heading`, buf)
     }
 }
@@ -2453,6 +2503,61 @@ public object FfiConverterTypeCoverage: FfiConverterRustBuffer<Coverage> {
     override fun write(value: Coverage, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`share`, buf)
             FfiConverterSequenceTypeVector3.write(value.`unseenDirections`, buf)
+    }
+}
+
+
+
+/**
+ * A change that was decided.
+ */
+data class Event (
+    /**
+     * What changed.
+     */
+    val `kind`: EventKind
+    ,
+    /**
+     * Time of the first sample that no longer fitted, nanoseconds.
+     */
+    val `sinceNs`: kotlin.Long
+    ,
+    /**
+     * Time of the decision, nanoseconds.
+     */
+    val `decidedNs`: kotlin.Long
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeEvent: FfiConverterRustBuffer<Event> {
+    override fun read(buf: ByteBuffer): Event {
+        return Event(
+            FfiConverterTypeEventKind.read(buf),
+            FfiConverterLong.read(buf),
+            FfiConverterLong.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: Event) = (
+            FfiConverterTypeEventKind.allocationSize(value.`kind`) +
+            FfiConverterLong.allocationSize(value.`sinceNs`) +
+            FfiConverterLong.allocationSize(value.`decidedNs`)
+    )
+
+    override fun write(value: Event, buf: ByteBuffer) {
+            FfiConverterTypeEventKind.write(value.`kind`, buf)
+            FfiConverterLong.write(value.`sinceNs`, buf)
+            FfiConverterLong.write(value.`decidedNs`, buf)
     }
 }
 
@@ -2589,6 +2694,11 @@ data class FitOptions (
     val `errorFloorUt`: kotlin.Double? = null
     ,
     /**
+     * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+     */
+    val `maxResidualShare`: kotlin.Double? = null
+    ,
+    /**
      * Iterations at the most. Default 50.
      */
     val `maxIterations`: kotlin.Int? = null
@@ -2619,6 +2729,7 @@ public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalInt.read(buf),
             FfiConverterOptionalDouble.read(buf),
         )
@@ -2631,6 +2742,7 @@ public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
             FfiConverterOptionalDouble.allocationSize(value.`fieldHighUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`maxDirectionSigmaDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`errorFloorUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`maxResidualShare`) +
             FfiConverterOptionalInt.allocationSize(value.`maxIterations`) +
             FfiConverterOptionalDouble.allocationSize(value.`tolerance`)
     )
@@ -2642,6 +2754,7 @@ public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
             FfiConverterOptionalDouble.write(value.`fieldHighUt`, buf)
             FfiConverterOptionalDouble.write(value.`maxDirectionSigmaDeg`, buf)
             FfiConverterOptionalDouble.write(value.`errorFloorUt`, buf)
+            FfiConverterOptionalDouble.write(value.`maxResidualShare`, buf)
             FfiConverterOptionalInt.write(value.`maxIterations`, buf)
             FfiConverterOptionalDouble.write(value.`tolerance`, buf)
     }
@@ -2795,11 +2908,6 @@ data class HeadingConfig (
     val `declinationDeg`: kotlin.Double? = null
     ,
     /**
-     * Oldest `up` that is still used, seconds. Default 0.2.
-     */
-    val `maxUpAgeS`: kotlin.Double? = null
-    ,
-    /**
      * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
      */
     val `tiltSigmaDeg`: kotlin.Double? = null
@@ -2829,7 +2937,6 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
         )
     }
 
@@ -2837,7 +2944,6 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalTypeReferenceAxis.allocationSize(value.`axis`) +
             FfiConverterOptionalTypeScreenRotation.allocationSize(value.`screenRotation`) +
             FfiConverterOptionalDouble.allocationSize(value.`declinationDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`maxUpAgeS`) +
             FfiConverterOptionalDouble.allocationSize(value.`tiltSigmaDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldSigmaUt`)
     )
@@ -2846,7 +2952,6 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalTypeReferenceAxis.write(value.`axis`, buf)
             FfiConverterOptionalTypeScreenRotation.write(value.`screenRotation`, buf)
             FfiConverterOptionalDouble.write(value.`declinationDeg`, buf)
-            FfiConverterOptionalDouble.write(value.`maxUpAgeS`, buf)
             FfiConverterOptionalDouble.write(value.`tiltSigmaDeg`, buf)
             FfiConverterOptionalDouble.write(value.`fieldSigmaUt`, buf)
     }
@@ -2967,6 +3072,69 @@ public object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSam
 
 
 /**
+ * How events of several sensors are brought together. A field left out is the default.
+ */
+data class PairingConfig (
+    /**
+     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+     */
+    val `staleS`: kotlin.Double? = null
+    ,
+    /**
+     * Largest rotation rate believed, rad/s. Default 60.
+     */
+    val `maxRateRadS`: kotlin.Double? = null
+    ,
+    /**
+     * Largest acceleration believed, m/s^2. Default 200.
+     */
+    val `maxUpMS2`: kotlin.Double? = null
+    ,
+    /**
+     * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+     */
+    val `maxLeadS`: kotlin.Double? = null
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypePairingConfig: FfiConverterRustBuffer<PairingConfig> {
+    override fun read(buf: ByteBuffer): PairingConfig {
+        return PairingConfig(
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: PairingConfig) = (
+            FfiConverterOptionalDouble.allocationSize(value.`staleS`) +
+            FfiConverterOptionalDouble.allocationSize(value.`maxRateRadS`) +
+            FfiConverterOptionalDouble.allocationSize(value.`maxUpMS2`) +
+            FfiConverterOptionalDouble.allocationSize(value.`maxLeadS`)
+    )
+
+    override fun write(value: PairingConfig, buf: ByteBuffer) {
+            FfiConverterOptionalDouble.write(value.`staleS`, buf)
+            FfiConverterOptionalDouble.write(value.`maxRateRadS`, buf)
+            FfiConverterOptionalDouble.write(value.`maxUpMS2`, buf)
+            FfiConverterOptionalDouble.write(value.`maxLeadS`, buf)
+    }
+}
+
+
+
+/**
  * The answer to one magnetometer sample. What is not known is none, never NaN.
  */
 data class Reading (
@@ -2979,6 +3147,11 @@ data class Reading (
      * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
      */
     val `fieldUt`: Vector3?
+    ,
+    /**
+     * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+     */
+    val `fieldSigmaUt`: kotlin.Double?
     ,
     /**
      * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
@@ -3017,6 +3190,16 @@ data class Reading (
     val `reportedHardIronJumpUt`: kotlin.Double?
     ,
     /**
+     * The sensors the estimator runs on.
+     */
+    val `mode`: SensorMode
+    ,
+    /**
+     * The latest change that was decided, kept until the next. None before the first.
+     */
+    val `event`: Event?
+    ,
+    /**
      * What the compensator is doing, and why.
      */
     val `status`: Status
@@ -3038,6 +3221,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
         return Reading(
             FfiConverterLong.read(buf),
             FfiConverterOptionalTypeVector3.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeVector3.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeHeading.read(buf),
@@ -3045,6 +3229,8 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
+            FfiConverterTypeSensorMode.read(buf),
+            FfiConverterOptionalTypeEvent.read(buf),
             FfiConverterTypeStatus.read(buf),
         )
     }
@@ -3052,6 +3238,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
     override fun allocationSize(value: Reading) = (
             FfiConverterLong.allocationSize(value.`timeNs`) +
             FfiConverterOptionalTypeVector3.allocationSize(value.`fieldUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`fieldSigmaUt`) +
             FfiConverterOptionalTypeVector3.allocationSize(value.`filteredFieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`totalFieldUt`) +
             FfiConverterOptionalTypeHeading.allocationSize(value.`heading`) +
@@ -3059,12 +3246,15 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
             FfiConverterOptionalDouble.allocationSize(value.`reportedHardIronJumpUt`) +
+            FfiConverterTypeSensorMode.allocationSize(value.`mode`) +
+            FfiConverterOptionalTypeEvent.allocationSize(value.`event`) +
             FfiConverterTypeStatus.allocationSize(value.`status`)
     )
 
     override fun write(value: Reading, buf: ByteBuffer) {
             FfiConverterLong.write(value.`timeNs`, buf)
             FfiConverterOptionalTypeVector3.write(value.`fieldUt`, buf)
+            FfiConverterOptionalDouble.write(value.`fieldSigmaUt`, buf)
             FfiConverterOptionalTypeVector3.write(value.`filteredFieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`totalFieldUt`, buf)
             FfiConverterOptionalTypeHeading.write(value.`heading`, buf)
@@ -3072,6 +3262,8 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
             FfiConverterOptionalDouble.write(value.`reportedHardIronJumpUt`, buf)
+            FfiConverterTypeSensorMode.write(value.`mode`, buf)
+            FfiConverterOptionalTypeEvent.write(value.`event`, buf)
             FfiConverterTypeStatus.write(value.`status`, buf)
     }
 }
@@ -3442,6 +3634,129 @@ public object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedCon
 
 
 /**
+ * What changed.
+ */
+
+enum class EventKind {
+
+    /**
+     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     */
+    DEVICE_STEP,
+    /**
+     * As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+     */
+    DEVICE_STEP_BACK,
+    /**
+     * The field of the place stepped: the calibration is held.
+     */
+    PLACE_CHANGED,
+    /**
+     * The field follows neither: the calibration is held.
+     */
+    ERRATIC;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeEventKind: FfiConverterRustBuffer<EventKind> {
+    override fun read(buf: ByteBuffer) = try {
+
+        EventKind.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: EventKind) = 4UL
+
+    override fun write(value: EventKind, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
+ * Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
+ */
+
+enum class EventRejection {
+
+    /**
+     * A component is NaN or infinite.
+     */
+    NOT_FINITE,
+    /**
+     * Beyond anything the sensor can read.
+     */
+    OUT_OF_RANGE,
+    /**
+     * At or before a magnetometer sample already answered.
+     */
+    LATE,
+    /**
+     * An event with this very time is there already.
+     */
+    DUPLICATE,
+    /**
+     * So far ahead of the magnetometer that it must be from another clock.
+     */
+    AHEAD;
+
+
+    /**
+     * One sentence for a log.
+     */ fun `text`(): kotlin.String {
+            return FfiConverterString.lift(
+    uniffiRustCall() { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_eventrejection_text(FfiConverterTypeEventRejection.lower(this),
+        _status)
+}
+    )
+    }
+
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeEventRejection: FfiConverterRustBuffer<EventRejection> {
+    override fun read(buf: ByteBuffer) = try {
+
+        EventRejection.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: EventRejection) = 4UL
+
+    override fun write(value: EventRejection, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * Why there is no ellipsoid to report.
  */
 sealed class FitProblem {
@@ -3488,6 +3803,25 @@ sealed class FitProblem {
          * The limit it exceeds, degrees.
          */
         val `limitDeg`: kotlin.Double) : FitProblem()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
+     */
+    data class Inconsistent(
+        /**
+         * Residual rms, microtesla.
+         */
+        val `residualUt`: kotlin.Double,
+        /**
+         * The limit it exceeds, microtesla.
+         */
+        val `limitUt`: kotlin.Double) : FitProblem()
 
     {
 
@@ -3569,13 +3903,17 @@ public object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
                 FfiConverterDouble.read(buf),
                 FfiConverterDouble.read(buf),
                 )
-            4 -> FitProblem.NotAnEllipsoid
-            5 -> FitProblem.FieldOutOfRange(
+            4 -> FitProblem.Inconsistent(
+                FfiConverterDouble.read(buf),
+                FfiConverterDouble.read(buf),
+                )
+            5 -> FitProblem.NotAnEllipsoid
+            6 -> FitProblem.FieldOutOfRange(
                 FfiConverterDouble.read(buf),
                 FfiConverterDouble.read(buf),
                 FfiConverterDouble.read(buf),
                 )
-            6 -> FitProblem.NotFinite
+            7 -> FitProblem.NotFinite
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
         }
     }
@@ -3601,6 +3939,14 @@ public object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
                 4UL
                 + FfiConverterDouble.allocationSize(value.`directionSigmaDeg`)
                 + FfiConverterDouble.allocationSize(value.`limitDeg`)
+            )
+        }
+        is FitProblem.Inconsistent -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterDouble.allocationSize(value.`residualUt`)
+                + FfiConverterDouble.allocationSize(value.`limitUt`)
             )
         }
         is FitProblem.NotAnEllipsoid -> {
@@ -3644,19 +3990,25 @@ public object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
                 FfiConverterDouble.write(value.`limitDeg`, buf)
                 Unit
             }
-            is FitProblem.NotAnEllipsoid -> {
+            is FitProblem.Inconsistent -> {
                 buf.putInt(4)
+                FfiConverterDouble.write(value.`residualUt`, buf)
+                FfiConverterDouble.write(value.`limitUt`, buf)
+                Unit
+            }
+            is FitProblem.NotAnEllipsoid -> {
+                buf.putInt(5)
                 Unit
             }
             is FitProblem.FieldOutOfRange -> {
-                buf.putInt(5)
+                buf.putInt(6)
                 FfiConverterDouble.write(value.`fieldUt`, buf)
                 FfiConverterDouble.write(value.`lowUt`, buf)
                 FfiConverterDouble.write(value.`highUt`, buf)
                 Unit
             }
             is FitProblem.NotFinite -> {
-                buf.putInt(6)
+                buf.putInt(7)
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
@@ -3699,6 +4051,24 @@ sealed class HoldReason {
     object Constant : HoldReason()
 
 
+    /**
+     * The device lies still.
+     */
+    object AtRest : HoldReason()
+
+
+    /**
+     * The device has hardly been turned of late.
+     */
+    object TooLittleRotation : HoldReason()
+
+
+    /**
+     * The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+     */
+    object NoGyroscope : HoldReason()
+
+
 
 
 
@@ -3720,6 +4090,9 @@ public object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
                 FfiConverterTypeFitProblem.read(buf),
                 )
             3 -> HoldReason.Constant
+            4 -> HoldReason.AtRest
+            5 -> HoldReason.TooLittleRotation
+            6 -> HoldReason.NoGyroscope
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
         }
     }
@@ -3744,6 +4117,24 @@ public object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
                 4UL
             )
         }
+        is HoldReason.AtRest -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is HoldReason.TooLittleRotation -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is HoldReason.NoGyroscope -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
     }
 
     override fun write(value: HoldReason, buf: ByteBuffer) {
@@ -3759,6 +4150,18 @@ public object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
             }
             is HoldReason.Constant -> {
                 buf.putInt(3)
+                Unit
+            }
+            is HoldReason.AtRest -> {
+                buf.putInt(4)
+                Unit
+            }
+            is HoldReason.TooLittleRotation -> {
+                buf.putInt(5)
+                Unit
+            }
+            is HoldReason.NoGyroscope -> {
+                buf.putInt(6)
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
@@ -3858,7 +4261,7 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * An event was not used; nothing has changed.
+     * A magnetometer sample was not used; nothing has changed.
      */
     class Rejected(
 
@@ -3866,6 +4269,20 @@ sealed class MagcompException: kotlin.Exception() {
          * Why.
          */
         val `reason`: RejectReason
+        ) : MagcompException() {
+        override val message
+            get() = "reason=${ `reason` }"
+    }
+
+    /**
+     * A gyroscope, accelerometer or gravity event was not used; nothing has changed.
+     */
+    class EventRejected(
+
+        /**
+         * Why.
+         */
+        val `reason`: EventRejection
         ) : MagcompException() {
         override val message
             get() = "reason=${ `reason` }"
@@ -3999,21 +4416,24 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
             2 -> MagcompException.Rejected(
                 FfiConverterTypeRejectReason.read(buf),
                 )
-            3 -> MagcompException.Fit(
+            3 -> MagcompException.EventRejected(
+                FfiConverterTypeEventRejection.read(buf),
+                )
+            4 -> MagcompException.Fit(
                 FfiConverterTypeFitProblem.read(buf),
                 )
-            4 -> MagcompException.Calibration(
+            5 -> MagcompException.Calibration(
                 FfiConverterString.read(buf),
                 )
-            5 -> MagcompException.SnapshotDamaged()
-            6 -> MagcompException.SnapshotNewer(
+            6 -> MagcompException.SnapshotDamaged()
+            7 -> MagcompException.SnapshotNewer(
                 FfiConverterLong.read(buf),
                 )
-            7 -> MagcompException.Place(
+            8 -> MagcompException.Place(
                 FfiConverterString.read(buf),
                 )
-            8 -> MagcompException.Closed()
-            9 -> MagcompException.Panicked(
+            9 -> MagcompException.Closed()
+            10 -> MagcompException.Panicked(
                 FfiConverterString.read(buf),
                 )
             else -> throw RuntimeException("invalid error enum value, something is very wrong!!")
@@ -4033,6 +4453,11 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
                 // Add the size for the Int that specifies the variant plus the size needed for all fields
                 4UL
                 + FfiConverterTypeRejectReason.allocationSize(value.`reason`)
+            )
+            is MagcompException.EventRejected -> (
+                // Add the size for the Int that specifies the variant plus the size needed for all fields
+                4UL
+                + FfiConverterTypeEventRejection.allocationSize(value.`reason`)
             )
             is MagcompException.Fit -> (
                 // Add the size for the Int that specifies the variant plus the size needed for all fields
@@ -4084,36 +4509,41 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
                 FfiConverterTypeRejectReason.write(value.`reason`, buf)
                 Unit
             }
-            is MagcompException.Fit -> {
+            is MagcompException.EventRejected -> {
                 buf.putInt(3)
+                FfiConverterTypeEventRejection.write(value.`reason`, buf)
+                Unit
+            }
+            is MagcompException.Fit -> {
+                buf.putInt(4)
                 FfiConverterTypeFitProblem.write(value.`problem`, buf)
                 Unit
             }
             is MagcompException.Calibration -> {
-                buf.putInt(4)
+                buf.putInt(5)
                 FfiConverterString.write(value.`why`, buf)
                 Unit
             }
             is MagcompException.SnapshotDamaged -> {
-                buf.putInt(5)
+                buf.putInt(6)
                 Unit
             }
             is MagcompException.SnapshotNewer -> {
-                buf.putInt(6)
+                buf.putInt(7)
                 FfiConverterLong.write(value.`found`, buf)
                 Unit
             }
             is MagcompException.Place -> {
-                buf.putInt(7)
+                buf.putInt(8)
                 FfiConverterString.write(value.`why`, buf)
                 Unit
             }
             is MagcompException.Closed -> {
-                buf.putInt(8)
+                buf.putInt(9)
                 Unit
             }
             is MagcompException.Panicked -> {
-                buf.putInt(9)
+                buf.putInt(10)
                 FfiConverterString.write(value.`what`, buf)
                 Unit
             }
@@ -4131,9 +4561,13 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
 enum class Method {
 
     /**
-     * The best that the arriving sensors allow.
+     * `Aided` while rotation rates arrive, else `Windowed`.
      */
     AUTO,
+    /**
+     * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+     */
+    AIDED,
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -4166,6 +4600,145 @@ public object FfiConverterTypeMethod: FfiConverterRustBuffer<Method> {
 
     override fun write(value: Method, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
+ * What a first calibration still lacks.
+ */
+sealed class Missing {
+
+    /**
+     * More samples before a first fit is tried.
+     */
+    data class Samples(
+        /**
+         * Samples so far.
+         */
+        val `have`: kotlin.Int,
+        /**
+         * Samples needed.
+         */
+        val `need`: kotlin.Int) : Missing()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The samples allow no fit yet.
+     */
+    data class Fit(
+        /**
+         * Why.
+         */
+        val `problem`: org.magcomp.FitProblem) : Missing()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The device must be turned.
+     */
+    object Rotation : Missing()
+
+
+    /**
+     * More directions, turned about more than one axis.
+     */
+    object Directions : Missing()
+
+
+
+
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
+    override fun read(buf: ByteBuffer): Missing {
+        return when(buf.getInt()) {
+            1 -> Missing.Samples(
+                FfiConverterInt.read(buf),
+                FfiConverterInt.read(buf),
+                )
+            2 -> Missing.Fit(
+                FfiConverterTypeFitProblem.read(buf),
+                )
+            3 -> Missing.Rotation
+            4 -> Missing.Directions
+            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
+        }
+    }
+
+    override fun allocationSize(value: Missing): ULong = when(value) {
+        is Missing.Samples -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterInt.allocationSize(value.`have`)
+                + FfiConverterInt.allocationSize(value.`need`)
+            )
+        }
+        is Missing.Fit -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeFitProblem.allocationSize(value.`problem`)
+            )
+        }
+        is Missing.Rotation -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is Missing.Directions -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+    }
+
+    override fun write(value: Missing, buf: ByteBuffer) {
+        when(value) {
+            is Missing.Samples -> {
+                buf.putInt(1)
+                FfiConverterInt.write(value.`have`, buf)
+                FfiConverterInt.write(value.`need`, buf)
+                Unit
+            }
+            is Missing.Fit -> {
+                buf.putInt(2)
+                FfiConverterTypeFitProblem.write(value.`problem`, buf)
+                Unit
+            }
+            is Missing.Rotation -> {
+                buf.putInt(3)
+                Unit
+            }
+            is Missing.Directions -> {
+                buf.putInt(4)
+                Unit
+            }
+        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
     }
 }
 
@@ -4657,6 +5230,59 @@ public object FfiConverterTypeScreenRotation: FfiConverterRustBuffer<ScreenRotat
 
 
 /**
+ * The sensors the estimator runs on, as they come and go.
+ */
+
+enum class SensorMode {
+
+    /**
+     * Gyroscope and accelerometer beside the magnetometer: everything works.
+     */
+    GYROSCOPE_AND_GRAVITY,
+    /**
+     * No accelerometer: the field is corrected and carried, there is no heading.
+     */
+    GYROSCOPE_ONLY,
+    /**
+     * No usable gyroscope: changes are followed slower.
+     */
+    GRAVITY_ONLY,
+    /**
+     * Neither: as `GravityOnly`, and there is no heading.
+     */
+    MAGNETOMETER_ONLY;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeSensorMode: FfiConverterRustBuffer<SensorMode> {
+    override fun read(buf: ByteBuffer) = try {
+
+        SensorMode.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: SensorMode) = 4UL
+
+    override fun write(value: SensorMode, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
  */
 sealed class Status {
@@ -4666,17 +5292,9 @@ sealed class Status {
      */
     data class Collecting(
         /**
-         * Samples so far.
+         * What is still missing.
          */
-        val `samples`: kotlin.Int,
-        /**
-         * Samples needed before a first fit is tried.
-         */
-        val `samplesNeeded`: kotlin.Int,
-        /**
-         * Why the latest fit was not accepted; none before the first.
-         */
-        val `refused`: org.magcomp.FitProblem?) : Status()
+        val `missing`: org.magcomp.Missing) : Status()
 
     {
 
@@ -4693,8 +5311,17 @@ sealed class Status {
     /**
      * Something changed; not yet decided what.
      */
-    object Suspect : Status()
+    data class Suspect(
+        /**
+         * Time of the first sample that did not fit, nanoseconds.
+         */
+        val `sinceNs`: kotlin.Long) : Status()
 
+    {
+
+
+        companion object
+    }
 
     /**
      * Calibrated, but not learning: the calibration is kept.
@@ -4784,12 +5411,12 @@ public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
     override fun read(buf: ByteBuffer): Status {
         return when(buf.getInt()) {
             1 -> Status.Collecting(
-                FfiConverterInt.read(buf),
-                FfiConverterInt.read(buf),
-                FfiConverterOptionalTypeFitProblem.read(buf),
+                FfiConverterTypeMissing.read(buf),
                 )
             2 -> Status.Tracking
-            3 -> Status.Suspect
+            3 -> Status.Suspect(
+                FfiConverterLong.read(buf),
+                )
             4 -> Status.Held(
                 FfiConverterTypeHoldReason.read(buf),
                 )
@@ -4808,9 +5435,7 @@ public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
-                + FfiConverterInt.allocationSize(value.`samples`)
-                + FfiConverterInt.allocationSize(value.`samplesNeeded`)
-                + FfiConverterOptionalTypeFitProblem.allocationSize(value.`refused`)
+                + FfiConverterTypeMissing.allocationSize(value.`missing`)
             )
         }
         is Status.Tracking -> {
@@ -4823,6 +5448,7 @@ public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
+                + FfiConverterLong.allocationSize(value.`sinceNs`)
             )
         }
         is Status.Held -> {
@@ -4852,9 +5478,7 @@ public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
         when(value) {
             is Status.Collecting -> {
                 buf.putInt(1)
-                FfiConverterInt.write(value.`samples`, buf)
-                FfiConverterInt.write(value.`samplesNeeded`, buf)
-                FfiConverterOptionalTypeFitProblem.write(value.`refused`, buf)
+                FfiConverterTypeMissing.write(value.`missing`, buf)
                 Unit
             }
             is Status.Tracking -> {
@@ -4863,6 +5487,7 @@ public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
             }
             is Status.Suspect -> {
                 buf.putInt(3)
+                FfiConverterLong.write(value.`sinceNs`, buf)
                 Unit
             }
             is Status.Held -> {
@@ -5069,6 +5694,38 @@ public object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibr
 /**
  * @suppress
  */
+public object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
+    override fun read(buf: ByteBuffer): Event? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeEvent.read(buf)
+    }
+
+    override fun allocationSize(value: Event?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeEvent.allocationSize(value)
+        }
+    }
+
+    override fun write(value: Event?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeEvent.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 public object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
     override fun read(buf: ByteBuffer): Fit? {
         if (buf.get().toInt() == 0) {
@@ -5197,6 +5854,38 @@ public object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<Head
 /**
  * @suppress
  */
+public object FfiConverterOptionalTypePairingConfig: FfiConverterRustBuffer<PairingConfig?> {
+    override fun read(buf: ByteBuffer): PairingConfig? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypePairingConfig.read(buf)
+    }
+
+    override fun allocationSize(value: PairingConfig?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypePairingConfig.allocationSize(value)
+        }
+    }
+
+    override fun write(value: PairingConfig?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypePairingConfig.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 public object FfiConverterOptionalTypeSensorLimits: FfiConverterRustBuffer<SensorLimits?> {
     override fun read(buf: ByteBuffer): SensorLimits? {
         if (buf.get().toInt() == 0) {
@@ -5283,38 +5972,6 @@ public object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<Win
         } else {
             buf.put(1)
             FfiConverterTypeWindowedConfig.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
-public object FfiConverterOptionalTypeFitProblem: FfiConverterRustBuffer<FitProblem?> {
-    override fun read(buf: ByteBuffer): FitProblem? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeFitProblem.read(buf)
-    }
-
-    override fun allocationSize(value: FitProblem?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeFitProblem.allocationSize(value)
-        }
-    }
-
-    override fun write(value: FitProblem?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeFitProblem.write(value, buf)
         }
     }
 }
@@ -5485,6 +6142,70 @@ public object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<Scr
 /**
  * @suppress
  */
+public object FfiConverterOptionalSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>?> {
+    override fun read(buf: ByteBuffer): List<kotlin.Double>? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterSequenceDouble.read(buf)
+    }
+
+    override fun allocationSize(value: List<kotlin.Double>?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterSequenceDouble.allocationSize(value)
+        }
+    }
+
+    override fun write(value: List<kotlin.Double>?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterSequenceDouble.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterOptionalMapStringDouble: FfiConverterRustBuffer<Map<kotlin.String, kotlin.Double>?> {
+    override fun read(buf: ByteBuffer): Map<kotlin.String, kotlin.Double>? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterMapStringDouble.read(buf)
+    }
+
+    override fun allocationSize(value: Map<kotlin.String, kotlin.Double>?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterMapStringDouble.allocationSize(value)
+        }
+    }
+
+    override fun write(value: Map<kotlin.String, kotlin.Double>?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterMapStringDouble.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 public object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>> {
     override fun read(buf: ByteBuffer): List<kotlin.Double> {
         val len = buf.getInt()
@@ -5531,6 +6252,45 @@ public object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vecto
         buf.putInt(value.size)
         value.iterator().forEach {
             FfiConverterTypeVector3.write(it, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterMapStringDouble: FfiConverterRustBuffer<Map<kotlin.String, kotlin.Double>> {
+    override fun read(buf: ByteBuffer): Map<kotlin.String, kotlin.Double> {
+        val len = buf.getInt()
+        return buildMap<kotlin.String, kotlin.Double>(len) {
+            repeat(len) {
+                val k = FfiConverterString.read(buf)
+                val v = FfiConverterDouble.read(buf)
+                this[k] = v
+            }
+        }
+    }
+
+    override fun allocationSize(value: Map<kotlin.String, kotlin.Double>): ULong {
+        val spaceForMapSize = 4UL
+        val spaceForChildren = value.map { (k, v) ->
+            FfiConverterString.allocationSize(k) +
+            FfiConverterDouble.allocationSize(v)
+        }.sum()
+        return spaceForMapSize + spaceForChildren
+    }
+
+    override fun write(value: Map<kotlin.String, kotlin.Double>, buf: ByteBuffer) {
+        buf.putInt(value.size)
+        // The parens on `(k, v)` here ensure we're calling the right method,
+        // which is important for compatibility with older android devices.
+        // Ref https://blog.danlew.net/2017/03/16/kotlin-puzzler-whose-line-is-it-anyways/
+        value.forEach { (k, v) ->
+            FfiConverterString.write(k, buf)
+            FfiConverterDouble.write(v, buf)
         }
     }
 }

@@ -26,7 +26,13 @@ public class Compass @JvmOverloads constructor(
     /** The phone's sensors at 100 Hz, the calibration kept in the app's preferences. */
     public constructor(context: Context) : this(SensorManagerSource(context), Config(), PreferencesStore(context))
 
-    private val frames = MutableStateFlow(HeadingFrame(ReferenceAxis.AUTO, ScreenRotation.DEG0))
+    private val frames = MutableStateFlow(
+        HeadingFrame(
+            config.heading?.axis ?: ReferenceAxis.AUTO,
+            config.heading?.screenRotation ?: ScreenRotation.DEG0,
+            config.heading?.declinationDeg,
+        ),
+    )
 
     /** The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. */
     public var frame: HeadingFrame by frames::value

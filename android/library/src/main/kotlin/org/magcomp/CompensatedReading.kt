@@ -71,7 +71,7 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
     private var number = 0L
-    private var currentFrame: HeadingFrame? = null
+    private var currentFrame: HeadingFrame? = frameOf(config)
     private var savedNs: Long? = null
 
     init {
@@ -135,5 +135,11 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private companion object {
         /** Once a minute: what a crash costs at the most. */
         const val SAVE_EVERY_NS = 60_000_000_000L
+
+        fun frameOf(config: Config) = HeadingFrame(
+            config.heading?.axis ?: ReferenceAxis.TOP_EDGE,
+            config.heading?.screenRotation ?: ScreenRotation.DEG0,
+            config.heading?.declinationDeg,
+        )
     }
 }

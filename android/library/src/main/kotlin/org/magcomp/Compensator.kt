@@ -56,7 +56,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     /**
      * A gyroscope event: time in nanoseconds, rates in rad/s about x, y and z.
      *
-     * @return whether it was used; false when it is not finite or not after the one before, and nothing has changed
+     * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
     public fun pushRotationRate(timeNs: Long, xRadS: Double, yRadS: Double, zRadS: Double): Boolean =
         check(FastPath.pushRotationRate(handle, timeNs, xRadS, yRadS, zRadS)) == 0
@@ -64,7 +64,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     /**
      * An accelerometer or gravity event: time in nanoseconds, m/s^2 along x, y and z; at rest it points up.
      *
-     * @return whether it was used; false when it is not finite or not after the one before, and nothing has changed
+     * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
     public fun pushUp(timeNs: Long, xMS2: Double, yMS2: Double, zMS2: Double): Boolean =
         check(FastPath.pushUp(handle, timeNs, xMS2, yMS2, zMS2)) == 0
@@ -111,7 +111,13 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     /** Hard iron, soft iron and field strength in force, if any. */
     public fun calibration(): Calibration? = open { native.calibration() }
 
-    /** The latest ellipsoid fit that was accepted, with its covariance. */
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * null when it is not known.
+     */
+    public fun covariance(): List<Double>? = open { native.covariance() }
+
+    /** The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none. */
     public fun fit(): Fit? = open { native.fit() }
 
     /** Which directions were seen, for guidance. */

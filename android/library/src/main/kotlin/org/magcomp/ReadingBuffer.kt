@@ -70,6 +70,9 @@ public class ReadingBuffer {
         const val WINDOW = 20
         const val COVERAGE = 21
         const val REPORTED_JUMP = 22
+        const val FIELD_SIGMA = 23
+        const val MODE = 24
+        const val EVENT = 25
 
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading {
             val heading = known(slots[at + HEADING])?.let {
@@ -83,6 +86,7 @@ public class ReadingBuffer {
             return Reading(
                 timeNs = timeNs,
                 fieldUt = vector(slots, at + FIELD),
+                fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
                 filteredFieldUt = vector(slots, at + FILTERED_FIELD),
                 totalFieldUt = known(slots[at + TOTAL_FIELD]),
                 heading = heading,
@@ -90,6 +94,8 @@ public class ReadingBuffer {
                 window = slots[at + WINDOW].toInt(),
                 coverage = slots[at + COVERAGE],
                 reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
+                mode = SensorMode.entries[slots[at + MODE].toInt()],
+                event = event(slots, at + EVENT),
                 status = status(slots, timeNs, at),
             )
         }
@@ -98,9 +104,9 @@ public class ReadingBuffer {
             val a = slots[at + DETAILS]
             val b = slots[at + DETAILS + 1]
             return when (val code = slots[at + STATUS].toInt()) {
-                0 -> Status.Collecting(a.toInt(), b.toInt(), known(slots[at + FIT_PROBLEM])?.let { fitProblem(slots, at) })
+                0 -> Status.Collecting(missing(slots, at, a, b))
                 1 -> Status.Tracking
-                2 -> Status.Suspect
+                2 -> Status.Suspect(whole(a, b))
                 3 -> Status.Held(holdReason(slots, at))
                 4 -> Status.Disturbed(whole(a, b))
                 5 -> Status.Rejected(rejectReason(slots[at + REASON].toInt(), a, b, timeNs))
@@ -108,11 +114,28 @@ public class ReadingBuffer {
             }
         }
 
+        private fun event(slots: DoubleArray, at: Int): Event? = known(slots[at])?.let {
+            val kind = EventKind.entries[it.toInt()]
+            Event(kind, sinceNs = whole(slots[at + 1], slots[at + 2]), decidedNs = whole(slots[at + 3], slots[at + 4]))
+        }
+
+        private fun missing(slots: DoubleArray, at: Int, a: Double, b: Double): Missing =
+            when (val code = slots[at + REASON].toInt()) {
+                0 -> Missing.Samples(a.toInt(), b.toInt())
+                1 -> Missing.Fit(fitProblem(slots, at))
+                2 -> Missing.Rotation
+                3 -> Missing.Directions
+                else -> error("missing $code: the library's native part is of another version")
+            }
+
         private fun holdReason(slots: DoubleArray, at: Int): HoldReason =
             when (val code = slots[at + REASON].toInt()) {
                 0 -> HoldReason.LowUniformity
                 1 -> HoldReason.FitRefused(fitProblem(slots, at))
                 2 -> HoldReason.Constant
+                3 -> HoldReason.AtRest
+                4 -> HoldReason.TooLittleRotation
+                5 -> HoldReason.NoGyroscope
                 else -> error("hold reason $code: the library's native part is of another version")
             }
 
@@ -133,9 +156,10 @@ public class ReadingBuffer {
                 0 -> FitProblem.TooFewSamples(slots[details].toInt())
                 1 -> FitProblem.Planar(slots[details])
                 2 -> FitProblem.PoorCoverage(slots[details], slots[details + 1])
-                3 -> FitProblem.NotAnEllipsoid
-                4 -> FitProblem.FieldOutOfRange(slots[details], slots[details + 1], slots[details + 2])
-                5 -> FitProblem.NotFinite
+                3 -> FitProblem.Inconsistent(slots[details], slots[details + 1])
+                4 -> FitProblem.NotAnEllipsoid
+                5 -> FitProblem.FieldOutOfRange(slots[details], slots[details + 1], slots[details + 2])
+                6 -> FitProblem.NotFinite
                 else -> error("fit problem $code: the library's native part is of another version")
             }
         }

@@ -34,11 +34,19 @@ class BorderTest {
             FitProblem.TooFewSamples(8),
             FitProblem.Planar(0.5),
             FitProblem.PoorCoverage(12.5, 10.0),
+            FitProblem.Inconsistent(7.5, 2.5),
             FitProblem.NotAnEllipsoid,
             FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
             FitProblem.NotFinite,
         )
-        val held = listOf(HoldReason.LowUniformity, HoldReason.FitRefused(problems[2]), HoldReason.Constant)
+        val held = listOf(
+            HoldReason.LowUniformity,
+            HoldReason.FitRefused(problems[2]),
+            HoldReason.Constant,
+            HoldReason.AtRest,
+            HoldReason.TooLittleRotation,
+            HoldReason.NoGyroscope,
+        )
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
@@ -47,8 +55,10 @@ class BorderTest {
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
         )
-        val expected = listOf(Status.Collecting(120, 100, null), Status.Tracking, Status.Suspect) +
-            problems.map { Status.Collecting(120, 100, it) } +
+        val missing = listOf(Missing.Samples(60, 100), Missing.Rotation, Missing.Directions)
+        val expected = listOf(Status.Tracking, Status.Suspect(-9_007_199_254_740_993)) +
+            missing.map { Status.Collecting(it) } +
+            problems.map { Status.Collecting(Missing.Fit(it)) } +
             held.map { Status.Held(it) } +
             Status.Disturbed(Long.MIN_VALUE + 1) +
             rejected.map { Status.Rejected(it) }
@@ -90,7 +100,7 @@ class BorderTest {
             assertEquals(Status.Rejected(RejectReason.NotFinite), out.status)
             compensator.push(5, 1.0, 2.0, 3.0, out)
             assertEquals(Status.Rejected(RejectReason.TimeNotAfter(5, 600 * STEP_NS)), out.status)
-            assertFalse(compensator.pushUp(5, 0.0, 0.0, 9.8), "before the latest")
+            assertFalse(compensator.pushUp(5, 0.0, 0.0, 9.8), "too late")
             assertFalse(compensator.pushRotationRate(5, Double.NaN, 0.0, 0.0))
             assertEquals(before, compensator.snapshot())
         }
@@ -257,7 +267,7 @@ class BorderTest {
             compensator.pushUp(begin + 1_000_000, flat.x, flat.y, flat.z)
             val paired = headingAfter(begin + 2_000_000, 7)
             assertNotNull(paired)
-            assertFalse(compensator.pushUp(begin + 500_000, 9.81, 0.0, 0.0), "older than the latest: not used")
+            assertFalse(compensator.pushUp(begin + 500_000, 9.81, 0.0, 0.0), "older than a sample answered: not used")
             // the calibration goes on learning meanwhile
             assertEquals(paired!!.headingDeg, headingAfter(begin + 3_000_000, 7)!!.headingDeg, 0.01)
             assertNull(headingAfter(begin + 900_000_000, 7), "the latest up is too old")

@@ -132,7 +132,7 @@ class RustAgreementTest {
     private fun ignoreRejected(push: () -> Unit) {
         try {
             push()
-        } catch (_: MagcompException.Rejected) {
+        } catch (_: MagcompException.EventRejected) {
             // JNI answers false
         }
     }
