@@ -5,7 +5,7 @@
 //! release, whatever threads do.
 
 use crate::compensator::Compensator;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, Weak};
+use std::sync::{Arc, PoisonError, RwLock, Weak};
 
 struct Slot {
     generation: u32,
@@ -19,7 +19,7 @@ static TABLE: RwLock<Vec<Slot>> = RwLock::new(Vec::new());
 
 /// A handle for the object.
 pub(crate) fn add(object: &Arc<Compensator>) -> i64 {
-    let mut table = write();
+    let mut table = TABLE.write().unwrap_or_else(PoisonError::into_inner);
     let object = Arc::downgrade(object);
     let free = table.iter().position(|slot| slot.object.strong_count() == 0 && slot.generation < GENERATIONS);
     let index = match free {
@@ -40,18 +40,9 @@ pub(crate) fn add(object: &Arc<Compensator>) -> i64 {
 #[cfg(not(target_vendor = "apple"))]
 pub(crate) fn find(handle: i64) -> Option<Arc<Compensator>> {
     let (generation, index) = ((handle >> 32) as u32, (handle & 0xffff_ffff) as usize);
-    let table = read();
+    let table = TABLE.read().unwrap_or_else(PoisonError::into_inner);
     let slot = table.get(index).filter(|slot| slot.generation == generation)?;
     slot.object.upgrade()
-}
-
-#[cfg(not(target_vendor = "apple"))]
-fn read() -> RwLockReadGuard<'static, Vec<Slot>> {
-    TABLE.read().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn write() -> RwLockWriteGuard<'static, Vec<Slot>> {
-    TABLE.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
