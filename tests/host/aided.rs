@@ -204,3 +204,18 @@ fn without_any_motion_it_goes_on_collecting() {
     assert_eq!(reading.status, Status::Collecting(Missing::Rotation));
     assert_eq!((reading.field_ut, compensator.calibration()), (None, None));
 }
+
+#[test]
+fn after_a_pause_of_all_sensors_it_goes_on_at_once_less_sure() {
+    let mut phone = Phone::new(7);
+    let mut compensator = compensator(Method::Auto);
+    let before = phone.run(&mut compensator, 1500).heading.and_then(|h| h.heading_sigma_deg).expect("tracking");
+    phone.k += 500;
+    let reading = phone.advance(&mut compensator);
+    assert!(reading.field_ut.is_some());
+    let after = reading.heading.and_then(|heading| heading.heading_sigma_deg).expect("the calibration is kept");
+    assert!(after > before, "{after} against {before}");
+    phone.run(&mut compensator, 200);
+    let reading = phone.advance(&mut compensator);
+    assert!(angle_deg(&reading.filtered_field_ut.expect("carried"), &phone.field()) < 2.0);
+}

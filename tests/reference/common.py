@@ -1,6 +1,6 @@
 """What the reference scripts share: parameter sets, directions, extended-precision algebra, writing vectors.
 
-Independent of the Rust code: written from the paper's equations (PAPER.md), numpy alone.
+Independent of the Rust code: written from the paper's equations, numpy alone.
 """
 
 import json
@@ -13,7 +13,7 @@ VECTORS = Path(__file__).resolve().parent.parent / "vectors"
 ORDER = ["b_x", "b_y", "b_z", "m_xx", "m_yy", "m_zz", "m_xy", "m_xz", "m_yz"]
 PAIRS = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
 
-# [Mxx, Myy, Mzz, Mxy, Mxz, Myz], [bx, by, bz] in field strengths: the set REF of ESTIMATOR.md section 1
+# [Mxx, Myy, Mzz, Mxy, Mxz, Myz], [bx, by, bz] in field strengths: the reference set REF
 REF_M6 = [1.05, 0.95, 1.00, 0.06, -0.05, 0.08]
 REF_B = [0.30, -0.20, 1.32]
 

@@ -1,7 +1,7 @@
 """Cramer-Rao bound of h_m = M h + b + w, |h| = 1 known, the orientation of every sample unknown (Kay, ch. 3).
 
 Fisher information by finite differences of the mean, with two explicit nuisance angles per sample (turns of h about two
-axes across it), which are then eliminated by the Schur complement. Set REF of ESTIMATOR.md section 1, field strength 1,
+axes across it), which are then eliminated by the Schur complement. The reference set REF, field strength 1,
 noise s = 10^(-SNR / 20) per axis. Directions: the Fibonacci rule in common.py, written out for the small set.
 """
 

@@ -1,4 +1,4 @@
-"""Error model, gauge, sigma_T and window: eq. (1) to (8), (11) to (16) as PAPER.md states them."""
+"""Error model, gauge, sigma_T and window: eq. (1) to (8), (11) to (16)."""
 
 import numpy as np
 from common import REF_B, REF_M6, directions, symmetric, write

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 /// Nine parameters, in the order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz.
 pub type Nine = SVector<f64, 9>;
 
-/// Set REF of ESTIMATOR.md section 1: b in field strengths, then M.
+/// The reference set REF: b in field strengths, then M.
 pub const REF: [f64; 9] = [0.30, -0.20, 1.32, 1.05, 0.95, 1.00, 0.06, -0.05, 0.08];
 
 /// A file of `tests/vectors`.

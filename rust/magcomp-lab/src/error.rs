@@ -28,7 +28,7 @@ impl fmt::Display for Place {
 /// Why the command failed. Each is one line.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// A recording does not have the form of DESIGN section 6.
+    /// A recording does not have the form that `magcomp replay --help` states.
     #[error("{place}: expected {expected}, found {found}")]
     Recording {
         /// Where.

@@ -1,7 +1,7 @@
 //! The lab of magcomp: simulator, Cramer-Rao bound, the paper's experiments, recordings, plots, and the command
 //! `magcomp`, which is a thin shell over these modules.
 //!
-//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`; `crb` and
+//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual streams; `crb` and
 //! `simulate` feed `experiment`; `recording` feeds `replay`; `table`, `plot` and `report` show what came out.
 
 pub mod command;
@@ -11,6 +11,7 @@ pub mod experiment;
 pub mod inertial;
 pub mod motion;
 pub mod parameters;
+pub mod phone;
 pub mod place;
 pub mod plot;
 pub mod progress;

@@ -23,6 +23,8 @@ pub enum Purpose {
     ConstantField = 6,
     /// Resampling of runs.
     Bootstrap = 7,
+    /// Parameters of a phone and the directions of what happens to it.
+    Parameters = 8,
 }
 
 /// A generator with the few distributions the lab needs.

@@ -173,7 +173,7 @@ fn simulate_is_reproducible_bit_for_bit() {
     };
     let (first, again, other) = (written("a.csv", "5"), written("b.csv", "5"), written("c.csv", "6"));
     assert!(first == again && first != other);
-    assert!(first.starts_with(b"t_s,mx,my,mz,ax,ay,az,gx,gy,gz,qw,qx,qy,qz\n"));
+    assert!(first.starts_with(b"t_s,mx,my,mz,ax,ay,az,gx,gy,gz,qw,qx,qy,qz,true_bx,true_by,true_bz\n"));
 }
 
 #[test]

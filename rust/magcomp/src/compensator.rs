@@ -132,6 +132,7 @@ impl Compensator {
             return self.reading(sample.time_ns, Answer::none(self.inputs.mode, Status::Rejected(reason)));
         }
         let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
+        let previous_ns = self.inputs.latest.map(|latest| latest.time_ns);
         self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
         self.inputs.latest = Some(sample);
         let paired = self.pairing.pair(sample.time_ns);
@@ -140,9 +141,11 @@ impl Compensator {
         }
         let aided = match self.config.method {
             Method::Aided => true,
-            Method::Auto => {
-                self.inputs.rotated_ns.is_some_and(|at| sample.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS)
-            }
+            // a pause of all sensors is no loss of the gyroscope
+            Method::Auto => self
+                .inputs
+                .rotated_ns
+                .is_some_and(|at| sample.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS || Some(at) == previous_ns),
             Method::Windowed | Method::Constant => false,
         };
         let answer = if aided { self.aided_answer(&sample, &paired) } else { self.windowed_answer(&sample, &paired) };

@@ -1,8 +1,11 @@
-//! `magcomp demo`: a real recording compensated, then the paper's step experiment, then a report of both.
+//! `magcomp demo`: real recordings compensated, then the aided method's steps, then the paper's, and a report of all.
 
 use super::Common;
 use crate::error::LabError;
+use crate::experiment::aided::{self, AidedOptions, AidedResult};
 use crate::experiment::step::{StepOptions, StepResult, run as run_step};
+use crate::motion::Motion;
+use crate::phone::Phone;
 use crate::recording::{self, Recording};
 use crate::replay::{Ignore, Judgement, figures, judge, replay};
 use crate::report::Report;
@@ -24,13 +27,21 @@ const RECORDINGS: [(&str, &str); 2] = [
         "Slow rotations of a sensor that its maker has calibrated well: there is nothing to gain, and little must be lost.",
     ),
 ];
+/// The methods shown, the sensors they go without, and whether they are drawn.
+const METHODS: [(&str, Method, Ignore, bool); 3] = [
+    ("constant", Method::Constant, Ignore { gyroscope: true, accelerometer: false }, false),
+    ("windowed (--ignore gyro)", Method::Auto, Ignore { gyroscope: true, accelerometer: false }, false),
+    ("aided", Method::Auto, Ignore { gyroscope: false, accelerometer: false }, true),
+];
+/// Runs of an aided step: they agree well, the paper's do not.
+const AIDED_RUNS: usize = 10;
 /// Where recordings lie in the repository.
 const FOLDER: &str = "tests/recordings";
 
-/// Show what it does: a real recording compensated, then the paper's step experiment.
+/// Show what it does: real recordings compensated, then the steps: aided, and the paper's.
 #[derive(Debug, Args)]
 pub(super) struct Demo {
-    /// Runs of the step experiment
+    /// Runs of the paper's step experiment
     #[arg(long, default_value_t = 60, value_parser = value_parser!(u32).range(1..))]
     runs: u32,
     #[command(flatten)]
@@ -47,6 +58,7 @@ struct Shown {
 #[derive(Serialize)]
 struct Everything {
     recordings: Vec<Shown>,
+    aided: Vec<AidedResult>,
     step: StepResult,
 }
 
@@ -56,7 +68,7 @@ impl Demo {
         self.common.report.get_or_insert_with(|| root.join("target/report"));
         let mut report = Report::new(
             "magcomp: a magnetometer freed from its phone",
-            "Real recordings first, then the paper's experiment on simulated samples. Every answer uses nothing later than \
+            "Real recordings first, then simulated phones, then the paper's experiment. Every answer uses nothing later than \
              its own sample.",
         );
         let mut recordings = Vec::new();
@@ -68,6 +80,16 @@ impl Demo {
         let table = recording_table(&recordings);
         report.table(&table);
 
+        let mut aided = Vec::new();
+        for (motion, figure) in [(Motion::Tumble, "step_tumble"), (Motion::Pedestrian, "step_pedestrian")] {
+            let Some(options) = AidedOptions::of(motion) else { continue };
+            let phone = Phone { seed: self.common.seed, ..options.phone };
+            let result = aided::run(&AidedOptions { phone, runs: AIDED_RUNS })?;
+            report.section(&result.scenario, "A simulated phone from a cold start; the picture shows the first run.");
+            result.add_to(&mut report, figure)?;
+            aided.push(result);
+        }
+
         let step =
             run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;
         report.section(
@@ -77,18 +99,21 @@ impl Demo {
         step.add_to(&mut report)?;
 
         let [parameters, angles] = step.tables();
-        let everything = Everything { recordings, step };
-        self.common.finish(&[table, parameters, angles], &everything, || Ok(report))
+        let mut tables = vec![table];
+        tables.extend(aided.iter().map(AidedResult::table));
+        tables.extend([parameters, angles]);
+        let everything = Everything { recordings, aided, step };
+        self.common.finish(&tables, &everything, || Ok(report))
     }
 }
 
-/// One recording, with one calibration kept and with the compensator following; the latter is drawn.
+/// One recording with every method; one of them is drawn.
 fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabError> {
     let mut shown = Vec::new();
-    for (name, method) in [("constant", Method::Constant), ("auto", Method::Auto)] {
+    for (name, method, ignore, drawn) in METHODS {
         let config = Config { method, ..Config::default() };
-        let steps = replay(recording, &config, Ignore::default())?;
-        if method == Method::Auto {
+        let steps = replay(recording, &config, ignore)?;
+        if drawn {
             let figure = recording.name().replace(".csv.gz", "");
             figures(report, &figure, recording, &steps)?;
         }
@@ -100,7 +125,16 @@ fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabErr
 fn recording_table(shown: &[Shown]) -> Table {
     let mut table = Table::new(
         "Real recordings (BROAD, CC BY 4.0)",
-        &["recording, method", "rows", "answered %", "spread of |h| %", "heading rms deg", "p95 deg", "ns per push"],
+        &[
+            "recording, method",
+            "rows",
+            "answered %",
+            "spread of |h| %",
+            "heading c rms deg",
+            "p95 deg",
+            "f rms deg",
+            "ns per push",
+        ],
     );
     let mut before = String::new();
     for Shown { recording, method, judgement } in shown {
@@ -115,6 +149,7 @@ fn recording_table(shown: &[Shown]) -> Table {
                 number(raw.map(|raw| raw.rms_deg), 2),
                 number(raw.map(|raw| raw.p95_deg), 2),
                 String::new(),
+                String::new(),
             ]);
         }
         let heading = judgement.heading;
@@ -125,6 +160,7 @@ fn recording_table(shown: &[Shown]) -> Table {
             number(judgement.spread_percent, 2),
             number(heading.map(|heading| heading.rms_deg), 2),
             number(heading.map(|heading| heading.p95_deg), 2),
+            number(judgement.carried_heading.map(|heading| heading.rms_deg), 2),
             number(Some(judgement.mean_push_ns), 0),
         ]);
     }
@@ -132,8 +168,9 @@ fn recording_table(shown: &[Shown]) -> Table {
         "spread: standard deviation over mean of the total field; heading: against the optical reference, up to one",
     );
     table.note(
-        "constant; both without the first 20 s. constant: one calibration, kept. auto: re-estimated continuously.",
+        "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; windowed: the paper's;",
     );
+    table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
 }
 

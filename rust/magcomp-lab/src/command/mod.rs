@@ -29,11 +29,11 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Show what it does: a real recording compensated, then the paper's step experiment
+    /// Show what it does: real recordings compensated, then the steps: aided, and the paper's
     Demo(demo::Demo),
     /// Run a recording through the compensator, one row out for every row in
     Replay(replay::Replay),
-    /// Figs. 4 and 5: all nine parameters step by 50 % and the windowed method follows
+    /// The disturbance of the device steps and the methods follow: figs. 4 and 5, and the aided method beside
     Step(step::Step),
     /// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound
     Crb(crb::Crb),

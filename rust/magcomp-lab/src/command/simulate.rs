@@ -188,13 +188,13 @@ fn panels(stream: &Simulation) -> [Panel; 2] {
         title: title.to_owned(),
         x_label: "time, s".to_owned(),
         y_label: "uT".to_owned(),
-        y_range: None,
         series: (axes.iter().enumerate())
             .map(|(i, (name, colour))| {
                 let time_s = |k: usize| stream.magnetic[k].time_ns as f64 / 1e9;
                 Series::new(name, *colour, (0..stream.magnetic.len()).map(|k| (time_s(k), value(k)[i])))
             })
             .collect(),
+        ..Panel::default()
     };
     [panel("raw field", &|k| stream.magnetic[k].field_ut), panel("true hard iron", &|k| stream.truth[k].hard_iron_ut)]
 }

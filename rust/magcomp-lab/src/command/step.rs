@@ -1,43 +1,94 @@
 //! `magcomp step`.
 
-use super::{Common, finite};
+use super::{Common, between, finite};
 use crate::error::LabError;
+use crate::experiment::aided::{self, AidedOptions};
 use crate::experiment::step::{ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
+use crate::phone::Phone;
 use crate::report::Report;
 use clap::{Args, value_parser};
 
-/// Figs. 4 and 5: all nine parameters step by 50 % and the windowed method follows.
+/// The device's disturbance steps while it turns, and the methods follow.
+///
+/// --motion uniform: the paper's figs. 4 and 5 (also planar and still). --motion tumble and pedestrian: the aided method
+/// beside the paper's, with the gyroscope and accelerometer that belong to the motion.
 #[derive(Debug, Args)]
 pub(super) struct Step {
-    /// Runs to average
-    #[arg(long, default_value_t = 60, value_parser = value_parser!(u32).range(1..))]
-    runs: u32,
-    /// Parameters before the step
-    #[arg(long, value_enum, default_value_t)]
-    set: ParameterSet,
+    /// Runs to average; 60 for figs. 4 and 5, 20 for tumble and pedestrian when not given
+    #[arg(long, value_parser = value_parser!(u32).range(1..))]
+    runs: Option<u32>,
     /// How the device turns
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
-    /// Signal-to-noise ratio, dB
-    #[arg(long, default_value_t = 30.0, value_parser = finite)]
-    snr: f64,
-    /// What the fits minimise
+    /// Signal-to-noise ratio, dB; 30 for figs. 4 and 5, 40 for tumble and pedestrian when not given
+    #[arg(long, value_parser = finite)]
+    snr: Option<f64>,
+    /// Figs. 4 and 5: parameters before the step
+    #[arg(long, value_enum, default_value_t)]
+    set: ParameterSet,
+    /// Figs. 4 and 5: what the fits minimise
     #[arg(long, value_enum, default_value_t)]
     residual: ResidualChoice,
+    /// Tumble, pedestrian: samples per second of every sensor
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = |text: &str| between(text, 25.0, 400.0))]
+    rate: f64,
+    /// Tumble, pedestrian: gyroscope bias, deg/s, in a random direction
+    #[arg(long, value_name = "DEG_S", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 20.0))]
+    gyro_bias: f64,
+    /// Tumble, pedestrian: error of the gyroscope's scale, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, allow_negative_numbers = true, value_parser = |text: &str| between(text, -20.0, 20.0))]
+    gyro_scale: f64,
+    /// Tumble, pedestrian: how late the gyroscope's events are stamped, ms
+    #[arg(long, value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = |text: &str| between(text, -100.0, 100.0))]
+    gyro_late: f64,
+    /// Tumble, pedestrian: samples hit by a spike of 30 to 150 uT, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 50.0))]
+    spikes: f64,
     #[command(flatten)]
     common: Common,
 }
 
 impl Step {
     pub fn run(self) -> Result<(), LabError> {
+        match AidedOptions::of(self.motion) {
+            Some(options) => self.aided(options),
+            None => self.windowed(),
+        }
+    }
+
+    fn aided(self, options: AidedOptions) -> Result<(), LabError> {
+        let phone = Phone {
+            seed: self.common.seed,
+            snr_db: self.snr.unwrap_or(options.phone.snr_db),
+            spikes: self.spikes / 100.0,
+            rate_hz: self.rate,
+            gyro_bias_deg_s: self.gyro_bias,
+            gyro_scale_percent: self.gyro_scale,
+            gyro_late_ms: self.gyro_late,
+            ..options.phone
+        };
+        let runs = self.runs.map_or(options.runs, |runs| runs as usize);
+        let result = aided::run(&AidedOptions { phone, runs })?;
+        self.common.finish(&[result.table()], &result, || {
+            let mut report = Report::new(
+                "Following a step with the gyroscope's help",
+                "The disturbance of a simulated phone steps after 30 s. Below the table: the aided method in the first run.",
+            );
+            result.add_to(&mut report, "step_aided")?;
+            Ok(report)
+        })
+    }
+
+    fn windowed(self) -> Result<(), LabError> {
+        let defaults = StepOptions::default();
         let options = StepOptions {
             set: self.set,
             motion: self.motion,
-            snr_db: self.snr,
+            snr_db: self.snr.unwrap_or(defaults.snr_db),
             residual: self.residual,
-            runs: self.runs as usize,
+            runs: self.runs.map_or(defaults.runs, |runs| runs as usize),
             seed: self.common.seed,
         };
         let result = run(&options)?;

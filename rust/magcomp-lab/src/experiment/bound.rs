@@ -205,6 +205,7 @@ impl BoundResult {
                 y_label: if k == 0 { "RMSE / bound".to_owned() } else { String::new() },
                 y_range: Some((0.5, top)),
                 series: pairs.collect(),
+                ..Panel::default()
             }
         };
         let panels: Vec<Panel> = (0..GROUPS.len()).map(panel).collect();

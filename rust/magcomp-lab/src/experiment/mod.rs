@@ -1,5 +1,8 @@
-//! The paper's experiments, each a function from options to a result that prints as a table, JSON and figures.
+//! The paper's experiments and the aided method beside it, each a function from options to a result that prints as a table, JSON and figures.
 
+pub mod aided;
+pub mod aided_score;
+mod aided_view;
 pub mod bound;
 pub mod step;
 mod step_score;

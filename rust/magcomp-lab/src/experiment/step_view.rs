@@ -134,6 +134,7 @@ fn nine_panels(result: &NormalisationResult) -> Vec<Panel> {
                 Series::new(if i == 0 { "estimated" } else { "" }, Colour::Blue, line(&trace.estimated, i)),
                 Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, true_values),
             ],
+            ..Panel::default()
         }
     };
     NAMES.iter().enumerate().map(panel).collect()
@@ -151,11 +152,11 @@ fn angle_panels(result: &NormalisationResult) -> Vec<Panel> {
         title: format!("{name} error"),
         x_label: "sample".to_owned(),
         y_label: "deg".to_owned(),
-        y_range: None,
         series: vec![
             Series::new("parameters kept", Colour::Orange, line(&trace.kept_deg, part)),
             Series::new("method", Colour::Blue, line(&trace.method_deg, part)),
         ],
+        ..Panel::default()
     };
     vec![panel("azimuth", |error| error.0), panel("elevation", |error| error.1)]
 }

@@ -1,6 +1,7 @@
-//! Recordings: CSV or gzipped CSV with a header, columns found by name (DESIGN section 6).
+//! Recordings: CSV or gzipped CSV with a header, columns found by name.
 //!
-//! `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]`: seconds; uT; m/s^2; rad/s; reference orientation.
+//! `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]`: seconds; uT; m/s^2; rad/s; reference orientation. A simulated one
+//! adds `true_bx,true_by,true_bz`, the true hard iron (uT).
 
 mod read;
 mod write;
@@ -8,6 +9,7 @@ mod write;
 pub use read::read;
 pub use write::{write_atomically, write_simulation};
 
+use crate::simulate::Simulation;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::path::PathBuf;
 
@@ -26,6 +28,8 @@ pub struct Row {
     pub rate_rad_s: Option<Vector3<f64>>,
     /// Reference orientation, device to east-north-up; None where the file has none or says `nan`.
     pub attitude: Option<UnitQuaternion<f64>>,
+    /// True hard iron, uT, where it is known.
+    pub hard_iron_ut: Option<Vector3<f64>>,
 }
 
 /// A recording in memory.
@@ -38,6 +42,33 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// A simulation as the recording that [`write_simulation`] makes of it: beside every magnetometer sample the latest
+    /// event of each other sensor, with the truth that a reference would give.
+    #[must_use]
+    pub fn of(simulation: &Simulation, name: &str) -> Self {
+        let (mut rate, mut up) = (None, None);
+        let (mut rates, mut ups) = (simulation.rotation_rates.iter().peekable(), simulation.ups.iter().peekable());
+        let samples = simulation.magnetic.iter().zip(&simulation.truth);
+        let rows = samples.map(|(sample, truth)| {
+            while let Some(event) = rates.next_if(|event| event.time_ns <= sample.time_ns) {
+                rate = Some(event.rate_rad_s);
+            }
+            while let Some(event) = ups.next_if(|event| event.time_ns <= sample.time_ns) {
+                up = Some(event.up_m_s2);
+            }
+            Row {
+                time_s: sample.time_ns as f64 / 1e9,
+                time_ns: sample.time_ns,
+                field_ut: sample.field_ut,
+                up_m_s2: up,
+                rate_rad_s: rate,
+                attitude: Some(truth.attitude),
+                hard_iron_ut: Some(truth.hard_iron_ut),
+            }
+        });
+        Self { path: PathBuf::from(name), rows: rows.collect() }
+    }
+
     /// First to last sample, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {

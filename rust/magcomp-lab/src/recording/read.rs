@@ -56,6 +56,7 @@ struct Columns {
     accelerometer: Option<[usize; 3]>,
     gyroscope: Option<[usize; 3]>,
     reference: Option<[usize; 4]>,
+    hard_iron: Option<[usize; 3]>,
 }
 
 impl Columns {
@@ -82,6 +83,7 @@ impl Columns {
             accelerometer: group(["ax", "ay", "az"], index, wrong)?,
             gyroscope: group(["gx", "gy", "gz"], index, wrong)?,
             reference: group(["qw", "qx", "qy", "qz"], index, wrong)?,
+            hard_iron: group(["true_bx", "true_by", "true_bz"], index, wrong)?,
             names,
         })
     }
@@ -132,6 +134,7 @@ impl Columns {
                     UnitQuaternion::try_new(q, 1e-6).filter(|_| q.norm().is_finite())
                 }
             },
+            hard_iron_ut: self.hard_iron.map(vector).transpose()?,
         })
     }
 }

@@ -41,7 +41,7 @@ pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io:
 }
 
 /// Writes a simulation as a recording: the latest reading of each sensor beside every magnetometer sample, and the true
-/// orientation as the reference.
+/// orientation and hard iron.
 ///
 /// # Errors
 /// [`LabError::Write`].
@@ -55,7 +55,7 @@ pub fn write_simulation(path: &Path, simulation: &Simulation) -> Result<(), LabE
         if !rates.is_empty() {
             write!(out, ",gx,gy,gz")?;
         }
-        writeln!(out, ",qw,qx,qy,qz")?;
+        writeln!(out, ",qw,qx,qy,qz,true_bx,true_by,true_bz")?;
         let (mut rate, mut up) = (0, 0);
         for (sample, truth) in simulation.magnetic.iter().zip(&simulation.truth) {
             write!(out, "{}", sample.time_ns as f64 / 1e9)?;
@@ -69,7 +69,9 @@ pub fn write_simulation(path: &Path, simulation: &Simulation) -> Result<(), LabE
                 vector(out, &rates[rate].rate_rad_s)?;
             }
             let q = truth.attitude;
-            writeln!(out, ",{:.9},{:.9},{:.9},{:.9}", q.w, q.i, q.j, q.k)?;
+            write!(out, ",{:.9},{:.9},{:.9},{:.9}", q.w, q.i, q.j, q.k)?;
+            vector(out, &truth.hard_iron_ut)?;
+            writeln!(out)?;
         }
         Ok(())
     })

@@ -42,7 +42,9 @@ pub struct Judgement {
     pub raw_spread_percent: Option<f64>,
     /// Heading error; none without a reference.
     pub heading: Option<HeadingError>,
-    /// The same of the raw field.
+    /// That of the carried field f, on the rows that have one.
+    pub carried_heading: Option<HeadingError>,
+    /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
     /// Rows by status.
     pub status: BTreeMap<&'static str, usize>,
@@ -69,6 +71,9 @@ pub fn judge(recording: &Recording, steps: &[Step]) -> Judgement {
     let warm_up_s = WARM_UP_S.min(recording.duration_s() / 2.0);
     let live = |(row, _): &&(Row, Vector3<f64>)| row.time_s - start_s > warm_up_s;
     let ours: Vec<_> = answered.iter().filter(live).copied().collect();
+    let carried = |(row, step): (&Row, &Step)| Some((*row, step.reading.filtered_field_ut?));
+    let carried: Vec<_> = pairs().filter_map(carried).collect();
+    let carried: Vec<_> = carried.iter().filter(live).copied().collect();
     let raw: Vec<_> = ours.iter().map(|(row, _)| (*row, row.field_ut)).collect();
     Judgement {
         rows: steps.len(),
@@ -78,6 +83,7 @@ pub fn judge(recording: &Recording, steps: &[Step]) -> Judgement {
         spread_percent: spread_percent(&ours),
         raw_spread_percent: spread_percent(&raw),
         heading: heading_error(&ours),
+        carried_heading: heading_error(&carried),
         raw_heading: heading_error(&raw),
         status,
         mean_push_ns: times_ns.iter().sum::<u64>() as f64 / steps.len().max(1) as f64,

@@ -1,12 +1,14 @@
 //! A recording through the compensator, row by row.
 
+mod figures;
 mod judge;
 mod output;
 mod view;
 
+pub use figures::figures;
 pub use judge::{HeadingError, Judgement, judge};
 pub use output::write;
-pub use view::{figures, table};
+pub use view::table;
 
 use crate::error::LabError;
 use crate::progress;
@@ -43,12 +45,28 @@ pub struct Step {
 /// # Errors
 /// [`LabError::Config`] when the config is refused.
 pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
-    let mut compensator = Compensator::new(config.clone())?;
     let bar = progress::bar(recording.rows.len(), "replay");
-    let steps = recording.rows.iter().enumerate().map(|(k, row)| {
+    let steps = replay_with(recording, config, ignore, |k, _| {
         if k % BAR_STRIDE == 0 {
             bar.set_position(k as u64);
         }
+    });
+    bar.finish_and_clear();
+    steps
+}
+
+/// As [`replay`], with a look at the compensator after every row instead of a progress bar.
+///
+/// # Errors
+/// [`LabError::Config`] when the config is refused.
+pub fn replay_with(
+    recording: &Recording,
+    config: &Config,
+    ignore: Ignore,
+    mut look: impl FnMut(usize, &Compensator),
+) -> Result<Vec<Step>, LabError> {
+    let mut compensator = Compensator::new(config.clone())?;
+    let steps = recording.rows.iter().enumerate().map(|(k, row)| {
         let time_ns = row.time_ns;
         if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !ignore.gyroscope) {
             let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
@@ -59,9 +77,8 @@ pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<
         let started = Instant::now();
         let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
         let push_ns = started.elapsed().as_nanos() as u64;
+        look(k, &compensator);
         Step { reading, calibration: compensator.calibration(), push_ns }
     });
-    let steps = steps.collect();
-    bar.finish_and_clear();
-    Ok(steps)
+    Ok(steps.collect())
 }

@@ -1,4 +1,4 @@
-//! The output of `replay`: one row for every input row, in order (DESIGN section 6).
+//! The output of `replay`: one row for every input row, in order.
 
 use super::Step;
 use crate::error::LabError;
@@ -8,7 +8,7 @@ use magcomp::nalgebra::Vector3;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// The columns of DESIGN section 6.
+/// The columns of a recording (`magcomp replay --help`).
 const COLUMNS: &str = "t_s,cx,cy,cz,fx,fy,fz,heading_deg,heading_sigma_deg,inclination_deg,sigma_t,window,coverage,status,\
                        bx,by,bz,w00,w01,w02,w10,w11,w12,w20,w21,w22,ns";
 

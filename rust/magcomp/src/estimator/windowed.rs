@@ -38,8 +38,6 @@ const RECOUNT_SHIFT: f64 = 0.2;
 /// Fits of a stream converge to this, field strengths: a hundredth of what noise at 40 dB leaves in a window of 2000, two
 /// iterations from the fit before.
 const STREAM_TOLERANCE: f64 = 1e-6;
-/// ... in at most so many iterations: a window that needs more is about to be refused.
-const STREAM_ITERATIONS: usize = 12;
 /// Samples from a refused fit to the next try.
 const RETRY_SAMPLES: usize = 10;
 
@@ -94,11 +92,7 @@ impl Windowed {
     pub fn new(config: &Config) -> Self {
         Self {
             config: config.windowed,
-            options: FitOptions {
-                tolerance: config.fit.tolerance.max(STREAM_TOLERANCE),
-                max_iterations: config.fit.max_iterations.min(STREAM_ITERATIONS),
-                ..config.fit
-            },
+            options: FitOptions { tolerance: config.fit.tolerance.max(STREAM_TOLERANCE), ..config.fit },
             constant: config.method == Method::Constant,
             ring: Ring::new(config.windowed.n_max),
             window: 0,

@@ -18,7 +18,7 @@
 //! ```text
 //! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain min(U, U_max)
 //! ```
-//! Source: AIDED.md section 3, but for the walk of b, which the prototype held at one value.
+//! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -11,7 +11,7 @@
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
 //! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
 //! (a ramp, or a field that keeps changing). If the calibration in force before the last step fits, `device` starts
-//! from it. Source: AIDED.md section 4; starting at the onset instead of at the declaration, holding the calibration
+//! from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
 //! while undecided, `erratic` and the recall are new.
 
 // index arithmetic is the mathematics here
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::config::AidedConfig;
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
-use super::state::{Dense, FIELD, Gaussian, OFFSET};
+use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
 use super::watch::{Former, Watch};
 
 const SMALLEST_STEP_UT: f64 = 8.0;
@@ -67,8 +67,8 @@ pub(crate) enum Verdict {
 pub(crate) struct Trial {
     pub(crate) phase: Phase,
     pub(crate) onset_ns: i64,
-    device: Gaussian,
-    place: Gaussian,
+    device: Hypothesis,
+    place: Hypothesis,
     pub(crate) recalled: bool,
     log_ratio: f64,
     device_misfit: f64,
@@ -102,8 +102,8 @@ impl Trial {
         let mut trial = Self {
             phase: Phase::Undecided,
             onset_ns: watch.since_ns,
-            device: filter.clone(),
-            place: filter.clone(),
+            device: Hypothesis::zero(),
+            place: Hypothesis::zero(),
             recalled: false,
             log_ratio: 0.0,
             device_misfit: 0.0,
@@ -152,8 +152,8 @@ impl Trial {
         former: Option<&Former>,
         config: &AidedConfig,
     ) -> Verdict {
-        let mut device = self.device.open();
-        let mut place = self.place.open();
+        let mut device = self.device(filter);
+        let mut place = self.place(filter);
         device.propagate(step.increment_rad, step.dt_s, step.noise);
         place.propagate(step.increment_rad, step.dt_s, step.noise);
         if !step.resting {
@@ -242,11 +242,17 @@ impl Trial {
         Verdict::Open
     }
 
-    pub(crate) fn device(&self) -> &Gaussian {
-        &self.device
+    /// The filter, had the device stepped.
+    pub(crate) fn device(&self, filter: &Gaussian) -> Dense {
+        let mut dense = self.device.open();
+        dense.lend(filter);
+        dense
     }
 
-    pub(crate) fn place(&self) -> &Gaussian {
-        &self.place
+    /// The filter, had the field of the place changed.
+    pub(crate) fn place(&self, filter: &Gaussian) -> Dense {
+        let mut dense = self.place.open();
+        dense.lend(filter);
+        dense
     }
 }

@@ -1,12 +1,12 @@
 //! One sample with a known rotation: predict, gate, rest, hypotheses, update, adopt.
 //!
 //! ```text
-//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 20
+//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
 //! ```
-//! Source: AIDED.md sections 2 to 4.
+//! Source: docs/METHOD.md.
 
 use nalgebra::Vector3;
 
@@ -43,6 +43,8 @@ const UNADOPTED_SHARE: f64 = 0.451;
 const UNADOPTED_STEP_UT: f64 = 8.0;
 /// NIS beyond which a sample is a spike and says nothing about the local field.
 const SPIKE_NIS: f64 = 200.0;
+/// NIS from which a sample is used with a noise as large as what it does not explain: the onset of a change grows slowly.
+const DOUBT_NIS: f64 = 9.0;
 
 impl Aided {
     pub(super) fn with_rotation(
@@ -145,12 +147,16 @@ impl Aided {
         }
     }
 
-    /// The ordinary update, weakened while the magnitude says that this is not the field of the place.
+    /// The ordinary update, weakened while the magnitude says that this is not the field of the place, and for a sample
+    /// that hardly fits (variance |v|^2 (1 - 9 / NIS) / 3 more).
     fn update(&mut self, step: &Step<'_>, innovation: &Innovation, dense: &mut Dense) {
         let before = dense.vector(OFFSET);
         let excess_ut = self.strength.excess_ut();
-        if excess_ut > 0.0 {
-            let sd = step.sigma_ut.hypot(excess_ut);
+        let doubt_ut2 =
+            if self.adopted { innovation.v.norm_squared() * (1.0 - DOUBT_NIS / innovation.nis) / 3.0 } else { 0.0 };
+        let weaker = excess_ut * excess_ut + doubt_ut2.max(0.0);
+        if weaker > 0.0 {
+            let sd = (step.sigma_ut.powi(2) + weaker).sqrt();
             if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
                 dense.update(&weak, Correct::All);
             }
@@ -171,14 +177,25 @@ impl Aided {
         let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.config);
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
+            Verdict::Device if trial.phase == Phase::Erratic && self.strength.since_ns.is_none() => {
+                // the calibration explains the magnitude: what was lost on the way is the carried field, not b
+                if let Some(w) = dense.soft_iron().try_inverse() {
+                    dense.set_vector(FIELD, &(w * (step.raw_ut - dense.vector(OFFSET))));
+                }
+                dense.isolate(FIELD, self.config.erratic_sd_ut.powi(2));
+                self.watch = Watch::new();
+                self.adaptation.restart_walk();
+                self.adaptation.local_ut = self.config.local_max_ut;
+                return;
+            }
             Verdict::Device => {
                 let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
                 self.event = event(kind);
                 self.former = Some(Former::of(filter));
                 self.strength.clear();
-                return self.go_on_with(trial.device(), dense);
+                return self.go_on_with(trial.device(filter), dense);
             }
-            Verdict::NewPlace => return self.go_on_with(trial.place(), dense),
+            Verdict::NewPlace => return self.go_on_with(trial.place(filter), dense),
             Verdict::Place => self.event = event(EventKind::PlaceChanged),
             Verdict::Erratic => {
                 self.event = event(EventKind::Erratic);
@@ -206,8 +223,8 @@ impl Aided {
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: &Gaussian, dense: &mut Dense) {
-        *dense = winner.open();
+    fn go_on_with(&mut self, winner: Dense, dense: &mut Dense) {
+        *dense = winner;
         self.watch = Watch::new();
         self.adaptation.restart_walk();
     }
@@ -219,7 +236,7 @@ impl Aided {
         }
         let Some(w) = dense.soft_iron().try_inverse() else { return };
         let still = w * (step.raw_ut - dense.vector(OFFSET));
-        let rate = step.rate_rad_s - dense.vector(BIAS);
+        let rate = dense.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * dense.x[DELAY];
         self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.config);
     }

@@ -6,8 +6,8 @@
 //! z = |W (raw - b)| - F,   n = unit(W (raw - b)),   dz/db = -W n,   dz/de = -(W n)^T D(h)
 //! S = gradient P gradient^T + sigma^2 |W n|^2 + (tr P_bb,across / F)^2 / 2,   gate 16
 //! ```
-//! A share of gated samples above 0.45 is a step: P_bb += 25^2, P_ee += T 0.08^2. F is held, E is traceless.
-//! It needs diverse directions; with hand motion and no gyroscope the ellipsoid methods are better. Source: AIDED.md
+//! A share of gated samples above 0.25 is suspect, until b is settled again; one above 0.45 is a step: P_bb += 25^2, P_ee += T 0.08^2. F is held, E is traceless.
+//! It needs diverse directions; with hand motion and no gyroscope the ellipsoid methods are better. Source: docs/METHOD.md.md
 //! section 6.
 
 // index arithmetic is the mathematics here
@@ -22,6 +22,10 @@ const START_SAMPLES: u32 = 80;
 const GATE: f64 = 16.0;
 const STEP_SHARE: f64 = 0.45;
 const SHARE_GAIN: f64 = 0.08;
+/// Share of gated samples from which the status is `Suspect`, the share and tr P_bb below which it is over.
+const SUSPECT_SHARE: f64 = 0.25;
+const CLEAR_SHARE: f64 = 0.1;
+const SETTLED_UT2: f64 = 36.0;
 const STEP_OFFSET_UT: f64 = 25.0;
 const STEP_IRON: f64 = 0.08;
 const OFFSET_WALK_UT: f64 = 0.03;
@@ -46,6 +50,8 @@ pub(crate) struct Magnitude {
     /// Covariance of (b, e), packed lower triangle.
     packed: SVector<f64, 45>,
     share: f64,
+    /// Since when much does not fit.
+    pub(crate) since_ns: Option<i64>,
 }
 
 impl Magnitude {
@@ -63,6 +69,7 @@ impl Magnitude {
             strength_ut: 0.0,
             packed: SVector::zeros(),
             share: 0.0,
+            since_ns: None,
         }
     }
 
@@ -89,8 +96,17 @@ impl Magnitude {
         }
     }
 
-    pub(crate) fn push(&mut self, raw_ut: &Vector3<f64>, sigma_ut: f64) {
-        if self.started { self.track(raw_ut, sigma_ut) } else { self.gather(raw_ut) }
+    pub(crate) fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, sigma_ut: f64) {
+        if self.started {
+            self.track(raw_ut, sigma_ut)
+        } else {
+            self.gather(raw_ut)
+        }
+        if self.share > SUSPECT_SHARE {
+            self.since_ns.get_or_insert(time_ns);
+        } else if self.share < CLEAR_SHARE && self.offset_variance_ut2() < SETTLED_UT2 {
+            self.since_ns = None;
+        }
     }
 
     fn gather(&mut self, raw_ut: &Vector3<f64>) {

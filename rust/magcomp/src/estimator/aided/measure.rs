@@ -1,21 +1,22 @@
 //! The measurement: a raw sample is the field as it was tau ago, through the device's own disturbance.
 //!
 //! ```text
-//! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = gyroscope rate - g
-//! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/dtau = M (w x h0)
+//! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = (1 - s) gyroscope rate - g
+//! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/ds = dr/dg diag(rate),
+//! dr/dtau = M (w x h0)
 //! S = H P H^T + sigma^2 I + B + (s_t)^2 (w x h0)(w x h0)^T
 //! ```
 //! B is the second-order term of the bilinear E h (it matters at the start: without it the offset is over-trusted);
 //! s_t the jitter of the sample times. The update is P <- P - V V^T with V = P H^T L^-T, S = L L^T: symmetric by
-//! construction. A `Consider` update (Schmidt) corrects m and d only and leaves b, e, g, tau as they are, yet counts
-//! their uncertainty. Source: AIDED.md section 2.
+//! construction. A `Consider` update (Schmidt) corrects m and d only and leaves b, e, g, tau, s as they are, yet counts
+//! their uncertainty. Source: docs/METHOD.md.
 
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::state::{BIAS, DELAY, Dense, FIELD, IRON, LOCAL, OFFSET, STATES, cross, iron_rows};
+use super::state::{BIAS, DELAY, Dense, FIELD, IRON, LOCAL, OFFSET, SCALE, STATES, cross, iron_rows};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -48,14 +49,14 @@ pub(crate) enum Correct {
 /// h(x), uT.
 pub(crate) fn foretell(x: &Dense, rate_rad_s: &Vector3<f64>) -> Vector3<f64> {
     let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = rate_rad_s - x.vector(BIAS);
+    let w = x.true_rate(rate_rad_s);
     x.soft_iron() * (h0 + w.cross(&h0) * x.x[DELAY]) + x.vector(OFFSET)
 }
 
 /// dh/dx, three rows.
 pub(crate) fn jacobian(x: &Dense, rate_rad_s: &Vector3<f64>) -> [[f64; STATES]; 3] {
     let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = rate_rad_s - x.vector(BIAS);
+    let w = x.true_rate(rate_rad_s);
     let tau = x.x[DELAY];
     let wh = w.cross(&h0);
     let m = x.soft_iron();
@@ -69,6 +70,7 @@ pub(crate) fn jacobian(x: &Dense, rate_rad_s: &Vector3<f64>) -> [[f64; STATES]; 
             row[FIELD + k] = to_field[(i, k)];
             row[LOCAL + k] = to_field[(i, k)];
             row[BIAS + k] = to_bias[(i, k)];
+            row[SCALE + k] = to_bias[(i, k)] * rate_rad_s[k];
         }
         row[OFFSET + i] = 1.0;
         row[IRON..IRON + 6].copy_from_slice(&to_iron[i]);
@@ -119,7 +121,7 @@ impl Dense {
             }
         }
         let h0 = self.vector(FIELD) + self.vector(LOCAL);
-        let swing = self.soft_iron() * (rate_rad_s - self.vector(BIAS)).cross(&h0) * jitter_s;
+        let swing = self.soft_iron() * self.true_rate(rate_rad_s).cross(&h0) * jitter_s;
         let mut s = Matrix3::from_diagonal(&(self.second_order().add_scalar(sigma_ut * sigma_ut)));
         s += swing * swing.transpose();
         for r in 0..3 {
@@ -205,9 +207,9 @@ impl Dense {
         self.settle();
     }
 
-    /// The measurement g = rate (at rest), with `variance` per axis; b, e and tau hold (Schmidt).
+    /// The measurement g = rate (at rest), with `variance` per axis; b, e, tau and s hold (Schmidt).
     pub(crate) fn update_bias(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
-        let held = |i: usize| (OFFSET..BIAS).contains(&i) || i == DELAY;
+        let held = |i: usize| (OFFSET..BIAS).contains(&i) || i >= DELAY;
         for k in 0..3 {
             let column: [f64; STATES] = self.p[BIAS + k];
             let s = column[BIAS + k] + variance;
@@ -230,7 +232,7 @@ impl Dense {
     fn settle(&mut self) {
         const FLOOR: [f64; STATES] = [
             1e-8, 1e-8, 1e-8, 1e-8, 1e-8, 1e-8, 1e-12, 1e-12, 1e-12, 1e-12, 1e-12, 1e-12, 1e-14, 1e-14, 1e-14, 1e-8,
-            1e-8, 1e-8, 1e-12,
+            1e-8, 1e-8, 1e-12, 1e-12, 1e-12, 1e-12,
         ];
         for i in 0..STATES {
             if self.p[i][i] < FLOOR[i] {

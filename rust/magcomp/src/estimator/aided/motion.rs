@@ -5,7 +5,7 @@
 //! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
 //! up: turned with the gyroscope, drawn to the accelerometer with the weight exp(-((|a| - G) / tolerance)^2).
-//! Source: AIDED.md sections 2, 4 and 5; the weight and the rule for large bias are new.
+//! Source: docs/METHOD.md; the weight and the rule for large bias are new.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};

@@ -10,7 +10,7 @@
 //! sigma = atan(sqrt(e^T P e) / h_n)
 //! ```
 //! P alone is right about b, but cannot know that the field of a room is not uniform: hence the floors.
-//! Source: AIDED.md section 5.
+//! Source: docs/METHOD.md.
 
 use crate::reading::{Event, SensorMode, Status};
 use nalgebra::{Matrix3, SMatrix, Vector3};

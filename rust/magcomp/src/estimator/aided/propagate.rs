@@ -1,9 +1,9 @@
 //! Propagation over dt: between two samples the field turns by the inverse of the device's own rotation.
 //!
 //! ```text
-//! theta = (rotation increment of the gyroscope) - g dt,   R = exp(-[theta]x)   (Rodrigues)
-//! m <- R m,   d <- a R d,  a = exp(-dt / tau_d),   b, e, g, tau constant
-//! dm/dm = R,  dd/dd = a R,  dm/dg = -dt [m']x J,  dd/dg = -dt [d']x J,
+//! theta = (1 - s) (rotation increment of the gyroscope) - g dt,   R = exp(-[theta]x)   (Rodrigues)
+//! m <- R m,   d <- a R d,  a = exp(-dt / tau_d),   b, e, g, tau, s constant
+//! dm/dm = R,  dd/dd = a R,  dm/dg = -dt [m']x J,  dd/dg = -dt [d']x J,   d/ds = d/dg diag(increment) / dt
 //! J = J_l(-theta), the left Jacobian of the rotation: exp([p + dp]x) = exp([J_l(p) dp]x) exp([p]x)
 //! ```
 //! Process noise:
@@ -11,7 +11,7 @@
 //! m += q_m^2 dt I + (q_g^2 + q_s^2 |w|^2) dt (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error)
 //! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T,  tau += q_tau^2 dt
 //! ```
-//! Only the rows of m and d change, so F P F^T costs two 6 x 19 products. Source: AIDED.md section 2; the Jacobian to g
+//! Only the rows of m and d change, so F P F^T costs two 6 x 22 products. Source: docs/METHOD.md; the Jacobian to g
 //! through d and J are exact here (the prototype left them out).
 
 // index arithmetic is the mathematics here
@@ -19,7 +19,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::state::{BIAS, DELAY, Dense, FIELD, LOCAL, OFFSET, STATES, cross};
+use super::state::{BIAS, DELAY, Dense, FIELD, LOCAL, OFFSET, SCALE, STATES, cross};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
 impl Dense {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
-        let theta = increment_rad - self.vector(BIAS) * dt_s;
+        let theta = increment_rad - increment_rad.component_mul(&self.vector(SCALE)) - self.vector(BIAS) * dt_s;
         let (r, j) = turn(&theta);
         let fade = (-dt_s / noise.local_time_s).exp();
         let m = r * self.vector(FIELD);
@@ -65,6 +65,8 @@ impl Dense {
         let to_g = j * -dt_s;
         let m_g = cross(&m) * to_g;
         let d_g = cross(&d) * to_g;
+        let to_s = -j * Matrix3::from_diagonal(increment_rad);
+        let (m_s, d_s) = (rows(&(cross(&m) * to_s)), rows(&(cross(&d) * to_s)));
         let (m_g, d_g) = (rows(&m_g), rows(&d_g));
         let rm = rows(&r);
         let rd = rows(&(r * fade));
@@ -75,8 +77,9 @@ impl Dense {
                 let mut sum_m = 0.0;
                 let mut sum_d = 0.0;
                 for k in 0..3 {
-                    sum_m += rm[i][k] * self.p[FIELD + k][c] + m_g[i][k] * self.p[BIAS + k][c];
-                    sum_d += rd[i][k] * self.p[LOCAL + k][c] + d_g[i][k] * self.p[BIAS + k][c];
+                    let (g, s) = (self.p[BIAS + k][c], self.p[SCALE + k][c]);
+                    sum_m += rm[i][k] * self.p[FIELD + k][c] + m_g[i][k] * g + m_s[i][k] * s;
+                    sum_d += rd[i][k] * self.p[LOCAL + k][c] + d_g[i][k] * g + d_s[i][k] * s;
                 }
                 fp[i][c] = sum_m;
                 fp[3 + i][c] = sum_d;
@@ -92,10 +95,14 @@ impl Dense {
                 }
             }
             for b in 0..=a {
-                let (f, g, from) = if b < 3 { (&rm[b], &m_g[b], FIELD) } else { (&rd[b - 3], &d_g[b - 3], LOCAL) };
+                let (f, g, s, from) = if b < 3 {
+                    (&rm[b], &m_g[b], &m_s[b], FIELD)
+                } else {
+                    (&rd[b - 3], &d_g[b - 3], &d_s[b - 3], LOCAL)
+                };
                 let mut sum = 0.0;
                 for k in 0..3 {
-                    sum += fp[a][from + k] * f[k] + fp[a][BIAS + k] * g[k];
+                    sum += fp[a][from + k] * f[k] + fp[a][BIAS + k] * g[k] + fp[a][SCALE + k] * s[k];
                 }
                 self.p[TURNING[a]][TURNING[b]] = sum;
                 self.p[TURNING[b]][TURNING[a]] = sum;

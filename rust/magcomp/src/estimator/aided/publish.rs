@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::events::Phase;
 use super::output::{calibration_covariance, heading_sigma_deg};
-use super::state::{BIAS, DELAY, FIELD, Gaussian, OFFSET};
+use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
 use crate::pairing::Rotation;
 use crate::reading::{HoldReason, Missing, Status};
@@ -42,7 +42,7 @@ impl Aided {
         let mut output = self.blank(time_ns, self.status());
         output.up = self.motion.up;
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
-        let rate = rotation.rate_rad_s - filter.vector(BIAS);
+        let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
         let c = still - rate.cross(&still) * filter.mean[DELAY];
         let f = filter.vector(FIELD);
@@ -97,10 +97,11 @@ impl Aided {
     /// The magnitude-only mode, and what it publishes.
     pub(super) fn by_magnitude(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
         let sigma = self.adaptation.sigma_ut().min(MAGNITUDE_NOISE_UT);
-        self.magnitude.push(raw_ut, sigma);
+        self.magnitude.push(time_ns, raw_ut, sigma);
         let (known, status) = if self.magnitude_is_better() {
             let m = &self.magnitude;
-            (Some((m.soft_iron(), m.offset_ut, m.covariance())), Status::Tracking)
+            let status = m.since_ns.map_or(Status::Tracking, |since_ns| Status::Suspect { since_ns });
+            (Some((m.soft_iron(), m.offset_ut, m.covariance())), status)
         } else if let Some(f) = self.filter.as_ref().filter(|_| self.adopted) {
             let held = Status::Held(HoldReason::NoGyroscope);
             (Some((f.soft_iron(), f.vector(OFFSET), calibration_block(f))), held)

@@ -5,13 +5,13 @@
 //! 20 < |raw_0| < 75 uT ("near"): m = raw_0, b = 0, s = 25; else m = 0, b = raw_0, s = 30
 //! ```
 //! A prior that is wide and without that correlation would give the split wholly to b, and h would go to 0.
-//! Nothing is published until sqrt(tr P_bb) < 6 uT (adoption). Source: AIDED.md section 2; the second start is new.
+//! Nothing is published until sqrt(tr P_bb) < 6 uT (adoption). Source: docs/METHOD.md; the second start is new.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::learn::LONGEST_DRIFT_S;
 use super::magnitude::Magnitude;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET};
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE};
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Calibration;
@@ -26,6 +26,8 @@ const SUM_VARIANCE_UT2: f64 = 0.25;
 /// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
 const GIVEN_OFFSET_SD_UT: f64 = 2.0;
 const GIVEN_IRON_SD: f64 = 0.02;
+/// Share of the variance of the gyroscope's scale that its three axes have in common (one drive, one temperature).
+const SCALE_COMMON: f64 = 0.8;
 /// Added to what the bias is known to at the second start, rad/s.
 const RESTART_BIAS_RAD_S: f64 = 0.002;
 
@@ -85,6 +87,9 @@ impl Aided {
         dense.add_variance(BIAS, self.config.bias_sd_rad_s.powi(2));
         dense.add_variance(LOCAL, self.config.local_start_ut.powi(2));
         dense.p[DELAY][DELAY] = self.config.delay_sd_s.powi(2);
+        let scale = self.config.scale_sd.powi(2);
+        dense.add_variance(SCALE, (1.0 - SCALE_COMMON) * scale);
+        dense.add_block(SCALE, &Matrix3::repeat(SCALE_COMMON * scale));
         dense
     }
 

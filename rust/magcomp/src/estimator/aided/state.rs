@@ -1,4 +1,4 @@
-//! The state and its covariance: x = [m, b, e, g, d, tau], 19 numbers, P symmetric.
+//! The state and its covariance: x = [m, b, e, g, d, tau, s], 22 numbers, P symmetric.
 //!
 //! ```text
 //! m    field of the place in the device frame at the gyroscope's time, uT
@@ -7,12 +7,13 @@
 //! g    gyroscope bias, rad/s
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! tau  how late the magnetometer is against the gyroscope, s
+//! s    scale error of the gyroscope, per axis: true rate = (1 - s) reading - g
 //! ```
 //!
 //! The gauge: raw = M h + b leaves the scale between M and |h| free, so E is held traceless: every variance given to e
 //! (prior, process noise, step) has the pattern T, in which the trace has variance zero. Without it |m| walks away.
-//! Stored as the packed lower triangle (190 numbers), worked on as a dense matrix on the stack.
-//! Source: prototype, AIDED.md section 2.
+//! Stored as the packed lower triangle (253 numbers), worked on as a dense matrix on the stack.
+//! Source: docs/METHOD.md.
 
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
@@ -21,9 +22,12 @@ use nalgebra::{Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Length of the state.
-pub(crate) const STATES: usize = 19;
+pub(crate) const STATES: usize = 22;
 /// Numbers in the packed lower triangle of the covariance.
-pub(crate) const PACKED: usize = STATES * (STATES + 1) / 2;
+const PACKED: usize = STATES * (STATES + 1) / 2;
+/// The states that a hypothesis keeps: all before tau.
+const SHORT: usize = DELAY;
+const SHORT_PACKED: usize = SHORT * (SHORT + 1) / 2;
 /// First index of m.
 pub(crate) const FIELD: usize = 0;
 /// First index of b.
@@ -36,16 +40,23 @@ pub(crate) const BIAS: usize = 12;
 pub(crate) const LOCAL: usize = 15;
 /// Index of tau.
 pub(crate) const DELAY: usize = 18;
+/// First index of s.
+pub(crate) const SCALE: usize = 19;
 
 /// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
 
-/// State and covariance as they are kept between samples.
+/// The first N states and their covariance as they are kept between samples; K = N (N + 1) / 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Gaussian {
-    pub(crate) mean: SVector<f64, STATES>,
-    packed: SVector<f64, PACKED>,
+pub(crate) struct Kept<const N: usize, const K: usize> {
+    pub(crate) mean: SVector<f64, N>,
+    packed: SVector<f64, K>,
 }
+
+/// All states: the filter.
+pub(crate) type Gaussian = Kept<STATES, PACKED>;
+/// Without tau and s, which are not learned in the second or two that hypotheses run: the filter lends its own.
+pub(crate) type Hypothesis = Kept<SHORT, SHORT_PACKED>;
 
 /// State and covariance as they are worked on.
 #[derive(Clone)]
@@ -54,15 +65,16 @@ pub(crate) struct Dense {
     pub(crate) p: [[f64; STATES]; STATES],
 }
 
-impl Gaussian {
+impl<const N: usize, const K: usize> Kept<N, K> {
     pub(crate) fn zero() -> Self {
         Self { mean: SVector::zeros(), packed: SVector::zeros() }
     }
 
     pub(crate) fn open(&self) -> Dense {
-        let mut dense = Dense { x: self.mean.into(), p: [[0.0; STATES]; STATES] };
+        let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES] };
+        dense.x[..N].copy_from_slice(self.mean.as_slice());
         let mut k = 0;
-        for i in 0..STATES {
+        for i in 0..N {
             for j in 0..=i {
                 let value = self.packed[k];
                 dense.p[i][j] = value;
@@ -76,9 +88,9 @@ impl Gaussian {
     /// Keeps `dense`, unless a number in it is not finite: then the former state stays and `false` is returned.
     pub(crate) fn keep(&mut self, dense: &Dense) -> bool {
         let mut sum = 0.0;
-        let mut packed = SVector::<f64, PACKED>::zeros();
+        let mut packed = SVector::<f64, K>::zeros();
         let mut k = 0;
-        for i in 0..STATES {
+        for i in 0..N {
             sum += dense.x[i];
             for j in 0..=i {
                 packed[k] = dense.p[i][j];
@@ -89,11 +101,13 @@ impl Gaussian {
         if !sum.is_finite() {
             return false;
         }
-        self.mean = SVector::from(dense.x);
+        self.mean.as_mut_slice().copy_from_slice(&dense.x[..N]);
         self.packed = packed;
         true
     }
+}
 
+impl Gaussian {
     /// Covariance of states i and j.
     pub(crate) fn p(&self, i: usize, j: usize) -> f64 {
         let (row, column) = if i >= j { (i, j) } else { (j, i) };
@@ -107,6 +121,11 @@ impl Gaussian {
 
     pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
         Vector3::new(self.mean[i], self.mean[i + 1], self.mean[i + 2])
+    }
+
+    /// The device's rate for a gyroscope's reading: (1 - s) reading - g.
+    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
+        reading - reading.component_mul(&self.vector(SCALE)) - self.vector(BIAS)
     }
 
     pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
@@ -129,6 +148,23 @@ impl Dense {
 
     pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
         soft_iron(&self.x)
+    }
+
+    /// The device's rate for a gyroscope's reading: (1 - s) reading - g.
+    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
+        reading - reading.component_mul(&self.vector(SCALE)) - self.vector(BIAS)
+    }
+
+    /// tau and s as another filter has them, independent of all else here.
+    pub(crate) fn lend(&mut self, other: &Gaussian) {
+        for i in SHORT..STATES {
+            self.x[i] = other.mean[i];
+            for j in 0..STATES {
+                let value = if j < SHORT { 0.0 } else { other.p(i, j) };
+                self.p[i][j] = value;
+                self.p[j][i] = value;
+            }
+        }
     }
 
     /// Adds variance to three states on the diagonal.

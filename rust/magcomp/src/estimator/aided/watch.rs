@@ -4,7 +4,7 @@
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.6 s, falling with 0.25 s while hypotheses run
 //! |v|, raw - (M h + b)_former:  low-passed over gated samples (gain 0.1)
 //! ```
-//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: AIDED.md section 4;
+//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD.md;
 //! the recall is new.
 
 // index arithmetic is the mathematics here
@@ -15,20 +15,21 @@ use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
 use super::events::Step;
-use super::state::{Dense, Gaussian, OFFSET, iron_rows};
+use super::state::{Dense, Gaussian, IRON, OFFSET, iron_rows};
 
 /// A gated sample after a share below this begins a new run.
 const NEW_RUN: f64 = 0.05;
 const MISFIT_GAIN: f64 = 0.1;
 const RECALL_SD_UT: f64 = 1.0;
+const RECALL_IRON: f64 = 1e-4;
 
 /// A calibration that was in force before a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
-    /// Their covariance, packed lower triangle.
-    packed: SVector<f64, 45>,
+    /// Their covariance, packed lower triangle; what rounding does to it, RECALL_SD_UT and RECALL_IRON cover.
+    packed: SVector<f32, 45>,
 }
 
 impl Former {
@@ -37,7 +38,7 @@ impl Former {
         let mut k = 0;
         for i in 0..9 {
             for j in 0..=i {
-                packed[k] = filter.p(OFFSET + i, OFFSET + j);
+                packed[k] = filter.p(OFFSET + i, OFFSET + j) as f32;
                 k += 1;
             }
         }
@@ -69,12 +70,16 @@ impl Former {
         for i in 0..9 {
             dense.x[OFFSET + i] = self.mean[i];
             for j in 0..=i {
-                dense.p[OFFSET + i][OFFSET + j] = self.packed[k];
-                dense.p[OFFSET + j][OFFSET + i] = self.packed[k];
+                let value = f64::from(self.packed[k]);
+                dense.p[OFFSET + i][OFFSET + j] = value;
+                dense.p[OFFSET + j][OFFSET + i] = value;
                 k += 1;
             }
         }
         dense.add_variance(OFFSET, RECALL_SD_UT * RECALL_SD_UT);
+        for k in IRON..IRON + 6 {
+            dense.p[k][k] += RECALL_IRON * RECALL_IRON;
+        }
     }
 }
 

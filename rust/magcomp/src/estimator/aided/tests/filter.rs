@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::super::state::{OFFSET, STATES};
+use super::super::state::{OFFSET, SCALE, STATES};
 use super::super::{Aided, AidedConfig};
 use super::simulator::World;
 use crate::pairing::PairedInertial;
@@ -101,4 +101,26 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     assert!(matches!(state, Status::Suspect { .. }), "{state:?}");
     assert_eq!(before, aided.filter.as_ref().unwrap().vector(OFFSET));
     assert!(heading_moved < 3.0, "carried field wrong by {heading_moved} deg");
+}
+
+/// Of the axes together: what they do not share is known less well, and trusted a little too much.
+#[test]
+fn the_scale_of_the_gyroscope_is_found() {
+    let mut sum = 0.0;
+    for seed in 60..70 {
+        let mut world = World::new(seed);
+        let mut aided = Aided::new(AidedConfig::default());
+        for _ in 0..3_000 {
+            let mut sample = world.sample(0.01);
+            if let Some(rotation) = &mut sample.inertial.rotation {
+                rotation.increment_rad *= 1.01;
+                rotation.rate_rad_s *= 1.01;
+            }
+            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        }
+        let filter = aided.filter.as_ref().unwrap();
+        sum += (SCALE..SCALE + 3).map(|k| filter.mean[k]).sum::<f64>() / 3.0;
+    }
+    let mean: f64 = sum / 10.0;
+    assert!((mean - 0.01 / 1.01).abs() < 0.003, "mean scale error found: {mean}");
 }

@@ -26,9 +26,9 @@ const QUIET: ProcessNoise = ProcessNoise {
 /// Sizes of the states, for steps and tolerances.
 fn scale(i: usize) -> f64 {
     match i {
-        0..6 | 15..18 => 10.0,
-        6..12 => 0.05,
-        12..15 => 0.02,
+        0..=5 | 15..=17 => 10.0,
+        6..=11 => 0.05,
+        12..=14 | 19..=21 => 0.02,
         _ => 0.01,
     }
 }

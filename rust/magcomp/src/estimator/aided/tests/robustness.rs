@@ -91,6 +91,7 @@ fn the_gyroscope_comes_and_goes() {
 fn a_gyroscope_that_reads_nonsense_is_found_out() {
     let mut world = World::new(10);
     let mut aided = Aided::new(AidedConfig::default());
+    let mut suspected = false;
     for k in 0..1_500 {
         world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
         let mut sample = world.sample(0.01);
@@ -100,6 +101,10 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
         if k == 800 {
             world.hard_iron_ut += Vector3::new(20.0, -15.0, 10.0);
         }
+        if (300..800).contains(&k) || k > 1_200 {
+            assert_eq!(output.status, Status::Tracking, "at {k}");
+        }
+        suspected |= (801..820).contains(&k) && matches!(output.status, Status::Suspect { .. });
         if (300..800).contains(&k) || k > 1_000 {
             assert_eq!(output.mode, SensorMode::GravityOnly);
             let calibration = aided.calibration().unwrap();
@@ -108,6 +113,7 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
             assert!(error < 2.0, "{error} deg at {k}");
         }
     }
+    assert!(suspected, "a step is suspected within 0.2 s");
 }
 
 #[test]

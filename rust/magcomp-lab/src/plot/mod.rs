@@ -1,6 +1,10 @@
 //! Line plots as SVG: panels on a grid, each with a few series. One file works on light and dark pages: the ink and the
 //! paper are exchanged by a style rule of the SVG itself.
 
+mod layers;
+
+pub use layers::{Layers, Span};
+
 use crate::error::LabError;
 use plotters::prelude::*;
 
@@ -26,6 +30,8 @@ pub enum Colour {
     Purple,
     /// Truth, raw data, limits.
     Grey,
+    /// What is wrong.
+    Red,
 }
 
 impl Colour {
@@ -36,6 +42,7 @@ impl Colour {
             Self::Green => RGBColor(0x2c, 0x9c, 0x69),
             Self::Purple => RGBColor(0x95, 0x68, 0xcf),
             Self::Grey => RGBColor(0x88, 0x8f, 0x99),
+            Self::Red => RGBColor(0xd0, 0x44, 0x44),
         }
     }
 }
@@ -61,7 +68,7 @@ impl Series {
 }
 
 /// One set of axes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Panel {
     /// Above it.
     pub title: String,
@@ -73,6 +80,8 @@ pub struct Panel {
     pub y_range: Option<(f64, f64)>,
     /// Lines, later ones on top.
     pub series: Vec<Series>,
+    /// What lies behind them.
+    pub layers: Layers,
 }
 
 /// Height of the row with title and legend, pixels.
@@ -114,14 +123,17 @@ impl Panel {
     ) -> Result<(), DrawingAreaErrorKind<Backend::ErrorType>> {
         let text = |size: u32| ("sans-serif", size).into_font().color(&INK);
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let (x_low, x_high) = range(points().map(|p| p.0), 0.0);
-        let (y_low, y_high) = self.y_range.unwrap_or_else(|| range(points().map(|p| p.1), 0.06));
+        let spans = self.layers.spans.iter().flat_map(|span| [span.from, span.to]);
+        let (x_low, x_high) = range(points().map(|p| p.0).chain(spans), 0.0);
+        let y_range = self.y_range.or(self.layers.y_range());
+        let (y_low, y_high) = y_range.unwrap_or_else(|| range(points().map(|p| p.1), 0.06));
+        let lanes = !self.layers.lanes.is_empty();
         let mut chart = ChartBuilder::on(area)
             .margin(10)
             .margin_top(TITLE_ROW)
             .margin_right(18)
             .x_label_area_size(if self.x_label.is_empty() { 22 } else { 38 })
-            .y_label_area_size(if self.y_label.is_empty() { 44 } else { 58 })
+            .y_label_area_size(if self.y_label.is_empty() && !lanes { 44 } else { 58 })
             .build_cartesian_2d(x_low..x_high, y_low..y_high)?;
         chart
             .configure_mesh()
@@ -133,10 +145,11 @@ impl Panel {
             .label_style(text(12))
             .axis_desc_style(text(13))
             .x_label_formatter(&|v| short(*v))
-            .y_label_formatter(&|v| short(*v))
+            .y_label_formatter(&|v| if lanes { self.layers.lane(*v) } else { short(*v) })
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
             .draw()?;
+        self.layers.draw(&mut chart, (y_low, y_high))?;
         for series in &self.series {
             let mut thin = thinned(&series.points);
             // what leaves the range is left out; plotters would draw it along the border
@@ -238,6 +251,7 @@ mod tests {
             y_label: "uT".to_owned(),
             y_range: None,
             series: vec![Series::new("sine", Colour::Blue, points)],
+            ..Panel::default()
         };
         let svg = draw(&[panel], 1, (400, 300)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));

@@ -1,0 +1,75 @@
+//! The aided experiment as a table and as a picture of its first run.
+
+use super::Spread;
+use super::aided::{AidedResult, MethodResult, Settling};
+use crate::error::LabError;
+use crate::replay::figures;
+use crate::report::Report;
+use crate::table::{Table, number};
+
+impl AidedResult {
+    /// One line for each method's answer.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let title = format!("{} ({} runs)", self.scenario, self.runs);
+        let mut table = Table::new(
+            &title,
+            &[
+                "",
+                "before deg",
+                "< 5 deg",
+                "worst",
+                "< 2 deg",
+                "worst",
+                "b error uT",
+                "1 sigma",
+                "2 sigma",
+                "steps",
+                "others",
+            ],
+        );
+        for method in &self.methods {
+            table.row(line(method));
+        }
+        table.note("before: direction error rms in the 10 s before the step; < 5 deg: samples after it until the 95th percentile");
+        table.note("over the trailing 100 stays below for good (100 at the least), median and worst run; b error: 300 samples after it, mean;");
+        table.note("sigma: share of heading errors within; steps, others: device steps and other events declared in a run, mean");
+        table.note(
+            "f: the carried field; c: the corrected sample, without the sensor's noise where its direction is judged",
+        );
+        table
+    }
+
+    /// The table, and the aided method in the first run.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn add_to(&self, report: &mut Report, figure: &str) -> Result<(), LabError> {
+        report.table(&self.table());
+        match &self.first {
+            Some((recording, steps)) => figures(report, figure, recording, steps),
+            None => Ok(()),
+        }
+    }
+}
+
+fn line(method: &MethodResult) -> Vec<String> {
+    let samples = |samples: Option<usize>| samples.map_or_else(|| "never".to_owned(), |samples| samples.to_string());
+    let mean = |spread: Option<Spread>, digits| number(spread.map(|spread| spread.mean), digits);
+    let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
+    let Settling { median: median_5, worst: worst_5 } = method.below_5_deg;
+    let Settling { median: median_2, worst: worst_2 } = method.below_2_deg;
+    vec![
+        method.name.to_owned(),
+        mean(method.before_rms_deg, 2),
+        samples(median_5),
+        samples(worst_5),
+        samples(median_2),
+        samples(worst_2),
+        mean(method.hard_iron_error_ut, 1),
+        percent(method.within_sigma.map(|within| within[0])),
+        percent(method.within_sigma.map(|within| within[1])),
+        number(Some(method.device_events), 2),
+        number(Some(method.other_events), 2),
+    ]
+}
