@@ -47,7 +47,7 @@ build() {
     # -z defs: a name that is not in android/stubs fails the link
     export "${variable}_LINKER=clang-19" "${variable}_RUSTFLAGS=-Clink-arg=--target=$3 -Clink-arg=-fuse-ld=lld-19 \
 -Clink-arg=-nostdlib -Clink-arg=-nostartfiles -Clink-arg=$stubs/dso.o -L$stubs -Clink-arg=-Wl,-z,max-page-size=16384 \
--Clink-arg=-Wl,-soname,libmagcomp_ffi.so -Clink-arg=-Wl,-z,defs"
+-Clink-arg=-Wl,-soname,libmagcomp_ffi.so -Clink-arg=-Wl,-T,$PWD/android/no-metadata.ld -Clink-arg=-Wl,-z,defs"
     cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type cdylib "${std[@]}" --target "$2"
     install -D "$CARGO_TARGET_DIR/$2/ship/libmagcomp_ffi.so" "$target/android/$1/libmagcomp_ffi.so"
     audit "$1" "$target/android/$1/libmagcomp_ffi.so"
@@ -67,8 +67,8 @@ audit() {
     local wanted
     wanted=$(grep -c 'external fun' android/library/src/main/kotlin/org/magcomp/FastPath.kt)
     [ "$java" = "$wanted" ] || { echo "mobile: $1: exports $java JNI functions, Kotlin declares $wanted" >&2; exit 1; }
-    wanted=$(grep -c '^[A-Za-z].* uniffi_magcomp_ffi_fn_' bindings/swift/MagcompFFI.h)
-    [ "$uniffi" = "$wanted" ] || { echo "mobile: $1: exports $uniffi uniffi functions, the header declares $wanted" >&2; exit 1; }
+    wanted=$(grep -c 'external fun uniffi_magcomp_ffi_fn_' bindings/kotlin/org/magcomp/magcomp_ffi.kt)
+    [ "$uniffi" = "$wanted" ] || { echo "mobile: $1: exports $uniffi uniffi functions, Kotlin declares $wanted" >&2; exit 1; }
     if nm -D "$2" | grep -q TestHooks; then
         echo "mobile: $1: holds test hooks" >&2
         exit 1
