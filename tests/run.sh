@@ -2,7 +2,7 @@
 # Every test. `tests/run.sh` runs all parts, `tests/run.sh rust` one of them. A part that can't run fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust)
+parts=(rust bindings kotlin mobile aar)
 
 rust() {
     command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
@@ -12,6 +12,11 @@ rust() {
     cargo test --workspace --locked
     cargo build --release --locked
 }
+
+bindings() { bindings/generate.sh --check; }
+kotlin() { tests/kotlin.sh; }
+mobile() { tests/mobile.sh; }
+aar() { tests/aar.sh; }
 
 part=
 trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT
