@@ -126,7 +126,8 @@ fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) ->
     }
 }
 
-/// One standard deviation of the heading, degrees, 0 to 90.
+/// One standard deviation of the heading, degrees: up to 63, or 180 where the field's horizontal part is lost in its
+/// uncertainty.
 ///
 /// `field_ut` is the corrected field, `covariance_ut2` the covariance of its error (uT^2), `tilt_sigma_deg` the
 /// standard deviation of `up` about a horizontal axis. Only errors across the field count, and the shorter its
@@ -144,7 +145,9 @@ pub fn heading_sigma_deg(
     let across = east.try_normalize(VERTICAL)?;
     let tilt = tilt_sigma_deg.to_radians() * field_ut.dot(&up);
     let variance = (covariance_ut2 * across).dot(&across) + tilt * tilt;
-    let sigma = variance.max(0.0).sqrt().atan2(horizontal).to_degrees();
+    let sd = variance.max(0.0).sqrt();
+    // the arc tangent stops at 90; a horizontal part lost in its uncertainty knows no direction at all
+    let sigma = if sd > 2.0 * horizontal { 180.0 } else { sd.atan2(horizontal).to_degrees() };
     sigma.is_finite().then_some(sigma)
 }
 
@@ -158,4 +161,25 @@ pub fn true_heading_deg(heading_deg: f64, declination_deg: f64) -> f64 {
 fn wrap_360(deg: f64) -> f64 {
     let wrapped = deg.rem_euclid(360.0);
     if wrapped >= 360.0 { 0.0 } else { wrapped }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix3;
+
+    #[test]
+    fn sigma_is_the_slope_of_the_heading() {
+        // field (0, 20, -40), up z: 1 uT to the east turns the heading by 1/20 rad
+        let covariance = Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
+        let sigma = |field, tilt_deg| heading_sigma_deg(&field, &Vector3::z(), &covariance, tilt_deg);
+        let plain = sigma(Vector3::new(0.0, 20.0, -40.0), 0.0).expect("horizontal enough");
+        assert!((plain - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
+        // a tilt of 1 deg brings 1 deg of the vertical part into the horizon
+        let tilted = sigma(Vector3::new(0.0, 20.0, -40.0), 1.0).expect("horizontal enough");
+        let tilt = 40.0 * 1.0_f64.to_radians();
+        assert!((tilted - (1.0 + tilt * tilt).sqrt().atan2(20.0).to_degrees()).abs() < 1e-12);
+        assert_eq!(sigma(Vector3::new(0.0, 0.3, -40.0), 0.0), Some(180.0));
+        assert_eq!(sigma(Vector3::new(0.0, 0.0, -40.0), 0.0), None);
+    }
 }

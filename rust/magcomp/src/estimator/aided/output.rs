@@ -5,10 +5,6 @@
 //! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (s_d^2 + floor^2) I + timing
 //! f = m,  P_f = P_mm + floor^2 I + timing,   timing = s_clock^2 (w x h)(w x h)^T
 //! ```
-//! Heading sigma, up known: e = unit(up x h) the horizontal direction across the field, h_n its horizontal size:
-//! ```text
-//! sigma = atan(sqrt(e^T P e) / h_n)
-//! ```
 //! P alone is right about b, but cannot know that the field of a room is not uniform: hence the floors.
 //! Source: docs/METHOD.md.
 
@@ -30,29 +26,12 @@ pub(crate) struct AidedOutput {
     pub filtered_covariance_ut2: Matrix3<f64>,
     /// Unit vector, what an accelerometer at rest reads; `None` without accelerometer.
     pub up: Option<Vector3<f64>>,
-    /// One sigma of the heading of c, degrees; at most 180.
-    pub corrected_heading_sigma_deg: Option<f64>,
-    /// One sigma of the heading of f, degrees; at most 180. This is the published heading's.
-    pub filtered_heading_sigma_deg: Option<f64>,
     /// Status.
     pub status: Status,
     /// The last event, kept until the next.
     pub event: Option<Event>,
     /// Sensors in use.
     pub mode: SensorMode,
-}
-
-/// sigma = atan(sqrt(e^T P e) / h_n), degrees; 180 where the field has no horizontal part to speak of.
-pub(crate) fn heading_sigma_deg(field: &Vector3<f64>, covariance: &Matrix3<f64>, up: &Vector3<f64>) -> f64 {
-    let across = up.cross(field);
-    let horizontal = across.norm();
-    if horizontal < 1e-6 {
-        return 180.0;
-    }
-    let e = across / horizontal;
-    let sd = e.dot(&(covariance * e)).max(0.0).sqrt();
-    // beyond the linear range the arc tangent stops at 90; a field lost in its sigma knows nothing
-    if sd > 2.0 * horizontal { 180.0 } else { (sd / horizontal).atan().to_degrees() }
 }
 
 /// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).

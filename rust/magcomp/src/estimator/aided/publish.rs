@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::events::Phase;
-use super::output::{calibration_covariance, heading_sigma_deg};
+use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
 use crate::pairing::Rotation;
@@ -24,8 +24,6 @@ impl Aided {
             filtered_ut: None,
             filtered_covariance_ut2: Matrix3::zeros(),
             up: None,
-            corrected_heading_sigma_deg: None,
-            filtered_heading_sigma_deg: None,
             status,
             event: self.event,
             mode: self.mode,
@@ -66,8 +64,6 @@ impl Aided {
         output.filtered_ut = Some(f);
         output.corrected_covariance_ut2 = p_c;
         output.filtered_covariance_ut2 = p_f;
-        output.corrected_heading_sigma_deg = self.motion.up.map(|up| heading_sigma_deg(&f, &p_c, &up));
-        output.filtered_heading_sigma_deg = self.motion.up.map(|up| heading_sigma_deg(&f, &p_f, &up));
         output
     }
 
@@ -118,7 +114,6 @@ impl Aided {
         if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
             output.corrected_ut = Some(c);
             output.corrected_covariance_ut2 = p_c;
-            output.corrected_heading_sigma_deg = output.up.map(|up| heading_sigma_deg(&c, &p_c, &up));
         }
         output
     }

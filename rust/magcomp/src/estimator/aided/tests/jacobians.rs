@@ -3,10 +3,9 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::SMatrix;
 
 use super::super::measure::{foretell, jacobian};
-use super::super::output::heading_sigma_deg;
 use super::super::propagate::ProcessNoise;
 use super::super::state::{Dense, Gaussian, STATES};
 use super::simulator::Random;
@@ -105,13 +104,4 @@ fn measurement_jacobian_is_the_derivative() {
             }
         }
     }
-}
-
-#[test]
-fn heading_sigma_is_the_slope_of_the_heading() {
-    // field (0, 20, -40), up z: 1 uT to the east turns the heading by 1/20 rad
-    let covariance = nalgebra::Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
-    let sigma = heading_sigma_deg(&Vector3::new(0.0, 20.0, -40.0), &covariance, &Vector3::z());
-    assert!((sigma - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
-    assert_eq!(heading_sigma_deg(&Vector3::new(0.0, 0.0, -40.0), &covariance, &Vector3::z()), 180.0);
 }
