@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts, `tests/run.sh rust` one of them. A part that can't run fails.
+# Every test. `tests/run.sh` runs the first three parts, `tests/run.sh rust` one of them. A part that can't run fails.
+# `tests/run.sh mobile aar` checks the mobile targets and the Android package; it installs a second compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust)
+parts=(rust bindings kotlin mobile aar)
+defaults=(rust bindings kotlin)
 
 rust() {
     command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
@@ -13,9 +15,14 @@ rust() {
     cargo build --release --locked
 }
 
+bindings() { bindings/generate.sh --check; }
+kotlin() { tests/kotlin.sh; }
+mobile() { tests/mobile.sh; }
+aar() { tests/aar.sh; }
+
 part=
 trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT
-for part in "${@:-${parts[@]}}"; do
+for part in "${@:-${defaults[@]}}"; do
     case " ${parts[*]} " in
         *" $part "*) ;;
         *) echo "unknown part '$part'; parts are: ${parts[*]}" >&2; exit 2 ;;

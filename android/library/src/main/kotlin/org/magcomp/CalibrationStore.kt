@@ -1,0 +1,36 @@
+package org.magcomp
+
+import android.content.Context
+import android.content.SharedPreferences
+
+/**
+ * Where a calibration is kept from one launch to the next. The text carries its own version and checksum: a store need
+ * not look into it, and an old or damaged one is passed over as if there were none.
+ */
+public interface CalibrationStore {
+    /** What was saved last, or null. */
+    public fun load(): String?
+
+    /** Keeps a snapshot in the place of the one before. Called on a background thread, once a minute and at the end. */
+    public fun save(snapshot: String)
+}
+
+/**
+ * Keeps the calibration in shared preferences.
+ *
+ * @param preferences where
+ * @param key under which key
+ */
+public class PreferencesStore @JvmOverloads constructor(
+    private val preferences: SharedPreferences,
+    private val key: String = "calibration",
+) : CalibrationStore {
+    /** The preferences named `org.magcomp` of an app. */
+    public constructor(context: Context) : this(context.getSharedPreferences("org.magcomp", Context.MODE_PRIVATE))
+
+    override fun load(): String? = preferences.getString(key, null)
+
+    override fun save(snapshot: String) {
+        preferences.edit().putString(key, snapshot).apply()
+    }
+}

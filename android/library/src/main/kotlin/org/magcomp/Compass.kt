@@ -1,0 +1,76 @@
+package org.magcomp
+
+import android.content.Context
+import java.util.concurrent.Executor
+import kotlinx.coroutines.CoroutineScope
+import kotlinx.coroutines.CoroutineStart
+import kotlinx.coroutines.SupervisorJob
+import kotlinx.coroutines.asCoroutineDispatcher
+import kotlinx.coroutines.cancel
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.launch
+
+/**
+ * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
+ *
+ * @param source where events come from
+ * @param config what was left out is the library's default
+ * @param store where the calibration is kept from one launch to the next; null: nowhere
+ */
+public class Compass @JvmOverloads constructor(
+    private val source: MagneticFieldSource,
+    private val config: Config = Config(),
+    private val store: CalibrationStore? = null,
+) {
+    /** The phone's sensors at 100 Hz, the calibration kept in the app's preferences. */
+    public constructor(context: Context) : this(SensorManagerSource(context), Config(), PreferencesStore(context))
+
+    private val frames = MutableStateFlow(
+        HeadingFrame(
+            config.heading?.axis ?: ReferenceAxis.AUTO,
+            config.heading?.screenRotation ?: ScreenRotation.DEG0,
+            config.heading?.declinationDeg,
+        ),
+    )
+
+    /** The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. */
+    public var frame: HeadingFrame by frames::value
+
+    /** One reading for every magnetometer sample, as long as it is collected. */
+    public fun readings(): Flow<CompensatedReading> = source.samples().compensated(config, store, frames)
+
+    /**
+     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed.
+     *
+     * @return closing it ends the readings; a call under way is finished
+     */
+    public fun start(executor: Executor, listener: CompassListener): AutoCloseable {
+        val scope = CoroutineScope(SupervisorJob() + executor.asCoroutineDispatcher())
+        scope.launch(start = CoroutineStart.UNDISPATCHED) {
+            try {
+                readings().collect { listener.onReading(it) }
+                listener.onEnd(null)
+            } catch (e: SensorException) {
+                listener.onEnd(e)
+            } catch (e: RecordingException) {
+                listener.onEnd(e)
+            } catch (e: MagcompException) {
+                listener.onEnd(e)
+            }
+        }
+        return AutoCloseable { scope.cancel() }
+    }
+}
+
+/** What a Java app implements to get readings. */
+public interface CompassListener {
+    /** One reading. */
+    public fun onReading(reading: CompensatedReading)
+
+    /**
+     * There are no more readings, because the source ended or for this error: a [SensorException], a
+     * [RecordingException] or a [MagcompException]. Not called after closing.
+     */
+    public fun onEnd(error: Exception?)
+}

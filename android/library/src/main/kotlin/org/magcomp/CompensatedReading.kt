@@ -1,0 +1,145 @@
+package org.magcomp
+
+import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.channels.BufferOverflow
+import kotlinx.coroutines.channels.Channel
+import kotlinx.coroutines.coroutineScope
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.launch
+
+/**
+ * The answer to one magnetometer sample, as collectors get it.
+ *
+ * @property reading corrected field, heading, and what the compensator is doing
+ * @property sample the raw sample it answers
+ * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
+ *   every sample all the same
+ */
+public data class CompensatedReading(
+    public val reading: Reading,
+    public val sample: MagneticSample,
+    public val droppedBefore: Long = 0,
+)
+
+/**
+ * Compensates a stream of sensor events: one reading for every magnetometer sample.
+ *
+ * Every collector has its own [Compensator], fed on a background thread, so a slow collector never holds it up: between
+ * them a buffer drops the oldest reading and counts it.
+ *
+ * @param config what was left out is the library's default
+ * @param store where the calibration is kept from one launch to the next; null: nowhere
+ * @param frame the heading frame in force at each moment; null: the config's
+ * @param capacity readings kept for a slow collector, at least 1
+ */
+public fun Flow<SensorSample>.compensated(
+    config: Config = Config(),
+    store: CalibrationStore? = null,
+    frame: StateFlow<HeadingFrame>? = null,
+    capacity: Int = 64,
+): Flow<CompensatedReading> {
+    require(capacity >= 1) { "capacity is $capacity, expected at least 1" }
+    val samples = this
+    return flow {
+        coroutineScope {
+            val readings = Channel<Numbered>(capacity, BufferOverflow.DROP_OLDEST)
+            launch(Dispatchers.Default) {
+                try {
+                    Estimation(config, store, frame).use { estimation ->
+                        samples.collect { sample -> estimation.push(sample)?.let { readings.send(it) } }
+                    }
+                } finally {
+                    readings.close()
+                }
+            }
+            var next = 0L
+            for ((number, answer) in readings) {
+                emit(if (number == next) answer else answer.copy(droppedBefore = number - next))
+                next = number + 1
+            }
+        }
+    }
+}
+
+private data class Numbered(val number: Long, val answer: CompensatedReading)
+
+/** One collector's compensator. */
+private class Estimation(config: Config, private val store: CalibrationStore?, private val frame: StateFlow<HeadingFrame>?) :
+    AutoCloseable {
+    private val compensator = Compensator(config)
+    private val buffer = ReadingBuffer()
+    private var number = 0L
+    private var currentFrame: HeadingFrame? = frameOf(config)
+    private var savedNs: Long? = null
+
+    init {
+        val kept = store?.load()
+        if (kept != null) {
+            try {
+                compensator.restoreCalibration(kept)
+            } catch (_: MagcompException.SnapshotDamaged) {
+                // as at the first launch
+            } catch (_: MagcompException.SnapshotNewer) {
+                // as at the first launch
+            }
+        }
+    }
+
+    fun push(event: SensorSample): Numbered? {
+        when (event) {
+            is SensorSample.Magnetic -> return push(event.sample)
+            is SensorSample.RotationRate ->
+                with(event.sample.rateRadS) { compensator.pushRotationRate(event.timeNs, x, y, z) }
+            is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }
+        }
+        return null
+    }
+
+    private fun push(sample: MagneticSample): Numbered {
+        val wanted = frame?.value
+        if (wanted != null && wanted != currentFrame) {
+            compensator.setHeadingFrame(wanted)
+            currentFrame = wanted
+        }
+        val field = sample.fieldUt
+        val reported = sample.reportedHardIronUt
+        if (reported == null) {
+            compensator.push(sample.timeNs, field.x, field.y, field.z, buffer)
+        } else {
+            compensator.push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
+        }
+        val saved = savedNs ?: sample.timeNs.also { savedNs = it }
+        if (sample.timeNs - saved >= SAVE_EVERY_NS) {
+            savedNs = sample.timeNs
+            save()
+        }
+        return Numbered(number++, CompensatedReading(buffer.toReading(), sample))
+    }
+
+    private fun save() {
+        if (store != null && compensator.calibration() != null) store.save(compensator.snapshot())
+    }
+
+    override fun close() {
+        try {
+            save()
+        } catch (_: MagcompException) {
+            // after a defect there is nothing to keep
+        } finally {
+            compensator.close()
+        }
+    }
+
+    private companion object {
+        /** Once a minute: what a crash costs at the most. */
+        const val SAVE_EVERY_NS = 60_000_000_000L
+
+        fun frameOf(config: Config) = HeadingFrame(
+            config.heading?.axis ?: ReferenceAxis.TOP_EDGE,
+            config.heading?.screenRotation ?: ScreenRotation.DEG0,
+            config.heading?.declinationDeg,
+        )
+    }
+}

@@ -1,0 +1,178 @@
+package org.magcomp
+
+/**
+ * Frees a magnetometer from the disturbance its phone carries, sample by sample.
+ *
+ * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
+ * of the library calls throw [MagcompException.Panicked] until [reset].
+ *
+ * @property config what it was made with; what was left out is the library's default
+ * @throws MagcompException.Config when a field of the config is out of range
+ */
+public class Compensator @JvmOverloads constructor(public val config: Config = Config()) : AutoCloseable {
+    private val native = NativeCompensator(config)
+    private val handle = native.fastHandle()
+
+    /**
+     * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that can't be used comes back
+     * with status `Rejected` and changes nothing.
+     *
+     * @param timeNs time of the event, nanoseconds
+     * @param xUt raw field to the right of the screen, microtesla
+     * @param yUt raw field towards the top of the screen, microtesla
+     * @param zUt raw field out of the screen, microtesla
+     */
+    public fun push(timeNs: Long, xUt: Double, yUt: Double, zUt: Double, out: ReadingBuffer) {
+        push(timeNs, xUt, yUt, zUt, Double.NaN, Double.NaN, Double.NaN, out)
+    }
+
+    /**
+     * A raw magnetometer event with the operating system's own estimate of the hard iron ([bxUt], [byUt], [bzUt],
+     * microtesla; NaN for none). Else as the shorter form.
+     */
+    public fun push(
+        timeNs: Long,
+        xUt: Double,
+        yUt: Double,
+        zUt: Double,
+        bxUt: Double,
+        byUt: Double,
+        bzUt: Double,
+        out: ReadingBuffer,
+    ) {
+        check(FastPath.push(handle, timeNs, xUt, yUt, zUt, bxUt, byUt, bzUt, out.slots))
+        out.timeNs = timeNs
+    }
+
+    /** A raw magnetometer event and its answer as immutable records. */
+    public fun push(sample: MagneticSample): Reading {
+        val buffer = ReadingBuffer()
+        val field = sample.fieldUt
+        val reported = sample.reportedHardIronUt ?: NOT_REPORTED
+        push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
+        return buffer.toReading()
+    }
+
+    /**
+     * A gyroscope event: time in nanoseconds, rates in rad/s about x, y and z.
+     *
+     * @return whether it was used; if not, for instance because it came too late, nothing has changed
+     */
+    public fun pushRotationRate(timeNs: Long, xRadS: Double, yRadS: Double, zRadS: Double): Boolean =
+        check(FastPath.pushRotationRate(handle, timeNs, xRadS, yRadS, zRadS)) == 0
+
+    /**
+     * An accelerometer or gravity event: time in nanoseconds, m/s^2 along x, y and z; at rest it points up.
+     *
+     * @return whether it was used; if not, for instance because it came too late, nothing has changed
+     */
+    public fun pushUp(timeNs: Long, xMS2: Double, yMS2: Double, zMS2: Double): Boolean =
+        check(FastPath.pushUp(handle, timeNs, xMS2, yMS2, zMS2)) == 0
+
+    /** Many events in the order they happened, for recordings; the answers to the magnetic ones. */
+    public fun pushAll(events: List<SensorSample>): List<Reading> {
+        val kinds = ByteArray(events.size)
+        val times = LongArray(events.size) { events[it].timeNs }
+        val values = DoubleArray(3 * events.size)
+        val answered = ArrayList<Long>()
+        events.forEachIndexed { k, event ->
+            val value = when (event) {
+                is SensorSample.Magnetic -> {
+                    answered += event.timeNs
+                    kinds[k] = FastPath.MAGNETIC
+                    event.sample.fieldUt
+                }
+                is SensorSample.RotationRate -> {
+                    kinds[k] = FastPath.ROTATION_RATE
+                    event.sample.rateRadS
+                }
+                is SensorSample.Up -> {
+                    kinds[k] = FastPath.UP
+                    event.sample.upMS2
+                }
+            }
+            values[3 * k] = value.x
+            values[3 * k + 1] = value.y
+            values[3 * k + 2] = value.z
+        }
+        val slots = FastPath.slots()
+        val out = DoubleArray(slots * answered.size)
+        check(FastPath.pushBatch(handle, kinds, times, values, out))
+        return answered.mapIndexed { k, timeNs -> ReadingBuffer.reading(out, k * slots, timeNs) }
+    }
+
+    /**
+     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     *
+     * @throws MagcompException.Config when the declination is out of range
+     */
+    public fun setHeadingFrame(frame: HeadingFrame): Unit = open { native.setHeadingFrame(frame) }
+
+    /** Hard iron, soft iron and field strength in force, if any. */
+    public fun calibration(): Calibration? = open { native.calibration() }
+
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * null when it is not known.
+     */
+    public fun covariance(): List<Double>? = open { native.covariance() }
+
+    /** The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none. */
+    public fun fit(): Fit? = open { native.fit() }
+
+    /** Which directions were seen, for guidance. */
+    public fun coverage(): Coverage = open { native.coverage() }
+
+    /** Forgets everything but the config, and makes it usable again after [MagcompException.Panicked]. */
+    public fun reset(): Unit = open { native.reset() }
+
+    /** The whole state as text with a version and a checksum, to be kept and restored. */
+    public fun snapshot(): String = open { native.snapshot() }
+
+    /**
+     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone.
+     *
+     * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
+     * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
+     */
+    public fun restore(snapshot: String): Restored = open { native.restore(snapshot) }
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * phone, whose sensor clock begins at 0 again.
+     *
+     * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
+     * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
+     */
+    public fun restoreCalibration(snapshot: String): Unit = open { native.restoreCalibration(snapshot) }
+
+    /** Frees the native state now. May be called twice, and while another thread pushes. */
+    override fun close() {
+        try {
+            native.shutDown()
+        } catch (_: IllegalStateException) {
+            return // closed before
+        }
+        native.close()
+    }
+
+    private fun check(code: Int): Int = when {
+        code >= 0 -> code
+        // the error with what the panic said; when another thread has reset it meanwhile, that call goes through
+        code == FastPath.PANICKED -> open { native.calibration() }.let { throw MagcompException.Panicked("reset meanwhile") }
+        code == FastPath.CLOSED -> throw MagcompException.Closed()
+        else -> error("native error $code: the library's native part is of another version")
+    }
+
+    /** The generated class says IllegalStateException for a closed object. */
+    private inline fun <T> open(call: () -> T): T =
+        try {
+            call()
+        } catch (_: IllegalStateException) {
+            throw MagcompException.Closed()
+        }
+
+    private companion object {
+        val NOT_REPORTED = Vector3(Double.NaN, Double.NaN, Double.NaN)
+    }
+}

@@ -1,0 +1,52 @@
+package org.magcomp
+
+/**
+ * The JNI functions of `rust/magcomp-ffi/src/fast.rs`: primitives in, a caller-owned array out. Each answers a number,
+ * below 0 an error. A handle whose object is gone answers [CLOSED]: it is a number, not a pointer.
+ */
+internal object FastPath {
+    const val CLOSED: Int = -1
+    const val PANICKED: Int = -2
+    const val TOO_SHORT: Int = -3
+    const val NO_SUCH_KIND: Int = -4
+
+    const val MAGNETIC: Byte = 0
+    const val ROTATION_RATE: Byte = 1
+    const val UP: Byte = 2
+
+    init {
+        // JNA's own loading of the library does not register these
+        System.loadLibrary("magcomp_ffi")
+    }
+
+    @JvmStatic
+    external fun slots(): Int
+
+    @JvmStatic
+    external fun push(
+        handle: Long,
+        timeNs: Long,
+        x: Double,
+        y: Double,
+        z: Double,
+        bx: Double,
+        by: Double,
+        bz: Double,
+        out: DoubleArray,
+    ): Int
+
+    @JvmStatic
+    external fun pushRotationRate(handle: Long, timeNs: Long, x: Double, y: Double, z: Double): Int
+
+    @JvmStatic
+    external fun pushUp(handle: Long, timeNs: Long, x: Double, y: Double, z: Double): Int
+
+    @JvmStatic
+    external fun pushBatch(
+        handle: Long,
+        kinds: ByteArray,
+        timesNs: LongArray,
+        values: DoubleArray,
+        out: DoubleArray,
+    ): Int
+}

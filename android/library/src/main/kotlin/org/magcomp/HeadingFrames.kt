@@ -1,0 +1,28 @@
+@file:JvmName("HeadingFrames")
+
+package org.magcomp
+
+import android.view.Surface
+
+/**
+ * The heading frame for a screen as Android reports it.
+ *
+ * @param displayRotation `Display.getRotation()`: `Surface.ROTATION_0` to `ROTATION_270`
+ * @param axis the axis of the device the heading is that of; automatic: top edge when flat, camera when upright
+ * @param declinationDeg declination, degrees, east positive, for a true heading; [geomagneticField] gives it
+ */
+@JvmOverloads
+public fun headingFrame(
+    displayRotation: Int,
+    axis: ReferenceAxis = ReferenceAxis.AUTO,
+    declinationDeg: Double? = null,
+): HeadingFrame {
+    val rotation = when (displayRotation) {
+        Surface.ROTATION_0 -> ScreenRotation.DEG0
+        Surface.ROTATION_90 -> ScreenRotation.DEG90
+        Surface.ROTATION_180 -> ScreenRotation.DEG180
+        Surface.ROTATION_270 -> ScreenRotation.DEG270
+        else -> throw IllegalArgumentException("displayRotation is $displayRotation, expected Surface.ROTATION_0 to ROTATION_270")
+    }
+    return HeadingFrame(axis, rotation, declinationDeg)
+}

@@ -1,0 +1,96 @@
+package org.magcomp
+
+import java.io.File
+import java.io.Reader
+import java.util.zip.GZIPInputStream
+import kotlin.math.floor
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.flow
+
+/**
+ * A recording is not in order.
+ *
+ * @property name the recording
+ * @property line line in it, from 1
+ * @property column column's name, or null when the line as a whole is wrong
+ */
+public class RecordingException(public val name: String, public val line: Int, public val column: String?, what: String) :
+    Exception("$name, line $line" + (column?.let { ", column $it" } ?: "") + ": $what")
+
+/**
+ * A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla,
+ * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
+ * magnetometer event, in this order, as far as it has them.
+ *
+ * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order.
+ *
+ * @param name said in errors
+ * @param open opens the text anew for every collector
+ */
+public class RecordingSource(private val name: String, private val open: () -> Reader) : MagneticFieldSource {
+    /** A file, `.csv` or `.csv.gz`. */
+    public constructor(file: File) : this(file.name, {
+        val bytes = file.inputStream()
+        (if (file.name.endsWith(".gz")) GZIPInputStream(bytes) else bytes).reader()
+    })
+
+    override fun samples(): Flow<SensorSample> = flow {
+        open().buffered().use { lines ->
+            val header = lines.readLine() ?: throw RecordingException(name, 1, null, "the header is missing")
+            val columns = Columns(header)
+            var number = 1
+            while (true) {
+                val line = lines.readLine() ?: break
+                number += 1
+                val row = columns.row(line, number)
+                row.vector("gx", "gy", "gz")?.let { emit(SensorSample.RotationRate(RotationRateSample(row.timeNs, it))) }
+                row.vector("ax", "ay", "az")?.let { emit(SensorSample.Up(UpSample(row.timeNs, it))) }
+                row.vector("mx", "my", "mz")?.let { emit(SensorSample.Magnetic(MagneticSample(row.timeNs, it))) }
+            }
+        }
+    }
+
+    private inner class Columns(header: String) {
+        val names = header.split(',').map { it.trim() }
+        val index = names.withIndex().associate { it.value to it.index }
+
+        init {
+            for (column in listOf("t_s", "mx", "my", "mz")) {
+                if (column !in index) throw RecordingException(name, 1, column, "the column is missing")
+            }
+        }
+
+        fun row(line: String, number: Int): Row {
+            val cells = line.split(',')
+            if (cells.size != names.size) {
+                throw RecordingException(name, number, null, "${cells.size} cells, expected ${names.size}")
+            }
+            return Row(this, cells, number)
+        }
+    }
+
+    private inner class Row(val columns: Columns, val cells: List<String>, val line: Int) {
+        val timeNs: Long = number("t_s").let {
+            if (it.isNaN() || it.isInfinite()) throw RecordingException(name, line, "t_s", "the time is not finite")
+            nearest(it * 1e9)
+        }
+
+        fun vector(x: String, y: String, z: String): Vector3? =
+            if (x in columns.index && y in columns.index && z in columns.index) {
+                Vector3(number(x), number(y), number(z))
+            } else {
+                null
+            }
+
+        private fun number(column: String): Double {
+            val text = cells[columns.index.getValue(column)].trim()
+            if (text.equals("nan", ignoreCase = true)) return Double.NaN
+            return text.toDoubleOrNull() ?: throw RecordingException(name, line, column, "'$text' is no number")
+        }
+    }
+
+    private companion object {
+        /** Halves away from 0, as Rust rounds. */
+        fun nearest(value: Double): Long = (if (value < 0) -floor(-value + 0.5) else floor(value + 0.5)).toLong()
+    }
+}

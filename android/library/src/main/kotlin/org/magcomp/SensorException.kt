@@ -1,0 +1,27 @@
+package org.magcomp
+
+/** The phone's sensors can't be used as asked. The message says what an app can do. */
+public sealed class SensorException(message: String, cause: Throwable? = null) : Exception(message, cause) {
+    /**
+     * The phone has no such sensor.
+     *
+     * @property sensor its name
+     */
+    public class Missing(public val sensor: String, advice: String) : SensorException("this phone has no $sensor; $advice")
+
+    /**
+     * A permission is missing.
+     *
+     * @property permission its name in the manifest
+     */
+    public class PermissionMissing(public val permission: String, cause: Throwable? = null) :
+        SensorException("above 200 Hz the manifest needs <uses-permission android:name=\"$permission\"/>; or ask for 200 Hz", cause)
+
+    /**
+     * The system refused to deliver a sensor's events.
+     *
+     * @property sensor its name
+     */
+    public class Refused(public val sensor: String) :
+        SensorException("the system refused to deliver the $sensor; close other users of sensors and try again")
+}

@@ -1,0 +1,114 @@
+package org.magcomp;
+
+import static org.junit.jupiter.api.Assertions.assertEquals;
+import static org.junit.jupiter.api.Assertions.assertInstanceOf;
+import static org.junit.jupiter.api.Assertions.assertNotNull;
+import static org.junit.jupiter.api.Assertions.assertNull;
+import static org.junit.jupiter.api.Assertions.assertTrue;
+
+import java.io.File;
+import java.io.StringReader;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.Executors;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicInteger;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+
+/** What a Java developer writes. */
+class CompassJavaTest {
+    private final ExecutorService executor = Executors.newSingleThreadExecutor();
+
+    @AfterEach
+    void end() {
+        executor.shutdownNow();
+    }
+
+    private static class Counter implements CompassListener {
+        final AtomicInteger readings = new AtomicInteger();
+        final CompletableFuture<Exception> ended = new CompletableFuture<>();
+        volatile CompensatedReading latest;
+
+        @Override
+        public void onReading(CompensatedReading reading) {
+            latest = reading;
+            readings.incrementAndGet();
+        }
+
+        @Override
+        public void onEnd(Exception error) {
+            ended.complete(error);
+        }
+    }
+
+    @Test
+    void aListenerGetsEveryReadingAndTheEnd() throws Exception {
+        File file = new File(System.getProperty("repository.root"), "tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
+        Counter counter = new Counter();
+        try (AutoCloseable running = new Compass(new RecordingSource(file)).start(executor, counter)) {
+            assertNull(counter.ended.get(60, TimeUnit.SECONDS));
+            assertTrue(counter.readings.get() > 0);
+            assertNotNull(counter.latest.getReading().getHeading());
+        }
+    }
+
+    @Test
+    void aListenerGetsTheError() throws Exception {
+        Compass compass = new Compass(new RecordingSource("text", () -> new StringReader("t_s,mx\n")));
+        Counter counter = new Counter();
+        try (AutoCloseable running = compass.start(executor, counter)) {
+            Exception error = counter.ended.get(60, TimeUnit.SECONDS);
+            assertEquals(1, assertInstanceOf(RecordingException.class, error).getLine());
+        }
+    }
+
+    @Test
+    void closingEndsTheReadings() throws Exception {
+        // a recording without an end
+        Compass compass = new Compass(new RecordingSource("endless", EndlessReader::new));
+        CountDownLatch some = new CountDownLatch(100);
+        AtomicInteger readings = new AtomicInteger();
+        AutoCloseable running = compass.start(executor, new CompassListener() {
+            @Override
+            public void onReading(CompensatedReading reading) {
+                readings.incrementAndGet();
+                some.countDown();
+            }
+
+            @Override
+            public void onEnd(Exception error) {
+                readings.set(-1);
+            }
+        });
+        assertTrue(some.await(60, TimeUnit.SECONDS));
+        running.close();
+        // what was under way is finished
+        executor.submit(() -> { }).get(60, TimeUnit.SECONDS);
+        int after = readings.get();
+        executor.submit(() -> { }).get(60, TimeUnit.SECONDS);
+        assertEquals(after, readings.get());
+        assertTrue(after >= 100, "the end was not announced");
+    }
+
+    private static class EndlessReader extends java.io.Reader {
+        private String text = "t_s,mx,my,mz\n";
+        private int row;
+
+        @Override
+        public int read(char[] to, int from, int length) {
+            if (text.isEmpty()) {
+                row += 1;
+                text = row * 0.01 + "," + row % 40 + "," + row % 37 + "," + row % 31 + "\n";
+            }
+            int n = Math.min(length, text.length());
+            text.getChars(0, n, to, from);
+            text = text.substring(n);
+            return n;
+        }
+
+        @Override
+        public void close() { }
+    }
+}

@@ -1,0 +1,276 @@
+package org.magcomp
+
+import org.junit.jupiter.api.Assertions.assertArrayEquals
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertFalse
+import org.junit.jupiter.api.Assertions.assertNotEquals
+import org.junit.jupiter.api.Assertions.assertNotNull
+import org.junit.jupiter.api.Assertions.assertNull
+import org.junit.jupiter.api.Assertions.assertThrows
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+class BorderTest {
+    private val values = tumbling(600)
+
+    @Test
+    fun `finds the hard iron, and says why not before`() {
+        Compensator().use { compensator ->
+            val readings = compensator.pushAll(events(values))
+            assertTrue(readings.first().status is Status.Collecting)
+            assertNull(readings.first().fieldUt)
+            assertEquals(Status.Tracking, readings.last().status)
+            assertEquals(50.0, readings.last().totalFieldUt!!, 2.0)
+            val hardIron = compensator.calibration()!!.hardIronUt
+            assertArrayEquals(HARD_IRON, doubleArrayOf(hardIron.x, hardIron.y, hardIron.z), 1.0)
+            assertEquals(81, compensator.fit()!!.covariance.size)
+            assertTrue(compensator.coverage().share > 0.5)
+        }
+    }
+
+    @Test
+    fun `every status is read from JNI as uniffi has it`() {
+        val problems = listOf(
+            FitProblem.TooFewSamples(8),
+            FitProblem.Planar(0.5),
+            FitProblem.PoorCoverage(12.5, 10.0),
+            FitProblem.Inconsistent(7.5, 2.5),
+            FitProblem.NotAnEllipsoid,
+            FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
+            FitProblem.NotFinite,
+        )
+        val held = listOf(
+            HoldReason.LowUniformity,
+            HoldReason.FitRefused(problems[2]),
+            HoldReason.Constant,
+            HoldReason.AtRest,
+            HoldReason.TooLittleRotation,
+            HoldReason.NoGyroscope,
+        )
+        val rejected = listOf(
+            RejectReason.NotFinite,
+            RejectReason.OutOfRange(-2500.0, 2000.0),
+            RejectReason.Saturated(1300.0, 1299.5),
+            RejectReason.TimeNotAfter(7, 9_007_199_254_740_993),
+            RejectReason.TimeJump(1e6, 604_800.0),
+            RejectReason.Stuck(50),
+        )
+        val missing = listOf(Missing.Samples(60, 100), Missing.Rotation, Missing.Directions)
+        val expected = listOf(Status.Tracking, Status.Suspect(-9_007_199_254_740_993)) +
+            missing.map { Status.Collecting(it) } +
+            problems.map { Status.Collecting(Missing.Fit(it)) } +
+            held.map { Status.Held(it) } +
+            Status.Disturbed(Long.MIN_VALUE + 1) +
+            rejected.map { Status.Rejected(it) }
+        val slots = DoubleArray(FastPath.slots())
+        assertEquals(expected.size, TestHooks.exampleStatus(-1, slots))
+        for ((index, status) in expected.withIndex()) {
+            TestHooks.exampleStatus(index, slots)
+            assertEquals(status, ReadingBuffer.status(slots, timeNs = 7))
+            assertTrue(status.text().startsWith(status.label()), status.text())
+        }
+    }
+
+    @Test
+    fun `a config out of range is a typed error`() {
+        val error = assertThrows(MagcompException.Config::class.java) {
+            Compensator(Config(windowed = WindowedConfig(nMin = 3)))
+        }
+        assertEquals("windowed.n_min", error.field)
+        assertTrue("at least 9" in error.text(), error.text())
+    }
+
+    @Test
+    fun `the defaults are the core's`() {
+        Compensator().use { plain ->
+            Compensator(defaultConfig()).use { spelled ->
+                assertEquals(plain.pushAll(events(values)), spelled.pushAll(events(values)))
+                assertEquals(plain.snapshot(), spelled.snapshot())
+            }
+        }
+    }
+
+    @Test
+    fun `a bad sample is rejected and changes nothing`() {
+        Compensator().use { compensator ->
+            compensator.pushAll(events(values))
+            val before = compensator.snapshot()
+            val out = ReadingBuffer()
+            compensator.push(Long.MAX_VALUE, Double.NaN, 0.0, 0.0, out)
+            assertEquals(Status.Rejected(RejectReason.NotFinite), out.status)
+            compensator.push(5, 1.0, 2.0, 3.0, out)
+            assertEquals(Status.Rejected(RejectReason.TimeNotAfter(5, 600 * STEP_NS)), out.status)
+            assertFalse(compensator.pushUp(5, 0.0, 0.0, 9.8), "too late")
+            assertFalse(compensator.pushRotationRate(5, Double.NaN, 0.0, 0.0))
+            assertEquals(before, compensator.snapshot())
+        }
+    }
+
+    @Test
+    fun `after close every use is a typed error`() {
+        val compensator = Compensator()
+        compensator.close()
+        compensator.close()
+        val out = ReadingBuffer()
+        val uses = listOf(
+            { compensator.push(1, 1.0, 2.0, 3.0, out) },
+            { compensator.pushUp(1, 1.0, 2.0, 3.0) },
+            { compensator.pushRotationRate(1, 1.0, 2.0, 3.0) },
+            { compensator.pushAll(events(values)) },
+            { compensator.calibration() },
+            { compensator.snapshot() },
+            { compensator.reset() },
+            { compensator.restore("") },
+        )
+        for (use in uses) assertThrows(MagcompException.Closed::class.java) { use() }
+    }
+
+    @Test
+    fun `a panic is a typed error until reset`() {
+        val native = NativeCompensator(Config())
+        val handle = native.fastHandle()
+        assertEquals(FastPath.PANICKED, TestHooks.panicOnPurpose(handle))
+        val out = DoubleArray(FastPath.slots())
+        assertEquals(FastPath.PANICKED, FastPath.pushUp(handle, 1, 0.0, 0.0, 9.8))
+        assertEquals(FastPath.PANICKED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
+        val error = assertThrows(MagcompException.Panicked::class.java) { native.calibration() }
+        assertEquals("on purpose", error.what)
+        native.reset()
+        assertEquals(0, FastPath.pushUp(handle, 1, 0.0, 0.0, 9.8))
+        native.shutDown()
+        assertEquals(FastPath.CLOSED, FastPath.pushUp(handle, 2, 0.0, 0.0, 9.8))
+        assertThrows(MagcompException.Closed::class.java) { native.calibration() }
+        native.close()
+        assertEquals(FastPath.CLOSED, FastPath.pushUp(handle, 2, 0.0, 0.0, 9.8))
+    }
+
+    @Test
+    fun `invented handles and short arrays do no harm`() {
+        val out = DoubleArray(FastPath.slots())
+        for (handle in listOf(0L, -1L, Long.MAX_VALUE, Long.MIN_VALUE, 1L shl 32 or 0xffff)) {
+            assertEquals(FastPath.CLOSED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
+        }
+        NativeCompensator(Config()).use { native ->
+            val handle = native.fastHandle()
+            val short = DoubleArray(out.size - 1)
+            assertEquals(FastPath.TOO_SHORT, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short))
+            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), LongArray(1), DoubleArray(6), out))
+            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), longArrayOf(1, 2), DoubleArray(6), out))
+            assertEquals(FastPath.NO_SUCH_KIND, FastPath.pushBatch(handle, byteArrayOf(9), LongArray(1), DoubleArray(3), out))
+        }
+    }
+
+    @Test
+    fun `a handle is never given twice`() {
+        val handles = (1..1000).map { NativeCompensator(Config()).use { native -> native.fastHandle() } }
+        assertEquals(1000, handles.toSet().size)
+    }
+
+    @Test
+    fun `a restored snapshot goes on as if nothing had happened`() {
+        val all = events(values)
+        Compensator().use { first ->
+            first.pushAll(all.take(800))
+            val snapshot = first.snapshot()
+            Compensator().use { second ->
+                assertEquals(Restored.EVERYTHING, second.restore(snapshot))
+                assertEquals(first.pushAll(all.drop(800)), second.pushAll(all.drop(800)))
+            }
+            Compensator(Config(windowed = WindowedConfig(nMin = 150))).use { other ->
+                assertEquals(Restored.CALIBRATION_ONLY, other.restore(snapshot))
+                assertNotNull(other.calibration())
+            }
+            Compensator().use { other ->
+                other.restoreCalibration(snapshot)
+                assertNotNull(other.pushAll(all.take(2)).single().fieldUt, "at a time before the snapshot's")
+            }
+        }
+    }
+
+    @Test
+    fun `a damaged snapshot is a typed error and changes nothing`() {
+        Compensator().use { compensator ->
+            compensator.pushAll(events(values))
+            val snapshot = compensator.snapshot()
+            assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restore(snapshot.dropLast(9)) }
+            assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restoreCalibration("{}") }
+            val newer = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
+            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer) }
+            assertEquals(99, error.found)
+            assertEquals(snapshot, compensator.snapshot())
+        }
+    }
+
+    @Test
+    fun `the operating system's hard iron gives readings from the first sample on`() {
+        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0), Vector3(120.0, -80.0, 300.0))
+        Compensator(Config(useReportedHardIron = true)).use { compensator ->
+            val reading = compensator.push(first)
+            assertEquals(Vector3(0.0, 45.0, 0.0), reading.fieldUt)
+            assertNull(reading.reportedHardIronJumpUt)
+        }
+        Compensator().use { assertNull(it.push(first).fieldUt, "only when asked for") }
+    }
+
+    @Test
+    fun `a jump of the operating system's hard iron is visible`() {
+        Compensator().use { compensator ->
+            val b = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, -1.0), null, Vector3(4.0, 2.0, -1.0))
+            val jumps = b.mapIndexed { k, reported ->
+                compensator.push(MagneticSample(k + 1L, Vector3(1.0 * k, 0.0, 0.0), reported)).reportedHardIronJumpUt
+            }
+            assertEquals(listOf(null, null, 5.0, null, null), jumps)
+        }
+    }
+
+    @Test
+    fun `a heading frame may change in the stream`() {
+        val landscape = HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG90, 10.0)
+        Compensator().use { compensator ->
+            compensator.pushAll(events(values))
+            compensator.setHeadingFrame(landscape)
+            val reading = compensator.pushAll(events(tumbling(1, seed = 2), 600 * STEP_NS)).single()
+            val expected = heading(reading.fieldUt!!, Vector3(0.3, 0.2, 9.7), landscape)!!
+            assertEquals(expected.headingDeg, reading.heading!!.headingDeg)
+            assertEquals(expected.trueHeadingDeg, reading.heading!!.trueHeadingDeg)
+            assertNotNull(reading.heading!!.headingSigmaDeg)
+            assertThrows(MagcompException.Config::class.java) { compensator.setHeadingFrame(landscape.copy(declinationDeg = 200.0)) }
+        }
+    }
+
+    @Test
+    fun `a constant calibration guides to the directions that are missing`() {
+        NativeConstantField(1).use { session ->
+            assertThrows(MagcompException.Fit::class.java) { session.finish(null) }
+            for (k in 0 until 40) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
+            val before = session.coverage()
+            for (k in 40 until 600) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
+            val after = session.coverage()
+            assertTrue(after.unseenDirections.size < before.unseenDirections.size)
+            assertEquals(600, session.orientations())
+            val fit = session.finish(null)
+            assertEquals(120.0, fit.calibration.hardIronUt.x, 1.0)
+            val corrected = correct(fit.calibration, Vector3(values[0], values[1], values[2]))
+            assertNotEquals(values[0], corrected.x)
+            assertThrows(MagcompException.Rejected::class.java) { session.add(Vector3(Double.NaN, 0.0, 0.0)) }
+        }
+    }
+
+    @Test
+    fun `an event out of order, late or missing leaves the pairing of the others alone`() {
+        val flat = Vector3(0.0, 0.0, 9.81)
+        val field = { k: Int -> Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]) }
+        Compensator().use { compensator ->
+            compensator.pushAll(events(values))
+            val begin = 600 * STEP_NS
+            fun headingAfter(timeNs: Long, k: Int) = compensator.push(MagneticSample(timeNs, field(k))).heading
+            compensator.pushUp(begin + 1_000_000, flat.x, flat.y, flat.z)
+            val paired = headingAfter(begin + 2_000_000, 7)
+            assertNotNull(paired)
+            assertFalse(compensator.pushUp(begin + 500_000, 9.81, 0.0, 0.0), "older than a sample answered: not used")
+            // the calibration goes on learning meanwhile
+            assertEquals(paired!!.headingDeg, headingAfter(begin + 3_000_000, 7)!!.headingDeg, 0.01)
+            assertNull(headingAfter(begin + 900_000_000, 7), "the latest up is too old")
+        }
+    }
+}

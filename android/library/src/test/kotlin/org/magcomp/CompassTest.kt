@@ -1,0 +1,193 @@
+package org.magcomp
+
+import android.content.SharedPreferences
+import java.io.File
+import kotlinx.coroutines.delay
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.asFlow
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.last
+import kotlinx.coroutines.flow.onEach
+import kotlinx.coroutines.flow.take
+import kotlinx.coroutines.flow.toList
+import kotlinx.coroutines.runBlocking
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertNotNull
+import org.junit.jupiter.api.Assertions.assertNull
+import org.junit.jupiter.api.Assertions.assertThrows
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+import org.junit.jupiter.api.io.TempDir
+
+class CompassTest {
+    private class Kept(var snapshot: String? = null) : CalibrationStore {
+        override fun load(): String? = snapshot
+
+        override fun save(snapshot: String) {
+            this.snapshot = snapshot
+        }
+    }
+
+    private class Played(val events: List<SensorSample>) : MagneticFieldSource {
+        override fun samples(): Flow<SensorSample> = events.asFlow()
+    }
+
+    private val events = events(tumbling(1500))
+
+    @Test
+    fun `a slow collector loses the oldest readings, counted, and the estimator none`() = runBlocking {
+        val readings = events.asFlow().compensated(capacity = 5).onEach { if (it.sample.timeNs == STEP_NS) delay(500) }.toList()
+        assertTrue(readings.size < 1500, "${readings.size} arrived")
+        assertEquals(1500, readings.size + readings.sumOf { it.droppedBefore })
+        val direct = Compensator().use { it.pushAll(events) }
+        assertEquals(direct.last(), readings.last().reading)
+    }
+
+    @Test
+    fun `a fast collector loses none`() = runBlocking {
+        val readings = events.asFlow().compensated(capacity = 1500).toList()
+        assertEquals(Compensator().use { it.pushAll(events) }, readings.map { it.reading })
+        assertEquals(0, readings.sumOf { it.droppedBefore })
+    }
+
+    @Test
+    fun `an error of the source arrives at the collector`() {
+        val broken = flow<SensorSample> {
+            emit(events[1])
+            throw SensorException.Refused("magnetometer")
+        }
+        assertThrows(SensorException.Refused::class.java) { runBlocking { broken.compensated().toList() } }
+    }
+
+    @Test
+    fun `an error of the collector ends the source`() {
+        class OfTheApp : Exception()
+        assertThrows(OfTheApp::class.java) { runBlocking { events.asFlow().compensated().collect { throw OfTheApp() } } }
+    }
+
+    @Test
+    fun `the calibration is kept from one launch to the next`() = runBlocking {
+        val store = Kept()
+        Compass(Played(events), store = store).readings().last()
+        assertNotNull(store.snapshot)
+        val again = Compass(Played(events.take(2)), store = store).readings().take(1).toList().single()
+        assertNotNull(again.reading.fieldUt, "calibrated from the first sample on, though the clock began anew")
+        assertTrue(again.reading.status !is Status.Rejected)
+    }
+
+    @Test
+    fun `a damaged store is as none`() = runBlocking {
+        for (snapshot in listOf("", "{}", "nonsense")) {
+            val first = events.asFlow().compensated(store = Kept(snapshot), capacity = events.size).take(1).toList().single()
+            assertNull(first.reading.fieldUt)
+        }
+    }
+
+    @Test
+    fun `nothing is saved before there is a calibration`() = runBlocking {
+        val store = Kept()
+        events.take(20).asFlow().compensated(store = store).toList()
+        assertNull(store.snapshot)
+    }
+
+    @Test
+    fun `preferences keep a snapshot`() {
+        val preferences = FakePreferences()
+        val store = PreferencesStore(preferences)
+        assertNull(store.load())
+        store.save("a")
+        store.save("b")
+        assertEquals("b", PreferencesStore(preferences).load())
+    }
+
+    @Test
+    fun `the screen may turn while readings come`(): Unit = runBlocking {
+        val frames = MutableStateFlow(headingFrame(0, ReferenceAxis.TOP_EDGE))
+        val half = events.size / 2
+        val turning = flow {
+            for ((k, event) in events.withIndex()) {
+                if (k == half) frames.value = headingFrame(1, ReferenceAxis.TOP_EDGE, declinationDeg = 3.0)
+                emit(event)
+            }
+        }
+        val readings = turning.compensated(frame = frames, capacity = events.size).toList().map { it.reading }
+        val still = Compensator().use { it.pushAll(events) }
+        assertEquals(still.take(half / 2), readings.take(half / 2))
+        val (before, after) = Pair(still.last().heading!!, readings.last().heading!!)
+        assertEquals(90.0, Math.IEEEremainder(after.headingDeg - before.headingDeg + 360, 360.0), 5.0)
+        assertEquals(trueHeadingDeg(after.headingDeg, 3.0), after.trueHeadingDeg)
+        assertThrows(IllegalArgumentException::class.java) { headingFrame(4) }
+    }
+
+    @Test
+    fun `a recording that is not in order says where`(@TempDir folder: File) {
+        fun error(text: String): RecordingException {
+            val file = folder.resolve("r.csv").apply { writeText(text) }
+            return assertThrows(RecordingException::class.java) { runBlocking { RecordingSource(file).samples().toList() } }
+        }
+        assertEquals(Pair(1, "mz"), error("t_s,mx,my\n").let { Pair(it.line, it.column) })
+        assertEquals(Pair(3, "my"), error("t_s,mx,my,mz\n0,1,2,3\n1,1,x,3\n").let { Pair(it.line, it.column) })
+        assertEquals(Pair(2, null), error("t_s,mx,my,mz\n0,1,2\n").let { Pair(it.line, it.column) })
+        assertEquals(Pair(2, "t_s"), error("t_s,mx,my,mz\nnan,1,2,3\n").let { Pair(it.line, it.column) })
+        assertEquals("r.csv, line 1: the header is missing", error("").message)
+    }
+
+    @Test
+    fun `a recording's columns may come in any order`() = runBlocking {
+        val source = RecordingSource("text") { "mz,note,mx,my,t_s,ax,ay,az\n3,?,1,2,0.25,0,0,9.8\n".reader() }
+        val expected = listOf(
+            SensorSample.Up(UpSample(250_000_000, Vector3(0.0, 0.0, 9.8))),
+            SensorSample.Magnetic(MagneticSample(250_000_000, Vector3(1.0, 2.0, 3.0))),
+        )
+        assertEquals(expected, source.samples().toList())
+        assertEquals(expected, source.samples().toList(), "cold: it can be collected again")
+    }
+
+    /** As much of preferences as the store needs. */
+    private class FakePreferences : SharedPreferences, SharedPreferences.Editor {
+        private val values = HashMap<String, String?>()
+
+        override fun getString(key: String, default: String?): String? = values[key] ?: default
+
+        override fun edit(): SharedPreferences.Editor = this
+
+        override fun putString(key: String, value: String?) = apply { values[key] = value }
+
+        override fun apply() = Unit
+
+        override fun commit() = true
+
+        override fun getAll(): Map<String, *> = values
+
+        override fun contains(key: String) = key in values
+
+        override fun remove(key: String) = apply { values.remove(key) }
+
+        override fun clear() = apply { values.clear() }
+
+        override fun getStringSet(key: String, default: Set<String>?): Set<String>? = default
+
+        override fun getInt(key: String, default: Int) = default
+
+        override fun getLong(key: String, default: Long) = default
+
+        override fun getFloat(key: String, default: Float) = default
+
+        override fun getBoolean(key: String, default: Boolean) = default
+
+        override fun putStringSet(key: String, values: Set<String>?) = this
+
+        override fun putInt(key: String, value: Int) = this
+
+        override fun putLong(key: String, value: Long) = this
+
+        override fun putFloat(key: String, value: Float) = this
+
+        override fun putBoolean(key: String, value: Boolean) = this
+
+        override fun registerOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
+
+        override fun unregisterOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
+    }
+}

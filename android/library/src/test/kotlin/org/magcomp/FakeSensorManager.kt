@@ -1,0 +1,92 @@
+package org.magcomp
+
+import android.hardware.HardwareBuffer
+import android.hardware.Sensor
+import android.hardware.SensorAdditionalInfo
+import android.hardware.SensorDirectChannel
+import android.hardware.SensorEvent
+import android.hardware.SensorEventListener
+import android.hardware.SensorManager
+import android.hardware.TriggerEventListener
+import android.os.Handler
+import android.os.MemoryFile
+import java.util.concurrent.CopyOnWriteArrayList
+
+/** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
+class FakeSensorManager(vararg types: Int) : SensorManager() {
+    data class Registration(val listener: SensorEventListener, val sensor: Sensor, val periodUs: Int, val latencyUs: Int)
+
+    private val sensors = types.associateWith(::sensor)
+    private val events = types.associateWith {
+        SensorEvent(sensors.getValue(it), 0, 0, FloatArray(if (it == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) 6 else 3))
+    }
+    val registrations = CopyOnWriteArrayList<Registration>()
+    var refuse: Int? = null
+    var forbid = false
+
+    /** Delivers an event of a type to whoever listens to it. */
+    fun deliver(type: Int, timeNs: Long, vararg values: Float) {
+        val event = events.getValue(type)
+        event.timestamp = timeNs
+        values.copyInto(event.values)
+        for (registration in registrations) {
+            if (registration.sensor === event.sensor) registration.listener.onSensorChanged(event)
+        }
+    }
+
+    override fun getDefaultSensor(type: Int): Sensor? = sensors[type]
+
+    override fun getFullSensorList(): List<Sensor> = sensors.values.toList()
+
+    override fun registerListenerImpl(
+        listener: SensorEventListener,
+        sensor: Sensor,
+        delayUs: Int,
+        handler: Handler?,
+        maxReportLatencyUs: Int,
+        reservedFlags: Int,
+    ): Boolean {
+        if (forbid) throw SecurityException("the permission is missing")
+        if (sensor.type == refuse) return false
+        registrations += Registration(listener, sensor, delayUs, maxReportLatencyUs)
+        return true
+    }
+
+    override fun unregisterListenerImpl(listener: SensorEventListener, sensor: Sensor?) {
+        registrations.removeIf { it.listener === listener && (sensor == null || it.sensor === sensor) }
+    }
+
+    override fun getFullDynamicSensorList(): List<Sensor> = emptyList()
+
+    override fun flushImpl(listener: SensorEventListener): Boolean = true
+
+    override fun createDirectChannelImpl(memoryFile: MemoryFile?, hardwareBuffer: HardwareBuffer?): SensorDirectChannel =
+        throw UnsupportedOperationException()
+
+    override fun destroyDirectChannelImpl(channel: SensorDirectChannel) = Unit
+
+    override fun configureDirectChannelImpl(channel: SensorDirectChannel, s: Sensor?, rate: Int): Int = 0
+
+    override fun registerDynamicSensorCallbackImpl(callback: DynamicSensorCallback, handler: Handler?) = Unit
+
+    override fun unregisterDynamicSensorCallbackImpl(callback: DynamicSensorCallback) = Unit
+
+    override fun requestTriggerSensorImpl(listener: TriggerEventListener, sensor: Sensor): Boolean = false
+
+    override fun cancelTriggerSensorImpl(listener: TriggerEventListener, sensor: Sensor?, disable: Boolean): Boolean = false
+
+    override fun initDataInjectionImpl(enable: Boolean, mode: Int): Boolean = false
+
+    override fun injectSensorDataImpl(sensor: Sensor, values: FloatArray, accuracy: Int, timestamp: Long): Boolean = false
+
+    override fun setOperationParameterImpl(parameter: SensorAdditionalInfo): Boolean = false
+
+    private companion object {
+        /** Apps can't make a Sensor: its constructor and its type are Android's own. */
+        fun sensor(type: Int): Sensor {
+            val sensor = Sensor::class.java.getDeclaredConstructor().apply { isAccessible = true }.newInstance()
+            Sensor::class.java.getDeclaredField("mType").apply { isAccessible = true }.setInt(sensor, type)
+            return sensor
+        }
+    }
+}

@@ -1,0 +1,176 @@
+package org.magcomp
+
+import android.hardware.Sensor
+import android.os.Handler
+import java.util.concurrent.atomic.AtomicInteger
+import java.util.concurrent.locks.LockSupport
+import kotlin.concurrent.thread
+import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.cancelAndJoin
+import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.take
+import kotlinx.coroutines.flow.toList
+import kotlinx.coroutines.launch
+import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withTimeout
+import kotlinx.coroutines.yield
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertThrows
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+class SensorManagerSourceTest {
+    private val threads = AtomicInteger()
+
+    private fun source(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true) =
+        SensorManagerSource(sensors, options, { permitted }) {
+            threads.incrementAndGet()
+            object : SensorManagerSource.EventThread {
+                override val handler: Handler? = null
+
+                override fun end() {
+                    threads.decrementAndGet()
+                }
+            }
+        }
+
+    private val all = intArrayOf(
+        Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED,
+        Sensor.TYPE_MAGNETIC_FIELD,
+        Sensor.TYPE_GRAVITY,
+        Sensor.TYPE_ACCELEROMETER,
+        Sensor.TYPE_GYROSCOPE,
+    )
+
+    @Test
+    fun `events arrive in order, copied, though Android uses the event again`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val samples = collectWhile(sensors, source(sensors), 4) {
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0.1f, 0.2f, 0.3f)
+            sensors.deliver(Sensor.TYPE_GRAVITY, 2, 0f, 0f, 9.81f)
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 3, 120f, -35f, 300f, 120f, -80f, 300f)
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 4, 121f, -36f, 301f, 120f, -80f, 300f)
+        }
+        val reported = Vector3(120.0, -80.0, 300.0)
+        assertEquals(
+            listOf(
+                SensorSample.RotationRate(RotationRateSample(1, Vector3(0.1f.toDouble(), 0.2f.toDouble(), 0.3f.toDouble()))),
+                SensorSample.Up(UpSample(2, Vector3(0.0, 0.0, 9.81f.toDouble()))),
+                SensorSample.Magnetic(MagneticSample(3, Vector3(120.0, -35.0, 300.0), reported)),
+                SensorSample.Magnetic(MagneticSample(4, Vector3(121.0, -36.0, 301.0), reported)),
+            ),
+            samples,
+        )
+    }
+
+    @Test
+    fun `the best sensors are chosen, at the rate and latency asked for`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val options = SensorOptions(rateHz = 50, maxReportLatencyUs = 7)
+        collectWhile(sensors, source(sensors, options), 1) {
+            assertEquals(
+                listOf(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE),
+                sensors.registrations.map { it.sensor.type },
+            )
+            assertTrue(sensors.registrations.all { it.periodUs == 20_000 && it.latencyUs == 7 })
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
+        }
+        assertEquals(0, sensors.registrations.size, "unregistered")
+        assertEquals(0, threads.get(), "its thread has ended")
+    }
+
+    @Test
+    fun `without the best sensors the next best are used`() = runBlocking {
+        val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_ACCELEROMETER)
+        val samples = collectWhile(sensors, source(sensors), 2) {
+            sensors.deliver(Sensor.TYPE_ACCELEROMETER, 1, 0f, 9f, 0f)
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, 2, 1f, 2f, 3f)
+        }
+        assertEquals(SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)), samples[1])
+    }
+
+    @Test
+    fun `what is missing or refused is a typed error that says which`() {
+        fun fails(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true): SensorException {
+            val error = assertThrows(SensorException::class.java) {
+                runBlocking { source(sensors, options, permitted).samples().first() }
+            }
+            assertEquals(0, sensors.registrations.size, "nothing stays registered")
+            assertEquals(0, threads.get(), "no thread stays")
+            return error
+        }
+        val none = fails(FakeSensorManager(Sensor.TYPE_GRAVITY)) as SensorException.Missing
+        assertEquals("magnetometer", none.sensor)
+        val noUp = fails(FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD)) as SensorException.Missing
+        assertEquals("accelerometer", noUp.sensor)
+        val fast = SensorOptions(rateHz = 400)
+        val permission = fails(FakeSensorManager(*all), fast, permitted = false) as SensorException.PermissionMissing
+        assertEquals("android.permission.HIGH_SAMPLING_RATE_SENSORS", permission.permission)
+        assertTrue(fails(FakeSensorManager(*all).apply { forbid = true }) is SensorException.PermissionMissing)
+        val refused = fails(FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GYROSCOPE }) as SensorException.Refused
+        assertEquals("gyroscope", refused.sensor)
+    }
+
+    @Test
+    fun `two collectors have a listener each, and one ends alone`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = source(sensors)
+        val first = launch(Dispatchers.Default) { source.samples().collect { } }
+        val second = launch(Dispatchers.Default) { source.samples().collect { } }
+        registered(sensors, 6)
+        first.cancelAndJoin()
+        assertEquals(3, sensors.registrations.size)
+        second.cancelAndJoin()
+        assertEquals(0, sensors.registrations.size)
+        assertEquals(0, threads.get())
+    }
+
+    @Test
+    fun `cancelled in the middle of events, again and again`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = source(sensors)
+        var running = true
+        val player = thread {
+            var time = 1L
+            while (running) {
+                sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, time++, 1f, 2f, (time % 97).toFloat(), 0f, 0f, 0f)
+                LockSupport.parkNanos(10_000) // far above any sensor's rate
+            }
+        }
+        repeat(200) {
+            val readings = source.samples().compensated().take(1 + it % 3).toList()
+            assertEquals(1 + it % 3, readings.size)
+        }
+        running = false
+        player.join()
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `no event is dropped before the estimator, however slow its collector`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val samples = collectWhile(sensors, source(sensors), 5000) {
+            // all at once, before the collector runs again
+            for (k in 1L..5000) sensors.deliver(Sensor.TYPE_GYROSCOPE, k, k.toFloat(), 0f, 0f)
+        }
+        assertEquals((1L..5000).toList(), samples.map { it.timeNs })
+    }
+
+    /** The first [count] samples while [play] runs, once the sensors are registered. */
+    private suspend fun collectWhile(
+        sensors: FakeSensorManager,
+        source: SensorManagerSource,
+        count: Int,
+        play: () -> Unit,
+    ): List<SensorSample> = kotlinx.coroutines.coroutineScope {
+        val samples = mutableListOf<SensorSample>()
+        val job = launch { source.samples().take(count).toList(samples) }
+        registered(sensors, 1)
+        play()
+        withTimeout(20_000) { job.join() }
+        samples
+    }
+
+    private suspend fun registered(sensors: FakeSensorManager, count: Int) =
+        withTimeout(20_000) { while (sensors.registrations.size < count) yield() }
+}

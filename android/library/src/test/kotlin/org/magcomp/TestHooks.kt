@@ -1,0 +1,54 @@
+package org.magcomp
+
+import java.io.File
+import java.util.Random
+
+/** What the feature `test-hooks` adds to the library for these tests. */
+object TestHooks {
+    init {
+        System.loadLibrary("magcomp_ffi")
+    }
+
+    /** Panics inside the object of a handle. */
+    @JvmStatic
+    external fun panicOnPurpose(handle: Long): Int
+
+    /** Writes one of Rust's example statuses to [out]; how many there are. */
+    @JvmStatic
+    external fun exampleStatus(index: Int, out: DoubleArray): Int
+
+    /** Nanoseconds the core itself takes for these samples. */
+    @JvmStatic
+    external fun barePushNs(constant: Boolean, stepNs: Long, values: DoubleArray): Long
+}
+
+val repository: File = File(System.getProperty("repository.root"))
+
+/** A device tumbled in a field of 50 uT, noise 0.3 uT, around a hard iron of (120, -80, 300) uT: three values each. */
+fun tumbling(samples: Int, seed: Long = 1): DoubleArray {
+    val random = Random(seed)
+    val values = DoubleArray(3 * samples)
+    for (k in 0 until samples) {
+        val (a, b) = Pair(k * 0.11, k * 0.031)
+        val field = doubleArrayOf(Math.cos(a) * Math.cos(b), Math.sin(a) * Math.cos(b), Math.sin(b))
+        for (axis in 0..2) {
+            values[3 * k + axis] = 50.0 * field[axis] + HARD_IRON[axis] + 0.3 * random.nextGaussian()
+        }
+    }
+    return values
+}
+
+val HARD_IRON = doubleArrayOf(120.0, -80.0, 300.0)
+
+/** 100 Hz. */
+const val STEP_NS = 10_000_000L
+
+/** The same as events, with `up` beside every sample. */
+fun events(values: DoubleArray, beginNs: Long = 0): List<SensorSample> = (0 until values.size / 3).flatMap { k ->
+    val timeNs = beginNs + (k + 1) * STEP_NS
+    val field = Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2])
+    listOf(
+        SensorSample.Up(UpSample(timeNs, Vector3(0.3, 0.2, 9.7))),
+        SensorSample.Magnetic(MagneticSample(timeNs, field)),
+    )
+}

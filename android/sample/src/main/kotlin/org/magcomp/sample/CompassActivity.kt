@@ -1,0 +1,46 @@
+package org.magcomp.sample
+
+import android.app.Activity
+import android.os.Bundle
+import android.os.Handler
+import android.os.Looper
+import java.util.concurrent.Executor
+import org.magcomp.CompassListener
+import org.magcomp.Compass
+import org.magcomp.CompensatedReading
+import org.magcomp.SensorException
+import org.magcomp.headingFrame
+
+/** One screen: the compass rose, and beside it what the library says of itself. */
+class CompassActivity : Activity(), CompassListener {
+    private lateinit var view: CompassView
+    private lateinit var compass: Compass
+    private val mainThread = Handler(Looper.getMainLooper()).let { handler -> Executor { handler.post(it) } }
+    private var running: AutoCloseable? = null
+
+    override fun onCreate(saved: Bundle?) {
+        super.onCreate(saved)
+        view = CompassView(this)
+        setContentView(view)
+        compass = Compass(this)
+    }
+
+    override fun onResume() {
+        super.onResume()
+        // the screen may have turned meanwhile
+        @Suppress("DEPRECATION") // its successor needs API 30
+        compass.frame = headingFrame(windowManager.defaultDisplay.rotation)
+        running = compass.start(mainThread, this)
+    }
+
+    override fun onPause() {
+        running?.close()
+        super.onPause()
+    }
+
+    override fun onReading(reading: CompensatedReading) = view.show(reading.reading)
+
+    override fun onEnd(error: Exception?) {
+        view.explain(if (error is SensorException) error.message else error?.toString())
+    }
+}

@@ -1,0 +1,78 @@
+package org.magcomp.sample
+
+import android.content.Context
+import android.graphics.Canvas
+import android.graphics.Color
+import android.graphics.Paint
+import android.view.View
+import java.util.Locale
+import org.magcomp.Reading
+
+/** The rose, the heading with its uncertainty, the total field, the status in words, and how much of the sphere was seen. */
+class CompassView(context: Context) : View(context) {
+    private val line = Paint(Paint.ANTI_ALIAS_FLAG).apply {
+        style = Paint.Style.STROKE
+        strokeWidth = 4f
+        color = Color.DKGRAY
+    }
+    private val needle = Paint(Paint.ANTI_ALIAS_FLAG).apply {
+        style = Paint.Style.STROKE
+        strokeWidth = 12f
+        color = Color.RED
+    }
+    private val doubt = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(60, 255, 0, 0) }
+    private val seen = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(160, 0, 120, 0) }
+    private val text = Paint(Paint.ANTI_ALIAS_FLAG).apply {
+        textSize = 48f
+        textAlign = Paint.Align.CENTER
+        color = Color.BLACK
+    }
+    private var reading: Reading? = null
+    private var words = "starting"
+
+    /** Shows a reading. The words cost a call into the library, so only a changed kind of status asks for them. */
+    fun show(next: Reading) {
+        if (next.status != reading?.status) words = next.status.text()
+        reading = next
+        invalidate()
+    }
+
+    /** Shows why there are no readings. */
+    fun explain(why: String?) {
+        words = why ?: "the end"
+        invalidate()
+    }
+
+    override fun onDraw(canvas: Canvas) {
+        val (x, y) = Pair(width / 2f, height / 2.6f)
+        val radius = minOf(x, y) * 0.8f
+        canvas.drawColor(Color.WHITE)
+        val heading = reading?.heading
+        if (heading != null) {
+            canvas.save()
+            canvas.rotate(-heading.headingDeg.toFloat(), x, y)
+            for ((k, letter) in listOf("N", "E", "S", "W").withIndex()) {
+                canvas.save()
+                canvas.rotate(90f * k, x, y)
+                canvas.drawText(letter, x, y - radius + 60f, text)
+                canvas.restore()
+            }
+            val sigma = (heading.headingSigmaDeg ?: 90.0).toFloat()
+            canvas.drawArc(x - radius, y - radius, x + radius, y + radius, -90f - sigma, 2 * sigma, true, doubt)
+            canvas.drawLine(x, y, x, y - radius, needle)
+            canvas.restore()
+        }
+        canvas.drawCircle(x, y, radius, line)
+        val lines = listOf(
+            heading?.let { degrees(it.headingDeg) + (it.headingSigmaDeg?.let { s -> " \u00b1 " + degrees(s) } ?: "") } ?: "no heading yet",
+            reading?.totalFieldUt?.let { String.format(Locale.ROOT, "%.1f \u00b5T", it) } ?: "",
+            words,
+            "directions seen: " + String.format(Locale.ROOT, "%.0f %%", 100 * (reading?.coverage ?: 0.0)),
+        )
+        for ((k, words) in lines.withIndex()) canvas.drawText(words, x, y + radius + 80f + 60f * k, text)
+        val bar = y + radius + 80f + 60f * lines.size
+        canvas.drawRect(0f, bar, (width * (reading?.coverage ?: 0.0)).toFloat(), bar + 30f, seen)
+    }
+
+    private fun degrees(value: Double) = String.format(Locale.ROOT, "%.0f\u00b0", value)
+}

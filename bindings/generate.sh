@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Writes bindings/kotlin and bindings/swift from the library. With --check, fails when the committed ones differ.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+case "${1:-}" in
+    "" | --check) ;;
+    *) echo "usage: bindings/generate.sh [--check]" >&2; exit 2 ;;
+esac
+command -v cargo >/dev/null || { echo "bindings: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
+target=${CARGO_TARGET_DIR:-target}
+
+# the static library: a stripped shared one has lost what the generator reads
+cargo build --quiet --locked --profile ship -p magcomp-ffi --features test-hooks
+cargo build --quiet --locked --profile tool -p uniffi-bindgen
+fresh=$(mktemp -d)
+trap 'rm -rf "$fresh"' EXIT
+# --no-format: the committed files do not depend on which formatters are installed
+"$target/tool/uniffi-bindgen" generate "$target/ship/libmagcomp_ffi.a" -l kotlin --no-format -o "$fresh/kotlin"
+"$target/tool/uniffi-bindgen" generate "$target/ship/libmagcomp_ffi.a" -l swift --no-format -o "$fresh/swift"
+for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompFFI.h swift/MagcompFFI.modulemap; do
+    [ -s "$fresh/$file" ] || { echo "bindings: $file was not generated; was uniffi.toml read?" >&2; exit 1; }
+    # the generator leaves spaces at line ends
+    sed -i 's/[ \t]*$//' "$fresh/$file"
+done
+if [ "${1:-}" = --check ]; then
+    for language in kotlin swift; do
+        diff -r "bindings/$language" "$fresh/$language" || {
+            echo "bindings: the committed $language differs (<) from a new one (>); run bindings/generate.sh and commit" >&2
+            exit 1
+        }
+    done
+    echo "bindings: up to date"
+else
+    for language in kotlin swift; do
+        rm -rf "bindings/$language"
+        cp -r "$fresh/$language" "bindings/$language"
+    done
+fi

@@ -1,0 +1,40 @@
+//! The border between the core and Kotlin or Swift: converts and delegates, nothing else.
+//!
+//! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM. Both act on
+//! the same objects. A panic never crosses: it becomes [`MagcompError::Panicked`], and the object refuses further use
+//! until it is reset.
+//!
+//! Conversions are in `record`, `status`, `config` and `error` alone, as exhaustive matches and destructurings: what
+//! the core gains, the compiler asks for here.
+
+mod compensator;
+mod config;
+mod constant_field;
+mod error;
+#[cfg(not(target_vendor = "apple"))]
+mod fast;
+mod geomagnetic;
+mod guarded;
+mod handles;
+#[cfg(not(target_vendor = "apple"))]
+mod java;
+mod logging;
+mod record;
+mod status;
+
+pub use compensator::{Compensator, Restored};
+pub use config::{
+    Config, FitOptions, HeadingConfig, Method, Normalisation, PairingConfig, ReferenceAxis, Residual, ScreenRotation,
+    SensorLimits, WindowedConfig, default_config,
+};
+pub use constant_field::ConstantField;
+pub use error::MagcompError;
+pub use geomagnetic::{GeomagneticField, geomagnetic_field};
+pub use logging::{LogLevel, start_logging};
+pub use record::{
+    Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, RotationRateSample, SoftIron,
+    Termination, UpSample, Vector3, correct, heading, true_heading_deg,
+};
+pub use status::{Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
+
+uniffi::setup_scaffolding!();

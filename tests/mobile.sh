@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# The mobile targets without an NDK or a Mac: checks iOS (device and simulator), and builds the Android libraries, linked
+# against stand-ins of the system's libraries (android/stubs), with the shipping profile. Prints their sizes and audits
+# what they export and import and how they are aligned. NOT for shipping: their unwinder is a stand-in.
+# Result: target/android/<abi>/libmagcomp_ffi.so. Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+packages=(rustc-web cargo-web rust-web-src clang-19 lld-19 binutils)
+if ! { [ -d /usr/src/rustc-*/library ] && command -v clang-19 ld.lld-19 readelf nm; } >/dev/null 2>&1; then
+    [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null || {
+        echo "mobile: needs the Debian packages ${packages[*]}, or root to install them" >&2
+        exit 1
+    }
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null
+fi
+
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+# Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
+export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile IPHONEOS_DEPLOYMENT_TARGET=14.0
+unset RUSTUP_TOOLCHAIN RUSTFLAGS
+std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
+
+echo "mobile: iOS, device and simulator"
+cargo check --quiet --locked --profile ship -p magcomp-ffi "${std[@]}" --target aarch64-apple-ios --target aarch64-apple-ios-sim
+
+# stubs CLANG_TARGET FOLDER: shared libraries with the names of android/stubs, an unwinder that aborts, __dso_handle
+stubs() {
+    local clang=(clang-19 --target="$1" -nostdlib -x c) library
+    mkdir -p "$2"
+    for library in libc libm libdl liblog; do
+        sed 's/.*/void &(void) {}/' "android/stubs/$library.txt" |
+            "${clang[@]}" -w -fno-builtin -fuse-ld=lld-19 -shared -Wl,-soname,$library.so -o "$2/$library.so" -
+    done
+    sed 's/.*/void &(void) { __builtin_trap(); }/' android/stubs/libunwind.txt |
+        "${clang[@]}" -w -fno-builtin -c -o "$2/unwind.o" -
+    rm -f "$2/libunwind.a"
+    ar rcs "$2/libunwind.a" "$2/unwind.o"
+    echo 'void *__dso_handle;' | "${clang[@]}" -c -o "$2/dso.o" -
+}
+
+# build ABI RUST_TARGET CLANG_TARGET
+build() {
+    local stubs=$CARGO_TARGET_DIR/stubs/$1 variable
+    stubs "$3" "$stubs"
+    variable=CARGO_TARGET_$(tr 'a-z-' 'A-Z_' <<<"$2")
+    # -z defs: a name that is not in android/stubs fails the link
+    export "${variable}_LINKER=clang-19" "${variable}_RUSTFLAGS=-Clink-arg=--target=$3 -Clink-arg=-fuse-ld=lld-19 \
+-Clink-arg=-nostdlib -Clink-arg=-nostartfiles -Clink-arg=$stubs/dso.o -L$stubs -Clink-arg=-Wl,-z,max-page-size=16384 \
+-Clink-arg=-Wl,-soname,libmagcomp_ffi.so -Clink-arg=-Wl,-T,$PWD/android/no-metadata.ld -Clink-arg=-Wl,-z,defs"
+    cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type cdylib "${std[@]}" --target "$2"
+    install -D "$CARGO_TARGET_DIR/$2/ship/libmagcomp_ffi.so" "$target/android/$1/libmagcomp_ffi.so"
+    audit "$1" "$target/android/$1/libmagcomp_ffi.so"
+}
+
+# audit ABI LIBRARY
+audit() {
+    local bad
+    bad=$(readelf -lW "$2" | awk '$1 == "LOAD" && $NF != "0x4000" && $NF != "0x10000"')
+    [ -z "$bad" ] || { echo "mobile: $1: a segment is not aligned to 16 KB: $bad" >&2; exit 1; }
+    readelf -dW "$2" | grep -q 'soname: \[libmagcomp_ffi.so\]' || { echo "mobile: $1: the SONAME is missing" >&2; exit 1; }
+    bad=$(readelf -dW "$2" | sed -n 's/.*NEEDED.*\[\(.*\)\]/\1/p' | grep -vxE 'lib(c|m|dl|log)\.so' || true)
+    [ -z "$bad" ] || { echo "mobile: $1: needs $bad" >&2; exit 1; }
+    local java uniffi
+    java=$(nm -D --defined-only "$2" | grep -c ' Java_org_magcomp_FastPath_' || true)
+    uniffi=$(nm -D --defined-only "$2" | grep -c ' uniffi_magcomp_ffi_fn_' || true)
+    local wanted
+    wanted=$(grep -c 'external fun' android/library/src/main/kotlin/org/magcomp/FastPath.kt)
+    [ "$java" = "$wanted" ] || { echo "mobile: $1: exports $java JNI functions, Kotlin declares $wanted" >&2; exit 1; }
+    wanted=$(grep -c 'external fun uniffi_magcomp_ffi_fn_' bindings/kotlin/org/magcomp/magcomp_ffi.kt)
+    [ "$uniffi" = "$wanted" ] || { echo "mobile: $1: exports $uniffi uniffi functions, Kotlin declares $wanted" >&2; exit 1; }
+    if nm -D "$2" | grep -q TestHooks; then
+        echo "mobile: $1: holds test hooks" >&2
+        exit 1
+    fi
+    printf 'mobile: %-12s %8d bytes, %d JNI and %d uniffi functions, 16 KB pages\n' "$1" "$(stat -c %s "$2")" "$java" "$uniffi"
+    # what a phone downloads and keeps
+    [ "$1" != arm64-v8a ] || [ "$(stat -c %s "$2")" -lt 700000 ] || { echo "mobile: $1: 700000 bytes or more" >&2; exit 1; }
+}
+
+build arm64-v8a aarch64-linux-android aarch64-linux-android21
+build armeabi-v7a armv7-linux-androideabi armv7a-linux-androideabi21
+build x86_64 x86_64-linux-android x86_64-linux-android21
+echo "mobile: all targets pass"
