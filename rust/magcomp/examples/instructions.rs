@@ -1,18 +1,18 @@
 //! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
 //!
-//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000.
+//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
 
-use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, warm_start};
-use magcomp::{MagneticSample, Moments, Residual};
+use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, turning, warm_start};
+use magcomp::{Compensator, Config, MagneticSample, Moments, Residual};
 use std::hint::black_box;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
-        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000 COUNT");
+        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided COUNT");
         std::process::exit(2);
     };
     match case.as_str() {
@@ -20,6 +20,7 @@ fn main() {
         "fit-2000" => fit(2000, count),
         "push-100" => push(100, count),
         "push-2000" => push(2000, count),
+        "aided" => aided(count),
         _ => direct(count),
     }
 }
@@ -43,6 +44,15 @@ fn push(window: usize, count: usize) {
     let mut compensator = compensator(window);
     for k in 0..7000 + count {
         let sample = MagneticSample { time_ns: k as i64 * 10_000_000, field_ut: points[k % points.len()] };
+        black_box(compensator.push(sample));
+    }
+}
+
+fn aided(count: usize) {
+    let mut compensator = Compensator::new(Config::default()).expect("a valid config");
+    for (rate, up, sample) in turning(3000 + count) {
+        compensator.push_rotation_rate(rate).expect("a plausible rate");
+        compensator.push_up(up).expect("a plausible acceleration");
         black_box(compensator.push(sample));
     }
 }

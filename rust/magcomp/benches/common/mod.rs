@@ -1,7 +1,9 @@
 //! Samples and the direct fit that both the benchmark and the instruction count use.
 
-use magcomp::nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use magcomp::{Compensator, Config, FitOptions, Moments, Residual, WindowedConfig};
+use magcomp::nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use magcomp::{
+    Compensator, Config, FitOptions, MagneticSample, Moments, Residual, RotationRateSample, UpSample, WindowedConfig,
+};
 
 /// Centre and field strength of the samples, uT.
 pub const OFFSET_UT: Vector3<f64> = Vector3::new(60.0, -75.0, 410.0);
@@ -10,17 +12,50 @@ pub const FIELD_UT: f64 = 50.0;
 
 /// Evenly spread raw samples with 1.58 uT of noise (30 dB), from a fixed congruential sequence.
 pub fn samples(count: usize) -> Vec<Vector3<f64>> {
-    let soft = Matrix3::new(1.05, 0.06, -0.05, 0.06, 0.95, 0.08, -0.05, 0.08, 1.0);
+    let mut normal = normal();
+    (0..count)
+        .map(|_| {
+            let u = Vector3::new(normal(), normal(), normal()).normalize();
+            SOFT_IRON * u * FIELD_UT + OFFSET_UT + Vector3::new(normal(), normal(), normal()) * 1.58
+        })
+        .collect()
+}
+
+const SOFT_IRON: Matrix3<f64> = Matrix3::new(1.05, 0.06, -0.05, 0.06, 0.95, 0.08, -0.05, 0.08, 1.0);
+
+/// Normal deviates from a fixed congruential sequence.
+fn normal() -> impl FnMut() -> f64 {
     let mut state = 7_u64;
     let mut uniform = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let mut normal = move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+    move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
+}
+
+/// A phone turned over in the hand at 100 Hz: gyroscope, gravity and magnetometer (0.5 uT of noise), hard iron stepping
+/// by 50 % every 1000 samples, so that a tenth of the samples or so run the hypotheses too.
+pub fn turning(count: usize) -> Vec<(RotationRateSample, UpSample, MagneticSample)> {
+    const DT_S: f64 = 0.01;
+    let mut normal = normal();
+    let mut noise = move |sd: f64| Vector3::new(normal(), normal(), normal()) * sd;
+    let field_ut = Vector3::new(0.0, 25.0, -43.3);
+    let mut attitude = Rotation3::identity();
     (0..count)
-        .map(|_| {
-            let u = Vector3::new(normal(), normal(), normal()).normalize();
-            soft * u * FIELD_UT + OFFSET_UT + Vector3::new(normal(), normal(), normal()) * 1.58
+        .map(|k| {
+            let time_s = k as f64 * DT_S;
+            let rate = Vector3::new((1.1 * time_s).sin(), (0.7 * time_s).cos(), (0.5 * time_s + 1.0).sin());
+            attitude *= Rotation3::new(rate * DT_S);
+            let offset_ut = OFFSET_UT * if k / 1000 % 2 == 0 { 1.0 } else { 1.5 };
+            let time_ns = (k as i64 + 1) * 10_000_000;
+            (
+                RotationRateSample { time_ns, rate_rad_s: rate + noise(0.003) },
+                UpSample { time_ns, up_m_s2: attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + noise(0.05) },
+                MagneticSample {
+                    time_ns,
+                    field_ut: SOFT_IRON * (attitude.inverse() * field_ut) + offset_ut + noise(0.5),
+                },
+            )
         })
         .collect()
 }

@@ -73,36 +73,32 @@ impl<const N: usize, const K: usize> Kept<N, K> {
     pub(crate) fn open(&self) -> Dense {
         let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES] };
         dense.x[..N].copy_from_slice(self.mean.as_slice());
-        let mut k = 0;
+        let mut rest = self.packed.as_slice();
         for i in 0..N {
-            for j in 0..=i {
-                let value = self.packed[k];
-                dense.p[i][j] = value;
+            let (row, next) = rest.split_at(i + 1);
+            dense.p[i][..row.len()].copy_from_slice(row);
+            for (j, &value) in row.iter().enumerate() {
                 dense.p[j][i] = value;
-                k += 1;
             }
+            rest = next;
         }
         dense
     }
 
     /// Keeps `dense`, unless a number in it is not finite: then the former state stays and `false` is returned.
     pub(crate) fn keep(&mut self, dense: &Dense) -> bool {
-        let mut sum = 0.0;
-        let mut packed = SVector::<f64, K>::zeros();
-        let mut k = 0;
-        for i in 0..N {
-            sum += dense.x[i];
-            for j in 0..=i {
-                packed[k] = dense.p[i][j];
-                sum += dense.p[i][j];
-                k += 1;
-            }
-        }
-        if !sum.is_finite() {
+        // no early end: the loop over a row is one of vectors
+        let finite = |values: &[f64]| values.iter().fold(true, |all, v| all & v.is_finite());
+        if !finite(&dense.x[..N]) || !(0..N).all(|i| finite(&dense.p[i][..i + 1])) {
             return false;
         }
         self.mean.as_mut_slice().copy_from_slice(&dense.x[..N]);
-        self.packed = packed;
+        let mut rest = self.packed.as_mut_slice();
+        for i in 0..N {
+            let (row, next) = rest.split_at_mut(i + 1);
+            row.copy_from_slice(&dense.p[i][..i + 1]);
+            rest = next;
+        }
         true
     }
 }
