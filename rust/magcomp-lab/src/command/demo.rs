@@ -7,7 +7,7 @@ use crate::experiment::step::{StepOptions, StepResult, run as run_step};
 use crate::motion::Motion;
 use crate::phone::Phone;
 use crate::recording::{self, Recording};
-use crate::replay::{Ignore, Judgement, figures, judge, replay};
+use crate::replay::{Ignore, Judgement, figures, judge, replay, usual_part};
 use crate::report::Report;
 use crate::table::{Table, number};
 use clap::{Args, value_parser};
@@ -117,7 +117,11 @@ fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabErr
             let figure = recording.name().replace(".csv.gz", "");
             figures(report, &figure, recording, &steps)?;
         }
-        shown.push(Shown { recording: recording.name(), method: name, judgement: judge(recording, &steps) });
+        shown.push(Shown {
+            recording: recording.name(),
+            method: name,
+            judgement: judge(recording, &steps, usual_part(recording)),
+        });
     }
     Ok(shown)
 }

@@ -4,7 +4,7 @@ use super::{Common, between};
 use crate::error::LabError;
 use crate::place::{Day, GeoPoint, declination_deg};
 use crate::recording;
-use crate::replay::{Ignore, figures, judge, replay, table, write};
+use crate::replay::{Ignore, figures, judge, replay, table, usual_part, write};
 use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
@@ -41,6 +41,12 @@ pub(super) struct Replay {
     /// The date for --place
     #[arg(long, value_name = "YYYY-MM-DD", requires = "place")]
     date: Option<Day>,
+    /// Count rows from here on in the figures, s after the first row; 20 s, or half of a shorter recording, when not given
+    #[arg(long, value_name = "S", value_parser = |text: &str| between(text, 0.0, 1e9))]
+    from: Option<f64>,
+    /// Count rows up to here
+    #[arg(long, value_name = "S", value_parser = |text: &str| between(text, 0.0, 1e9))]
+    to: Option<f64>,
     #[command(flatten)]
     common: Common,
 }
@@ -113,7 +119,9 @@ impl Replay {
         if let Some(output) = &self.output {
             write(output, &recording, &steps, declination_deg.is_some())?;
         }
-        let judgement = judge(&recording, &steps);
+        let usual = usual_part(&recording);
+        let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
+        let judgement = judge(&recording, &steps, part);
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let table = table(&recording, &name, &judgement);
         self.common.finish(std::slice::from_ref(&table), &judgement, || {

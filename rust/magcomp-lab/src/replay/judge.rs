@@ -4,17 +4,26 @@
 //! Heading error: the corrected vector, turned to east-north-up by the reference, should point along one and the same
 //! azimuth throughout. That azimuth (the place's declination against the reference's north) is taken out as the
 //! circular median. The first seconds, in which any method still collects, do not count.
+//!
+//! Honesty: the share of heading errors within one and two of the sigmas that were given with them. Disturbance: the
+//! field of the place was not the usual one where | |c| / median |c| - 1 | > 15 %; precision is the share of the rows
+//! called disturbed that were, recall the share of those that were which were called so. c can only tell this where the
+//! calibration is right.
 
 use super::Step;
 use crate::recording::{Recording, Row};
+use magcomp::Status;
 use magcomp::nalgebra::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Seconds at the start that do not count, but never more than half of a recording.
 const WARM_UP_S: f64 = 20.0;
 /// Fewest rows a figure is formed from.
 const FEWEST: usize = 50;
+/// Deviation of the total field from the usual one that makes a row disturbed.
+const DISTURBED: f64 = 0.15;
 
 /// Error of the heading against the reference, up to one constant, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -23,6 +32,30 @@ pub struct HeadingError {
     pub rms_deg: f64,
     /// 95th percentile of its size.
     pub p95_deg: f64,
+    /// Share of the errors within one and within two of their sigmas; none where no sigma was given.
+    pub within_sigma: Option<[f64; 2]>,
+}
+
+/// How well a disturbed field was called so.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Disturbance {
+    /// Share of the rows in which the total field is off.
+    pub share: f64,
+    /// Share of the rows called disturbed in which it is; none when none was called so.
+    pub precision: Option<f64>,
+    /// Share of the rows in which it is that were called disturbed; none when there are none.
+    pub recall: Option<f64>,
+}
+
+/// Something that the compensator declared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Declared {
+    /// What happened.
+    pub kind: String,
+    /// When it began, s after the first row.
+    pub since_s: f64,
+    /// When it was decided, s after the first row.
+    pub decided_s: f64,
 }
 
 /// What one replay came to.
@@ -34,8 +67,8 @@ pub struct Judgement {
     pub answered: f64,
     /// Time of the first corrected vector after the first row, s.
     pub first_s: Option<f64>,
-    /// Seconds at the start that the figures below leave out.
-    pub warm_up_s: f64,
+    /// The part that the figures below are formed from, s after the first row.
+    pub counted_s: (f64, f64),
     /// Standard deviation of |h| over its mean, percent.
     pub spread_percent: Option<f64>,
     /// The same of the raw field.
@@ -46,6 +79,10 @@ pub struct Judgement {
     pub carried_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
+    /// How well a disturbed field was called so.
+    pub disturbance: Option<Disturbance>,
+    /// What was declared, in the whole recording.
+    pub events: Vec<Declared>,
     /// Rows by status.
     pub status: BTreeMap<&'static str, usize>,
     /// Mean time in `push`, nanoseconds.
@@ -56,35 +93,48 @@ pub struct Judgement {
     pub max_push_ns: u64,
 }
 
-/// Judges a replay.
+/// A row, a vector found for it, and the sigma of that vector's azimuth, degrees.
+type Found = (Row, Vector3<f64>, Option<f64>);
+
+/// The part of a recording of this length that counts when nothing else was asked for, s.
 #[must_use]
-pub fn judge(recording: &Recording, steps: &[Step]) -> Judgement {
+pub fn usual_part(recording: &Recording) -> Range<f64> {
+    WARM_UP_S.min(recording.duration_s() / 2.0)..f64::INFINITY
+}
+
+/// Judges a replay; figures are formed from the rows that lie in `part`, s after the first row. The one azimuth that is
+/// taken out is that of the usual part, so that an error that lasts through a shorter part is one.
+#[must_use]
+pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgement {
     let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
-    let corrected = |(row, step): (&Row, &Step)| Some((*row, step.reading.field_ut?));
     let pairs = || recording.rows.iter().zip(steps);
-    let answered: Vec<_> = pairs().filter_map(corrected).collect();
     let mut status = BTreeMap::new();
     steps.iter().for_each(|step| *status.entry(step.reading.status.label()).or_insert(0) += 1);
     let mut times_ns: Vec<u64> = steps.iter().map(|step| step.push_ns).collect();
     times_ns.sort_unstable();
+    let inside = |row: &Row| row.time_s - start_s > part.start && row.time_s - start_s <= part.end;
+    let live = || pairs().filter(|(row, _)| inside(row));
+    let from_s = usual_part(recording).start.min(part.start);
+    let warm = || pairs().filter(|(row, _)| row.time_s - start_s > from_s);
+    let ours: Vec<Found> = warm().filter_map(corrected).collect();
+    let carried: Vec<Found> = warm().filter_map(carried).collect();
     // raw and corrected are judged on the same rows
-    let warm_up_s = WARM_UP_S.min(recording.duration_s() / 2.0);
-    let live = |(row, _): &&(Row, Vector3<f64>)| row.time_s - start_s > warm_up_s;
-    let ours: Vec<_> = answered.iter().filter(live).copied().collect();
-    let carried = |(row, step): (&Row, &Step)| Some((*row, step.reading.filtered_field_ut?));
-    let carried: Vec<_> = pairs().filter_map(carried).collect();
-    let carried: Vec<_> = carried.iter().filter(live).copied().collect();
-    let raw: Vec<_> = ours.iter().map(|(row, _)| (*row, row.field_ut)).collect();
+    let raw: Vec<Found> = ours.iter().map(|(row, ..)| (*row, row.field_ut, None)).collect();
+    let mut answers = pairs().filter(|(_, step)| step.reading.field_ut.is_some());
+    let first = answers.next();
+    let answered = answers.count() + usize::from(first.is_some());
     Judgement {
         rows: steps.len(),
-        answered: answered.len() as f64 / steps.len().max(1) as f64,
-        first_s: answered.first().map(|(row, _)| row.time_s - start_s),
-        warm_up_s,
-        spread_percent: spread_percent(&ours),
-        raw_spread_percent: spread_percent(&raw),
-        heading: heading_error(&ours),
-        carried_heading: heading_error(&carried),
-        raw_heading: heading_error(&raw),
+        answered: answered as f64 / steps.len().max(1) as f64,
+        first_s: first.map(|(row, _)| row.time_s - start_s),
+        counted_s: (part.start, part.end.min(recording.duration_s())),
+        spread_percent: spread_percent(&ours, inside),
+        raw_spread_percent: spread_percent(&raw, inside),
+        heading: heading_error(&ours, inside),
+        carried_heading: heading_error(&carried, inside),
+        raw_heading: heading_error(&raw, inside),
+        disturbance: disturbance(live()),
+        events: declared(recording, steps),
         status,
         mean_push_ns: times_ns.iter().sum::<u64>() as f64 / steps.len().max(1) as f64,
         p99_push_ns: times_ns.get(times_ns.len() * 99 / 100).copied().unwrap_or(0),
@@ -92,24 +142,75 @@ pub fn judge(recording: &Recording, steps: &[Step]) -> Judgement {
     }
 }
 
-fn spread_percent(rows: &[(Row, Vector3<f64>)]) -> Option<f64> {
-    let strengths: Vec<f64> = rows.iter().map(|(_, h)| h.norm()).filter(|strength| strength.is_finite()).collect();
+/// c, with its own sigma over its horizontal part.
+fn corrected((row, step): (&Row, &Step)) -> Option<Found> {
+    let c = step.reading.field_ut?;
+    let across_ut = row.attitude.map(|attitude| attitude * c).map_or(f64::NAN, |earth| earth.x.hypot(earth.y));
+    Some((*row, c, step.reading.field_sigma_ut.map(|sigma_ut| sigma_ut.atan2(across_ut).to_degrees())))
+}
+
+/// f, with the sigma of the heading, which it carries.
+fn carried((row, step): (&Row, &Step)) -> Option<Found> {
+    let sigma_deg = step.reading.heading.and_then(|heading| heading.heading_sigma_deg);
+    Some((*row, step.reading.filtered_field_ut?, sigma_deg))
+}
+
+fn declared(recording: &Recording, steps: &[Step]) -> Vec<Declared> {
+    let start_ns = recording.rows.first().map_or(0, |row| row.time_ns);
+    let seconds = |time_ns: i64| (time_ns - start_ns) as f64 / 1e9;
+    let mut events: Vec<_> = steps.iter().filter_map(|step| step.reading.event).collect();
+    events.dedup();
+    let declared = |event: &magcomp::Event| Declared {
+        kind: format!("{:?}", event.kind),
+        since_s: seconds(event.since_ns),
+        decided_s: seconds(event.decided_ns),
+    };
+    events.iter().map(declared).collect()
+}
+
+fn disturbance<'a>(rows: impl Iterator<Item = (&'a Row, &'a Step)>) -> Option<Disturbance> {
+    let rows: Vec<(f64, bool)> = rows
+        .filter_map(|(_, step)| Some((step.reading.field_ut?.norm(), step.reading.status)))
+        .map(|(size_ut, status)| (size_ut, matches!(status, Status::Disturbed { .. })))
+        .collect();
+    let mut sizes: Vec<f64> = rows.iter().map(|(size_ut, _)| *size_ut).collect();
+    sizes.sort_by(f64::total_cmp);
+    let usual_ut = *sizes.get(sizes.len() / 2).filter(|_| sizes.len() >= FEWEST)?;
+    let off = |size_ut: f64| (size_ut / usual_ut - 1.0).abs() > DISTURBED;
+    let count = |of: &dyn Fn(&(f64, bool)) -> bool| rows.iter().filter(|row| of(row)).count() as f64;
+    let (is, called) = (count(&|(size, _)| off(*size)), count(&|(_, called)| *called));
+    let both = count(&|(size, called)| *called && off(*size));
+    let share = |whole: f64| (whole > 0.0).then(|| both / whole);
+    Some(Disturbance { share: is / rows.len() as f64, precision: share(called), recall: share(is) })
+}
+
+fn spread_percent(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<f64> {
+    let rows = rows.iter().filter(|(row, ..)| inside(row));
+    let strengths: Vec<f64> = rows.map(|(_, h, _)| h.norm()).filter(|strength| strength.is_finite()).collect();
     let count = strengths.len() as f64;
     let mean = strengths.iter().sum::<f64>() / count;
     let variance = strengths.iter().map(|strength| (strength - mean).powi(2)).sum::<f64>() / count;
     (strengths.len() >= FEWEST && mean > 0.0).then(|| 100.0 * variance.sqrt() / mean)
 }
 
-fn heading_error(rows: &[(Row, Vector3<f64>)]) -> Option<HeadingError> {
-    let errors: Vec<f64> =
-        centred(rows.iter().map(|(row, h)| azimuth_deg(row, h)).collect()).into_iter().flatten().collect();
-    if errors.len() < FEWEST {
+fn heading_error(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<HeadingError> {
+    let errors = centred(rows.iter().map(|(row, h, _)| azimuth_deg(row, h)).collect());
+    let counted = errors.iter().zip(rows).filter(|(_, (row, ..))| inside(row));
+    let counted: Vec<(f64, Option<f64>)> =
+        counted.filter_map(|(error, (.., sigma))| Some((error.as_ref()?.abs(), *sigma))).collect();
+    let sigmas: Vec<f64> =
+        counted.iter().filter_map(|(error, sigma)| Some(error / (*sigma)?)).filter(|ratio| ratio.is_finite()).collect();
+    let within = |limit: f64| sigmas.iter().filter(|sigma| **sigma <= limit).count() as f64 / sigmas.len() as f64;
+    let mut sizes: Vec<f64> = counted.iter().map(|(error, _)| *error).collect();
+    if sizes.len() < FEWEST {
         return None;
     }
-    let mut sizes: Vec<f64> = errors.iter().map(|error| error.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    let rms_deg = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-    Some(HeadingError { rms_deg, p95_deg: sizes[(sizes.len() * 95 / 100).min(sizes.len() - 1)] })
+    Some(HeadingError {
+        rms_deg: (sizes.iter().map(|error| error * error).sum::<f64>() / sizes.len() as f64).sqrt(),
+        p95_deg: sizes[(sizes.len() * 95 / 100).min(sizes.len() - 1)],
+        within_sigma: (sigmas.len() >= FEWEST).then(|| [within(1.0), within(2.0)]),
+    })
 }
 
 /// Azimuth of a device-frame vector by the reference orientation, degrees from north, clockwise.

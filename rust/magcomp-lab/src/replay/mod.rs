@@ -6,7 +6,7 @@ mod output;
 mod view;
 
 pub use figures::figures;
-pub use judge::{HeadingError, Judgement, judge};
+pub use judge::{Declared, Disturbance, HeadingError, Judgement, judge, usual_part};
 pub use output::write;
 pub use view::table;
 

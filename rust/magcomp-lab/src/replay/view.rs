@@ -17,10 +17,23 @@ pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Tabl
     if let Some(heading) = judgement.heading {
         let raw = judgement.raw_heading;
         line("heading error rms, deg", number(raw.map(|raw| raw.rms_deg), 2), number(Some(heading.rms_deg), 2));
+        line("heading error p95, deg", number(raw.map(|raw| raw.p95_deg), 2), number(Some(heading.p95_deg), 2));
+        within(&mut line, "", heading.within_sigma);
         if let Some(carried) = judgement.carried_heading {
             line("heading error rms of f, deg", String::new(), number(Some(carried.rms_deg), 2));
+            line("heading error p95 of f, deg", String::new(), number(Some(carried.p95_deg), 2));
+            within(&mut line, " of f", carried.within_sigma);
         }
-        line("heading error p95, deg", number(raw.map(|raw| raw.p95_deg), 2), number(Some(heading.p95_deg), 2));
+    }
+    if let Some(disturbance) = judgement.disturbance {
+        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
+        line("total field off by over 15 %, % of rows", String::new(), percent(Some(disturbance.share)));
+        line("of them called disturbed, %", String::new(), percent(disturbance.recall));
+        line("called disturbed rightly, %", String::new(), percent(disturbance.precision));
+    }
+    for event in &judgement.events {
+        let when = format!("{:.2}, {:.2}", event.since_s, event.decided_s);
+        line(&format!("{} since, decided at, s", event.kind), String::new(), when);
     }
     for (status, count) in &judgement.status {
         line(&format!("status {status}, rows"), String::new(), count.to_string());
@@ -29,7 +42,15 @@ pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Tabl
     line("push, 99 % below ns", String::new(), judgement.p99_push_ns.to_string());
     let reference =
         if judgement.heading.is_some() { "; heading against the reference, up to one constant" } else { "" };
+    let (from_s, to_s) = judgement.counted_s;
+    table.note(&format!("errors, spread and disturbance from {from_s:.0} to {to_s:.0} s; spread: standard deviation over mean{reference}"));
     table
-        .note(&format!("spread: standard deviation over mean, first {:.0} s left out{reference}", judgement.warm_up_s));
-    table
+}
+
+/// Shares of the heading errors within their sigmas.
+fn within(line: &mut impl FnMut(&str, String, String), whose: &str, shares: Option<[f64; 2]>) {
+    if let Some([one, two]) = shares {
+        let percent = |share: f64| number(Some(100.0 * share), 0);
+        line(&format!("heading errors{whose} within 1, 2 sigma, %"), percent(one), percent(two));
+    }
 }
