@@ -9,6 +9,7 @@ use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
 use crate::schedule::{Change, Schedule};
 use crate::simulate::{Noise, Scenario, Spikes, world_field_ut};
+use clap::ValueEnum;
 use magcomp::nalgebra::{Matrix3, Vector3};
 
 /// Field of the place, uT.
@@ -28,8 +29,11 @@ pub const PLACE_S: f64 = 10.0;
 /// ... and how long it takes to come and to go, s: the time to walk into it.
 const PLACE_RAMP_S: f64 = 0.5;
 
+/// A drift of b over the whole stream: this far along a random direction, uT a second.
+const DRIFT_UT_S: f64 = 0.5;
+
 /// What changes at [`CHANGE_S`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PhoneChange {
     /// Nothing
     #[default]
@@ -40,6 +44,8 @@ pub enum PhoneChange {
     Offset,
     /// The place: 20 uT in a random direction of the world for 10 s
     Place,
+    /// The device: b drifts by 0.5 uT/s in a random direction, from the start to the end
+    Drift,
 }
 
 /// A phone, its sensors and what happens to it.
@@ -98,6 +104,7 @@ impl Phone {
             PhoneChange::Parameters => "all nine parameters step by 50 %",
             PhoneChange::Offset => "b steps by (20, -15, 10) uT",
             PhoneChange::Place => "the place's field changes by 20 uT for 10 s",
+            PhoneChange::Drift => "b drifts by 0.5 uT/s",
         };
         let mut text = format!("{motion}, {change}, {} dB, {} Hz", self.snr_db, self.rate_hz);
         for (value, what) in [
@@ -118,7 +125,7 @@ impl Phone {
     pub fn scenario(&self) -> Scenario {
         let mut random = Random::new(self.seed, Purpose::Parameters);
         let start = parameters(&mut random);
-        let disturbance_ut = random.direction() * PLACE_UT;
+        let direction = random.direction();
         let bias = random.direction() * self.gyro_bias_deg_s.to_radians();
         let device = |to| Schedule::step(start, CHANGE_S, to);
         let identity = Matrix3::identity();
@@ -132,7 +139,10 @@ impl Phone {
             world_ut: match self.change {
                 PhoneChange::Place => Schedule {
                     start: world_ut,
-                    changes: vec![place(CHANGE_S, world_ut + disturbance_ut), place(CHANGE_S + PLACE_S, world_ut)],
+                    changes: vec![
+                        place(CHANGE_S, world_ut + direction * PLACE_UT),
+                        place(CHANGE_S + PLACE_S, world_ut),
+                    ],
                 },
                 _ => Schedule::constant(world_ut),
             },
@@ -144,6 +154,11 @@ impl Phone {
                 }),
                 PhoneChange::Offset => {
                     device(Parameters { hard_iron: start.hard_iron + OFFSET_STEP_UT / FIELD_UT, ..start })
+                }
+                PhoneChange::Drift => {
+                    let drift = direction * (DRIFT_UT_S * self.duration_s / FIELD_UT);
+                    let end = Parameters { hard_iron: start.hard_iron + drift, ..start };
+                    Schedule::ramp(start, 0.0, self.duration_s, end)
                 }
             },
             noise: Noise::SnrDb(self.snr_db),
@@ -192,5 +207,7 @@ mod tests {
         assert_eq!(after, before);
         assert!(((other - world).norm() - PLACE_UT).abs() < 1e-9);
         assert_eq!(at(PhoneChange::Place, 41.0).1, world);
+        let (after, _) = at(PhoneChange::Drift, 42.0);
+        assert!(((after.hard_iron - before.hard_iron).norm() * FIELD_UT - 0.5 * 42.0).abs() < 1e-9);
     }
 }

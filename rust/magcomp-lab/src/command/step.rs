@@ -6,7 +6,7 @@ use crate::experiment::aided::{self, AidedOptions};
 use crate::experiment::step::{ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
-use crate::phone::Phone;
+use crate::phone::{Phone, PhoneChange};
 use crate::report::Report;
 use clap::{Args, value_parser};
 
@@ -31,6 +31,9 @@ pub(super) struct Step {
     /// Figs. 4 and 5: what the fits minimise
     #[arg(long, value_enum, default_value_t)]
     residual: ResidualChoice,
+    /// Tumble, pedestrian: what changes; parameters for tumble and offset for pedestrian when not given
+    #[arg(long, value_enum)]
+    change: Option<PhoneChange>,
     /// Tumble, pedestrian: samples per second of every sensor
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = |text: &str| between(text, 25.0, 400.0))]
     rate: f64,
@@ -61,6 +64,7 @@ impl Step {
     fn aided(self, options: AidedOptions) -> Result<(), LabError> {
         let phone = Phone {
             seed: self.common.seed,
+            change: self.change.unwrap_or(options.phone.change),
             snr_db: self.snr.unwrap_or(options.phone.snr_db),
             spikes: self.spikes / 100.0,
             rate_hz: self.rate,
@@ -71,10 +75,10 @@ impl Step {
         };
         let runs = self.runs.map_or(options.runs, |runs| runs as usize);
         let result = aided::run(&AidedOptions { phone, runs })?;
-        self.common.finish(&[result.table()], &result, || {
+        self.common.finish(&result.tables(), &result, || {
             let mut report = Report::new(
                 "Following a step with the gyroscope's help",
-                "The disturbance of a simulated phone steps after 30 s. Below the table: the aided method in the first run.",
+                "Something changes for a simulated phone after 30 s. Below the tables: the aided method in the first run.",
             );
             result.add_to(&mut report, "step_aided")?;
             Ok(report)

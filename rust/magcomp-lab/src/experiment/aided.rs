@@ -4,6 +4,7 @@
 //! Tumbling, all nine parameters step by 50 %; walking, b steps by (20, -15, 10) uT. 60 s, the step after 30 s.
 
 use super::Spread;
+use super::aided_change::Noticed;
 use super::aided_score::{Answer, Outcome, score};
 use crate::error::LabError;
 use crate::motion::Motion;
@@ -46,6 +47,19 @@ pub struct Settling {
     pub worst: Option<usize>,
 }
 
+/// What the aided method made of the change itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChangeResult {
+    /// From the change to the first status that is not `Tracking`, s: median and worst; none where that many never say so.
+    pub noticed_s: [Option<f64>; 2],
+    /// Largest direction error of f from the change on, in the field of the undisturbed place, degrees: median and worst.
+    pub carried_worst_deg: [f64; 2],
+    /// Furthest that b moved from where it was at the change, uT: median and worst. Only where b should not move.
+    pub hard_iron_moved_ut: Option<[f64; 2]>,
+    /// Share of the samples of a changed place called `Disturbed`: median and worst.
+    pub called_disturbed: Option<[f64; 2]>,
+}
+
 /// One answer of one method.
 #[derive(Clone, Debug, Serialize)]
 pub struct MethodResult {
@@ -80,6 +94,8 @@ pub struct AidedResult {
     pub rate_hz: f64,
     /// f and c of the aided method, c of the windowed.
     pub methods: Vec<MethodResult>,
+    /// What the aided method made of the change; none where nothing changes at once.
+    pub change: Option<ChangeResult>,
     /// The first run, for the picture.
     #[serde(skip)]
     pub first: Option<(Recording, Vec<Step>)>,
@@ -119,17 +135,20 @@ pub fn follow(
 pub fn run(options: &AidedOptions) -> Result<AidedResult, LabError> {
     let names = ["aided, f", "aided, c", "windowed, c"];
     let mut outcomes: [Vec<Outcome>; 3] = Default::default();
+    let mut changes = Vec::new();
     let mut first = None;
     let bar = progress::bar(options.runs, "aided step");
     for k in 0..options.runs {
         let seed = options.phone.seed.wrapping_add(k as u64);
-        let stream = Phone { seed, ..options.phone }.scenario().run();
+        let scenario = Phone { seed, ..options.phone }.scenario();
+        let (stream, earth_ut) = (scenario.run(), scenario.world_ut.start);
         let recording = Recording::of(&stream, "simulated");
         let (aided, nees) = follow(&stream, &recording, Method::Aided)?;
         let (windowed, _) = follow(&stream, &recording, Method::Windowed)?;
-        outcomes[0].push(score(&stream, &aided, &[], Answer::Carried));
-        outcomes[1].push(score(&stream, &aided, &nees, Answer::Corrected));
-        outcomes[2].push(score(&stream, &windowed, &[], Answer::Corrected));
+        changes.push(Noticed::of(&stream, &aided, earth_ut));
+        outcomes[0].push(score(&stream, &aided, &[], Answer::Carried, earth_ut));
+        outcomes[1].push(score(&stream, &aided, &nees, Answer::Corrected, earth_ut));
+        outcomes[2].push(score(&stream, &windowed, &[], Answer::Corrected, earth_ut));
         first.get_or_insert((recording, aided));
         bar.inc(1);
     }
@@ -140,6 +159,7 @@ pub fn run(options: &AidedOptions) -> Result<AidedResult, LabError> {
         runs: options.runs,
         rate_hz: options.phone.rate_hz,
         methods: methods.collect(),
+        change: ChangeResult::of(options.phone.change, &changes),
         first,
     })
 }

@@ -1,6 +1,7 @@
-//! What is read off one run of the aided experiment (the rules of ../shared/tools/score.py).
+//! What is read off one run of the aided experiment.
 //!
-//! * direction error: the angle between an answer and the true field. f as it is given; c as the calibration in force
+//! * direction error: the angle between an answer and the true field. f as it is given, against the field of the
+//!   undisturbed place, which it carries; c as the calibration in force
 //!   makes it of the noise-free sample, so that it is the calibration that is judged;
 //! * settled: the first sample from which on the 95th percentile over the trailing 100, all after the step, stays below
 //!   a limit up to the end;
@@ -57,12 +58,22 @@ pub struct Outcome {
     events: Vec<Event>,
 }
 
-/// Scores a run.
-pub fn score(stream: &Simulation, steps: &[Step], nees: &[Option<f64>], answer: Answer) -> Outcome {
+/// Scores a run in a place whose undisturbed field is `earth_ut`, east-north-up: f should carry that one.
+pub fn score(
+    stream: &Simulation,
+    steps: &[Step],
+    nees: &[Option<f64>],
+    answer: Answer,
+    earth_ut: Vector3<f64>,
+) -> Outcome {
+    let expected = |truth: &Truth| match answer {
+        Answer::Carried => truth.attitude.inverse() * earth_ut,
+        Answer::Corrected => truth.field_ut,
+    };
     let at = |time_s: f64| stream.magnetic.partition_point(|sample| sample.time_ns < time_ns(time_s));
     let (steady, step) = (at(CHANGE_S - STEADY_S), at(CHANGE_S));
     let errors_deg: Vec<f64> = (steps.iter().zip(&stream.truth))
-        .map(|(step, truth)| direction_error_deg(step, truth, answer).unwrap_or(NO_ANSWER_DEG))
+        .map(|(step, truth)| direction_error_deg(step, truth, answer, &expected(truth)).unwrap_or(NO_ANSWER_DEG))
         .collect();
     let before: Vec<f64> = errors_deg[steady..step].iter().copied().filter(|error| *error < NO_ANSWER_DEG).collect();
     let squares: f64 = before.iter().map(|error| error * error).sum();
@@ -70,7 +81,8 @@ pub fn score(stream: &Simulation, steps: &[Step], nees: &[Option<f64>], answer: 
     let found = steps[compared].calibration.map(|calibration| *calibration.hard_iron_ut());
     let truth = stream.truth[compared].hard_iron_ut;
     let warm = at(WARM_UP_S);
-    let sigmas = (steps.iter().zip(&stream.truth).skip(warm)).filter_map(|(step, truth)| sigmas(step, truth, answer));
+    let sigmas = (steps.iter().zip(&stream.truth).skip(warm))
+        .filter_map(|(step, truth)| sigmas(step, truth, answer, &expected(truth)));
     let nees: Vec<f64> = nees.get(steady..step).unwrap_or_default().iter().flatten().copied().collect();
     Outcome {
         before_rms_deg: (squares / before.len() as f64).sqrt(),
@@ -90,18 +102,18 @@ pub fn events(steps: &[Step]) -> Vec<Event> {
     events
 }
 
-fn direction_error_deg(step: &Step, truth: &Truth, answer: Answer) -> Option<f64> {
+fn direction_error_deg(step: &Step, truth: &Truth, answer: Answer, field_ut: &Vector3<f64>) -> Option<f64> {
     let given = answer.of(step)?;
     let judged = match answer {
         Answer::Carried => given,
         Answer::Corrected => step.calibration?.correct(&truth.clean_ut),
     };
-    Some(judged.angle(&truth.field_ut).to_degrees())
+    Some(judged.angle(field_ut).to_degrees())
 }
 
 /// Heading error of an answer in sigmas: f with the heading's, c with its own over its horizontal part.
-fn sigmas(step: &Step, truth: &Truth, answer: Answer) -> Option<f64> {
-    let (found, field) = (truth.attitude * answer.of(step)?, truth.attitude * truth.field_ut);
+fn sigmas(step: &Step, truth: &Truth, answer: Answer, field_ut: &Vector3<f64>) -> Option<f64> {
+    let (found, field) = (truth.attitude * answer.of(step)?, truth.attitude * field_ut);
     let azimuth = |v: &Vector3<f64>| v.x.atan2(v.y).to_degrees();
     let error = (azimuth(&found) - azimuth(&field) + 540.0).rem_euclid(360.0) - 180.0;
     let sigma = match answer {

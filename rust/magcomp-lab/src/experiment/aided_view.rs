@@ -35,17 +35,40 @@ impl AidedResult {
         table.note("over the trailing 100 stays below for good (100 at the least), median and worst run; b error: 300 samples after it, mean;");
         table.note("sigma: share of heading errors within; steps, others: device steps and other events declared in a run, mean");
         table.note(
-            "f: the carried field; c: the corrected sample, without the sensor's noise where its direction is judged",
+            "f: the carried field, against that of the undisturbed place; c: the corrected sample, its direction without noise",
         );
         table
     }
 
-    /// The table, and the aided method in the first run.
+    /// The line for every method and, where something changes at once, what the aided method made of that.
+    #[must_use]
+    pub fn tables(&self) -> Vec<Table> {
+        std::iter::once(self.table()).chain(self.change_table()).collect()
+    }
+
+    fn change_table(&self) -> Option<Table> {
+        let change = self.change?;
+        let mut table = Table::new("the change, aided method", &["", "median", "worst run"]);
+        let mut line = |name: &str, values: [Option<f64>; 2], digits| {
+            table.row(vec![name.to_owned(), number(values[0], digits), number(values[1], digits)]);
+        };
+        line("suspect or disturbed after, s", change.noticed_s, 2);
+        line("largest error of f from then on, deg", change.carried_worst_deg.map(Some), 2);
+        if let Some(moved) = change.hard_iron_moved_ut {
+            line("furthest b moved, uT", moved.map(Some), 2);
+        }
+        if let Some(called) = change.called_disturbed {
+            line("called disturbed while it lasts, %", called.map(|share| Some(100.0 * share)), 0);
+        }
+        Some(table)
+    }
+
+    /// The tables, and the aided method in the first run.
     ///
     /// # Errors
     /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report, figure: &str) -> Result<(), LabError> {
-        report.table(&self.table());
+        self.tables().iter().for_each(|table| report.table(table));
         match &self.first {
             Some((recording, steps)) => figures(report, figure, recording, steps),
             None => Ok(()),

@@ -1,6 +1,7 @@
 //! The paper's experiments and the aided method beside it, each a function from options to a result that prints as a table, JSON and figures.
 
 pub mod aided;
+mod aided_change;
 pub mod aided_score;
 mod aided_view;
 pub mod bound;
