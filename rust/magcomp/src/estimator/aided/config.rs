@@ -157,8 +157,6 @@ config! {
     /// Rate of turn below which the device rests, rad/s (low-passed 0.5 s, bias removed). Default 0.06: slower turns
     /// cannot be told from bias, and what is learned from them is wrong (measured with a prototype).
     rest_rate_rad_s = 0.06, 0.001, 1.0;
-    /// Share of it by which the rate may scatter at rest while the bias is not known yet. Default 0.35.
-    rest_scatter = 0.35, 0.01, 2.0;
     /// Samples further apart than this break the chain of rotations, if the gyroscope does not bridge it, s. Default 0.5.
     gap_s = 0.5, 0.05, 10.0;
     /// Drift of the hard iron allowed for in a gap, uT per square root of a second. Default 1.

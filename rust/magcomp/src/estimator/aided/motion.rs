@@ -18,6 +18,8 @@ const LEAST_MOTION: f64 = 0.02;
 const TURNED_TIME_S: f64 = 5.0;
 /// Bias uncertainty above which a steady small rate may be bias, rad/s.
 const UNKNOWN_BIAS_RAD_S: f64 = 0.02;
+/// Scatter of the rate that no hand holds, as a share of the rate at rest.
+const REST_SCATTER: f64 = 0.35;
 /// Largest bias a phone was found with, with room, rad/s.
 const LARGEST_BIAS_RAD_S: f64 = 0.15;
 
@@ -74,7 +76,7 @@ impl Motion {
         let still = self.rate_rad_s < config.rest_rate_rad_s && now < 2.0 * config.rest_rate_rad_s;
         let steady = bias_sd > UNKNOWN_BIAS_RAD_S
             && self.mean_rad_s.norm() < LARGEST_BIAS_RAD_S
-            && self.scatter_rad2_s2.sqrt() < config.rest_scatter * config.rest_rate_rad_s;
+            && self.scatter_rad2_s2.sqrt() < REST_SCATTER * config.rest_rate_rad_s;
         self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
     }
 

@@ -90,10 +90,16 @@ impl Aided {
         }
     }
 
-    /// The magnitude-only mode, and what it publishes.
-    pub(super) fn by_magnitude(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
+    /// The mode of the magnitude and the dip, and what it publishes.
+    pub(super) fn by_magnitude(
+        &mut self,
+        time_ns: i64,
+        raw_ut: &Vector3<f64>,
+        up_m_s2: Option<Vector3<f64>>,
+    ) -> AidedOutput {
+        let up_g = up_m_s2.map(|up| up / self.config.gravity_m_s2);
         let sigma = self.adaptation.sigma_ut().min(MAGNITUDE_NOISE_UT);
-        self.magnitude.push(time_ns, raw_ut, sigma);
+        self.magnitude.push(time_ns, raw_ut, up_g.as_ref(), sigma);
         let (known, status) = if self.magnitude_is_better() {
             let m = &self.magnitude;
             let status = m.since_ns.map_or(Status::Tracking, |since_ns| Status::Suspect { since_ns });

@@ -155,7 +155,7 @@ impl Aided {
             _ => self.start(raw_ut),
         };
         self.filter = Some(filter);
-        self.by_magnitude(time_ns, raw_ut)
+        self.by_magnitude(time_ns, raw_ut, up)
     }
 
     /// Whether the magnitude mode knows the offset better than the filter, which has no gyroscope now.
