@@ -4,7 +4,7 @@ use super::{Common, between};
 use crate::error::LabError;
 use crate::place::{Day, GeoPoint, declination_deg};
 use crate::recording;
-use crate::replay::{Ignore, figures, judge, replay, table, usual_part, write};
+use crate::replay::{Ignore, Judgement, figures, judge, judge_legs, read_waypoints, replay, table, usual_part, write};
 use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
@@ -47,6 +47,9 @@ pub(super) struct Replay {
     /// Count rows up to here
     #[arg(long, value_name = "S", value_parser = |text: &str| between(text, 0.0, 1e9))]
     to: Option<f64>,
+    /// Judge the heading by the legs between surveyed positions: CSV t_s,x_m,y_m (s; m, x right and y up on the map)
+    #[arg(long, value_name = "CSV")]
+    waypoints: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -121,7 +124,9 @@ impl Replay {
         }
         let usual = usual_part(&recording);
         let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
-        let judgement = judge(&recording, &steps, part);
+        let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
+        let legs = waypoints.and_then(|waypoints| judge_legs(&recording, &steps, &waypoints));
+        let judgement = Judgement { legs, ..judge(&recording, &steps, part) };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let table = table(&recording, &name, &judgement);
         self.common.finish(std::slice::from_ref(&table), &judgement, || {

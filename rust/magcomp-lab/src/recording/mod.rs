@@ -6,7 +6,7 @@
 mod read;
 mod write;
 
-pub use read::read;
+pub use read::{open, read};
 pub use write::{write_atomically, write_simulation};
 
 use crate::simulate::Simulation;

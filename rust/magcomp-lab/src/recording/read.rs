@@ -20,9 +20,17 @@ const LARGEST_TIME_S: f64 = 9e9;
 /// # Errors
 /// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
 pub fn read(path: &Path) -> Result<Recording, LabError> {
+    read_from(path, open(path)?)
+}
+
+/// Opens `path`, gzipped or not.
+///
+/// # Errors
+/// [`LabError::Read`] when it cannot be read.
+pub fn open(path: &Path) -> Result<Box<dyn Read>, LabError> {
     let mut file = BufReader::new(File::open(path).map_err(LabError::read(path))?);
     let zipped = file.fill_buf().map_err(LabError::read(path))?.starts_with(&GZIP);
-    if zipped { read_from(path, MultiGzDecoder::new(file)) } else { read_from(path, file) }
+    Ok(if zipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) })
 }
 
 /// Reads a recording from `source`; `path` is for messages.

@@ -79,6 +79,8 @@ pub struct Judgement {
     pub carried_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
+    /// The heading against the legs of the way; none without waypoints.
+    pub legs: Option<super::LegJudgement>,
     /// How well a disturbed field was called so.
     pub disturbance: Option<Disturbance>,
     /// What was declared, in the whole recording.
@@ -133,6 +135,7 @@ pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgeme
         heading: heading_error(&ours, inside),
         carried_heading: heading_error(&carried, inside),
         raw_heading: heading_error(&raw, inside),
+        legs: None,
         disturbance: disturbance(live()),
         events: declared(recording, steps),
         status,

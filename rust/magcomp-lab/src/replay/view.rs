@@ -25,6 +25,10 @@ pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Tabl
             within(&mut line, " of f", carried.within_sigma);
         }
     }
+    if let Some(legs) = judgement.legs {
+        let name = format!("heading over {} legs, circular sd, deg", legs.legs);
+        line(&name, number(Some(legs.raw_deviation_deg), 1), number(Some(legs.deviation_deg), 1));
+    }
     if let Some(disturbance) = judgement.disturbance {
         let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
         line("total field off by over 15 %, % of rows", String::new(), percent(Some(disturbance.share)));
