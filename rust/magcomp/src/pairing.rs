@@ -17,6 +17,7 @@ const RATE_EVENTS: usize = 16;
 /// `up` events held: they vary slowly, only the two around a sample matter.
 const UP_EVENTS: usize = 8;
 const NANO: f64 = 1e-9;
+const WANDER_TIME_S: f64 = 0.5;
 
 /// How the pairing decides that a sensor is there, and what it refuses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +77,8 @@ pub(crate) struct Rotation {
     pub increment_rad: Vector3<f64>,
     /// Rate at the sample's time, rad/s.
     pub rate_rad_s: Vector3<f64>,
+    /// Variance per axis of what the rate may have done between its events, rad^2.
+    pub variance_rad2: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -155,6 +158,13 @@ pub(crate) struct InertialPairing {
     anchor: Option<Event>,
     /// Integral gathered since the last magnetometer sample, rad.
     gathered_rad: Vector3<f64>,
+    /// Variance per axis of that integral, rad^2.
+    gathered_rad2: f64,
+    /// The last event integrated (not interpolated), and how fast the rate changed up to it, rad/s^2.
+    last_rate: Option<Event>,
+    slope: Option<Vector3<f64>>,
+    bend: Option<Vector3<f64>>,
+    wander: f64,
     /// Extrapolated beyond the anchor and already handed out, rad.
     owed_rad: Vector3<f64>,
     /// A hole longer than `stale_s` lies inside the present interval.
@@ -173,6 +183,11 @@ impl InertialPairing {
             ups: Ring::new(),
             anchor: None,
             gathered_rad: Vector3::zeros(),
+            gathered_rad2: 0.0,
+            last_rate: None,
+            slope: None,
+            bend: None,
+            wander: 0.0,
             owed_rad: Vector3::zeros(),
             broken: false,
             last_up: None,
@@ -194,6 +209,7 @@ impl InertialPairing {
                 return Err(EventRejection::Late);
             }
             if let Some(oldest) = self.rates.pop() {
+                self.bridge(&oldest);
                 self.advance(oldest);
             }
         }
@@ -246,6 +262,23 @@ impl InertialPairing {
         self.anchor = Some(event);
     }
 
+    /// Gathers the variance of what the rate may have done between its last event and `event`.
+    fn bridge(&mut self, event: &Event) {
+        let Some(last) = self.last_rate.replace(*event) else { return };
+        let span_s = seconds(last.time_ns, event.time_ns);
+        if span_s > self.config.stale_s {
+            (self.slope, self.bend) = (None, None);
+            return;
+        }
+        let slope = (event.value - last.value) / span_s;
+        let Some(before) = self.slope.replace(slope) else { return };
+        let bend = slope - before;
+        let Some(bend_before) = self.bend.replace(bend) else { return };
+        let seen = -bend.dot(&bend_before) * span_s / 3.0;
+        self.wander += (1.0 - (-span_s / WANDER_TIME_S).exp()) * (seen - self.wander);
+        self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
+    }
+
     /// The inertial state at the time of a magnetometer sample, and the rotation since the one before.
     ///
     /// A `time_ns` at or before the previous one gives nothing and changes nothing.
@@ -256,6 +289,7 @@ impl InertialPairing {
         let started = self.last_paired_ns.is_some() && self.anchor.is_some();
         while let Some(event) = self.rates.first().filter(|event| event.time_ns <= time_ns) {
             self.rates.pop();
+            self.bridge(&event);
             self.advance(event);
         }
         let rotation = self.rotation_at(time_ns, started);
@@ -287,14 +321,15 @@ impl InertialPairing {
             }
         };
         let increment_rad = self.gathered_rad + owed_rad - self.owed_rad;
-        let broken = self.broken;
+        let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
+        self.gathered_rad2 = 0.0;
         self.gathered_rad = Vector3::zeros();
         self.owed_rad = owed_rad;
         self.broken = false;
         if broken {
             self.owed_rad = Vector3::zeros();
         }
-        (started && !broken).then_some(Rotation { increment_rad, rate_rad_s })
+        (started && !broken).then_some(Rotation { increment_rad, rate_rad_s, variance_rad2 })
     }
 
     fn up_at(&mut self, time_ns: i64) -> Option<Vector3<f64>> {

@@ -130,7 +130,11 @@ impl Trial {
             device.add_variance(OFFSET, step_ut * step_ut);
             let room = config.iron_sd_max.powi(2) - device.iron_variance();
             let wanted = (IRON_STEP * (step_ut / 20.0).min(1.5)).powi(2);
-            device.add_iron_variance(wanted.min(room).max(0.0));
+            let iron = wanted.min(room).max(0.0);
+            device.add_iron_variance(iron);
+            // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
+            let m = device.vector(FIELD);
+            device.add_block(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
         let mut place = base;
         place.add_variance(FIELD, step_ut * step_ut);

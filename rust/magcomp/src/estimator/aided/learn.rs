@@ -65,7 +65,7 @@ impl Aided {
             dense.add_variance(OFFSET, self.config.gap_offset_walk_ut.powi(2) * dt_s.min(LONGEST_DRIFT_S));
         }
         self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.config);
-        let noise = self.process_noise();
+        let noise = self.process_noise(rotation.variance_rad2);
         let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
         let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
         let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
@@ -276,12 +276,13 @@ impl Aided {
         self.prior_age_s = 0.0;
     }
 
-    fn process_noise(&self) -> ProcessNoise {
+    fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
         let c = &self.config;
         ProcessNoise {
             field_ut: c.field_walk_ut,
             angle_rad: c.angle_walk_rad,
             scale: c.scale_walk,
+            bridged_rad2,
             offset_ut: self.adaptation.offset_walk_ut * self.motion.amount().sqrt(),
             iron: c.iron_walk,
             bias_rad_s: c.bias_walk_rad_s,

@@ -27,6 +27,8 @@ pub(crate) struct ProcessNoise {
     pub(crate) field_ut: f64,
     pub(crate) angle_rad: f64,
     pub(crate) scale: f64,
+    /// Variance (not density) of this step's increment per axis, for what the gyroscope did between its events, rad^2.
+    pub(crate) bridged_rad2: f64,
     pub(crate) offset_ut: f64,
     pub(crate) iron: f64,
     pub(crate) bias_rad_s: f64,
@@ -110,7 +112,7 @@ impl Dense {
         }
 
         let rate2 = theta.norm_squared() / (dt_s * dt_s).max(1e-12);
-        let angle2 = (noise.angle_rad.powi(2) + noise.scale.powi(2) * rate2) * dt_s;
+        let angle2 = (noise.angle_rad.powi(2) + noise.scale.powi(2) * rate2) * dt_s + noise.bridged_rad2;
         let across = Matrix3::identity() * (m.norm_squared() * angle2 + noise.field_ut.powi(2) * dt_s);
         self.add_block(FIELD, &(across - m * m.transpose() * angle2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);

@@ -42,8 +42,10 @@ impl Aided {
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
         let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
-        let c = still - rate.cross(&still) * filter.mean[DELAY];
-        let f = filter.vector(FIELD);
+        let delay_s = filter.mean[DELAY];
+        let c = still - rate.cross(&still) * delay_s.max(0.0);
+        let m = filter.vector(FIELD);
+        let f = m + rate.cross(&m) * delay_s.min(0.0);
         let swing = rate.cross(&f) * self.config.clock_sd_s;
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.config);
