@@ -229,7 +229,7 @@ pub fn slots(_env: Env, _class: jclass) -> jint {
 }
 
 /// A raw magnetometer event, uT; `bx` to `bz` are the operating system's own hard iron, NaN for none. Answers the
-/// status's code and fills `out`.
+/// status's code and fills `out`; an `out` that is too short throws.
 #[allow(clippy::too_many_arguments)]
 #[jni_mangle("org.magcomp.FastPath")]
 pub fn push(
@@ -246,12 +246,10 @@ pub fn push(
     out: JavaArray<jdouble>,
 ) -> jint {
     let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-    if out.len(env) < slot::COUNT {
-        return TOO_SHORT;
-    }
     let reported = Vector3 { x: bx, y: by, z: bz };
     match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
         Ok(slots) => {
+            // the JVM checks the length, and throws IndexOutOfBoundsException
             out.write(env, 0, &slots);
             slots[slot::STATUS] as jint
         }
@@ -368,16 +366,24 @@ mod hooks {
         examples.len() as jint
     }
 
-    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, with the paper's
-    /// method or a constant calibration.
+    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, by the paper's
+    /// method or with a constant calibration.
     #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn bare_push_ns(env: Env, _class: jclass, constant: bool, step_ns: jlong, values: JavaArray<jdouble>) -> jlong {
+    pub fn bare_push_ns(
+        env: Env,
+        _class: jclass,
+        constant: bool,
+        n_min: jint,
+        step_ns: jlong,
+        values: JavaArray<jdouble>,
+    ) -> jlong {
         let mut samples = vec![0.0; values.len(env)];
         values.read(env, 0, &mut samples);
         let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
-        let Ok(mut core) = magcomp::Compensator::new(magcomp::Config { method, ..Default::default() }) else {
-            return -1;
-        };
+        let windowed = magcomp::WindowedConfig { n_min: n_min as usize, ..Default::default() };
+        let initial = constant.then(|| magcomp::Calibration::identity(50.0));
+        let config = magcomp::Config { method, windowed, initial, ..Default::default() };
+        let Ok(mut core) = magcomp::Compensator::new(config) else { return -1 };
         let begin = std::time::Instant::now();
         for (k, xyz) in samples.chunks_exact(3).enumerate() {
             let time_ns = (k as i64 + 1) * step_ns;
