@@ -50,7 +50,10 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
-        self.running.with(|running| Ok(running.push(sample, self.use_reported_hard_iron)))
+        self.push_for(sample, |reading, jump_ut| Reading {
+            reported_hard_iron_jump_ut: jump_ut,
+            ..Reading::from(*reading)
+        })
     }
 
     /// A gyroscope event. Fails with `EventRejected`, which says why it was not used.
@@ -146,6 +149,18 @@ impl Compensator {
 }
 
 impl Compensator {
+    /// What `answer` makes of the core's reading and of the jump of the operating system's hard iron, microtesla.
+    pub(crate) fn push_for<R>(
+        &self,
+        sample: MagneticSample,
+        answer: impl FnOnce(&magcomp::Reading, Option<f64>) -> R,
+    ) -> Result<R, MagcompError> {
+        self.running.with(|running| {
+            let jump_ut = running.note_reported(&sample, self.use_reported_hard_iron);
+            Ok(answer(&running.core.push(sample.into()), jump_ut))
+        })
+    }
+
     /// Runs an action that panics, to show what happens then.
     #[cfg(feature = "test-hooks")]
     pub(crate) fn panic_on_purpose(&self) -> Result<(), MagcompError> {
@@ -159,20 +174,17 @@ impl Running {
         Ok(Self { core, reported_ut: None })
     }
 
-    fn push(&mut self, sample: MagneticSample, use_reported: bool) -> Reading {
-        let reported = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()));
-        if let Some(hard_iron_ut) = reported.filter(|_| use_reported && self.core.calibration().is_none()) {
-            match prior(hard_iron_ut, self.core.config()) {
+    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
+    fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
+        let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
+        if use_reported && self.core.calibration().is_none() {
+            match prior(now, self.core.config()) {
                 Ok(calibration) => self.core.adopt(calibration),
                 Err(error) => log::warn!("the operating system's hard iron was not taken over: {error}"),
             }
         }
-        let mut reading = Reading::from(self.core.push(sample.into()));
-        if let (Some(now), Some(before)) = (reported, self.reported_ut) {
-            reading.reported_hard_iron_jump_ut = Some((now - before).norm()).filter(|jump| *jump > 0.0);
-        }
-        self.reported_ut = reported.or(self.reported_ut);
-        reading
+        let before = self.reported_ut.replace(now)?;
+        Some((now - before).norm()).filter(|jump| *jump > 0.0)
     }
 }
 

@@ -51,7 +51,7 @@ const MARK: &str = "{\"magcomp_snapshot\":";
 pub(crate) fn seal<S: Serialize>(calibration: Option<Calibration>, state: &S) -> String {
     let (calibration, state) = (encode(&calibration), encode(state));
     let body = format!("\"library\":\"{LIBRARY}\",\"calibration\":\"{calibration}\",\"state\":\"{state}\"}}");
-    format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32fast::hash(body.as_bytes()))
+    format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()))
 }
 
 /// What a text holds.
@@ -67,8 +67,8 @@ pub(crate) fn open(text: &str) -> Result<Opened<'_>, SnapshotError> {
 }
 
 fn opened(rest: &str) -> Option<Opened<'_>> {
-    let (crc32, body) = rest.strip_prefix("\"crc32\":\"")?.split_once("\",")?;
-    if crc32 != format!("{:08x}", crc32fast::hash(body.as_bytes())) {
+    let (checksum, body) = rest.strip_prefix("\"crc32\":\"")?.split_once("\",")?;
+    if checksum != format!("{:08x}", crc32(body.as_bytes())) {
         return None;
     }
     let (library, rest) = body.strip_prefix("\"library\":\"")?.split_once("\",\"calibration\":\"")?;
@@ -84,6 +84,14 @@ impl Opened<'_> {
         }
         decode(self.state).map(Some).ok_or(SnapshotError::Damaged)
     }
+}
+
+/// The checksum of zip and PNG: division by the polynomial 0x04c11db7, lowest bit first.
+fn crc32(bytes: &[u8]) -> u32 {
+    let remainder = bytes.iter().fold(u32::MAX, |remainder, byte| {
+        (0..8).fold(remainder ^ u32::from(*byte), |r, _| if r & 1 == 1 { r >> 1 ^ 0xedb8_8320 } else { r >> 1 })
+    });
+    !remainder
 }
 
 const DIGITS: &[u8; 16] = b"0123456789abcdef";
@@ -117,10 +125,15 @@ mod tests {
         assert_eq!(open(&ours).unwrap().state(), Ok(Some(7_u8)));
         let (_, body) = ours.split_once("\"library\"").unwrap();
         let body = format!("\"library\"{body}").replacen(LIBRARY, "0.0.9", 1);
-        let theirs = format!("{MARK}1,\"crc32\":\"{:08x}\",{body}", crc32fast::hash(body.as_bytes()));
+        let theirs = format!("{MARK}1,\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()));
         let opened = open(&theirs).unwrap();
         assert_eq!(opened.calibration, Some(calibration));
         assert_eq!(opened.state::<u8>(), Ok(None));
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_the_catalogue() {
+        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
     }
 
     #[test]
