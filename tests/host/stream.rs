@@ -2,9 +2,9 @@
 
 use magcomp::nalgebra::Vector3;
 use magcomp::{
-    Compensator, Config, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Reading, RejectReason,
-    Residual, Restored, RotationRateSample, SensorLimits, SnapshotError, Status, UpSample, WindowedConfig,
-    fit_ellipsoid,
+    Calibration, Compensator, Config, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Reading,
+    RejectReason, Residual, Restored, RotationRateSample, ScreenRotation, SensorLimits, SnapshotError, Status,
+    UpSample, WindowedConfig, fit_ellipsoid,
 };
 use magcomp_tests::{REF, Random, calibration, difference, sample};
 use proptest::prelude::*;
@@ -277,6 +277,94 @@ fn another_config_takes_the_calibration_alone() {
     assert_eq!(target.config(), &other);
     // the clock starts anew
     assert!(!matches!(target.push(sample(0, Vector3::new(1.0, 2.0, 3.0))).status, Status::Rejected(_)));
+}
+
+#[test]
+fn the_calibration_of_a_snapshot_alone_lets_the_clock_start_anew() {
+    let (config, source) = small(40);
+    let mut target = compensator(&config);
+    target.push(sample(900, Vector3::new(1.0, 2.0, 3.0)));
+    assert_eq!(target.restore_calibration(&source.snapshot()), Ok(()));
+    assert_eq!(target.calibration(), source.calibration());
+    assert!(!matches!(target.push(sample(0, Vector3::new(1.0, 2.0, 3.0))).status, Status::Rejected(_)));
+    let before = target.snapshot();
+    assert_eq!(target.restore_calibration(&before[1..]), Err(SnapshotError::Damaged));
+    assert_eq!(target.snapshot(), before);
+}
+
+#[test]
+fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
+    for (method, gyroscope) in [(Method::Auto, true), (Method::Auto, false), (Method::Windowed, true)] {
+        let mut compensator = compensator(&config(method, 100, 300));
+        let mut random = Random::new(630);
+        let truth = calibration(&REF, 45.0);
+        let up_m_s2 = Vector3::new(0.0, 0.0, 9.8);
+        let mut push = |compensator: &mut Compensator, k: usize| {
+            let MagneticSample { time_ns, field_ut } = sample(k, random.raw_one(&truth, 0.2));
+            if gyroscope {
+                let rate = RotationRateSample { time_ns, rate_rad_s: Vector3::new(0.1, 0.2, 0.3) };
+                assert_eq!(compensator.push_rotation_rate(rate), Ok(()));
+            }
+            assert_eq!(compensator.push_up(UpSample { time_ns, up_m_s2 }), Ok(()));
+            (field_ut, compensator.push(MagneticSample { time_ns, field_ut }))
+        };
+        // long enough for a calibration of its own without a gyroscope, and none with this one, which does not fit
+        for k in 0..150 {
+            push(&mut compensator, k);
+        }
+        let b = truth.hard_iron_ut() + Vector3::new(40.0, 0.0, 0.0);
+        let given = Calibration::new(*truth.soft_iron(), b, 45.0).expect("a calibration");
+        compensator.adopt(given);
+        assert_eq!(compensator.calibration(), Some(given));
+        let (raw_ut, reading) = push(&mut compensator, 150);
+        assert!(
+            !matches!(reading.status, Status::Collecting(_) | Status::Rejected(_)),
+            "{method:?}: {}",
+            reading.status
+        );
+        if gyroscope && method == Method::Auto {
+            let off_ut = (reading.field_ut.expect("calibrated") - given.correct(&raw_ut)).norm();
+            assert!(off_ut < 1.0, "{off_ut} uT");
+        }
+        // the clock did not start anew
+        let late = compensator.push(sample(149, Vector3::new(1.0, 2.0, 3.0)));
+        assert!(matches!(late.status, Status::Rejected(_)), "{}", late.status);
+    }
+}
+
+#[test]
+fn headings_may_be_set_anew_in_the_stream() {
+    let set = HeadingConfig {
+        screen_rotation: ScreenRotation::Deg90,
+        declination_deg: Some(7.0),
+        ..HeadingConfig::default()
+    };
+    let one = config(Method::Windowed, 100, 2000);
+    let other = Config { heading: set, ..one.clone() };
+    let (mut changed, mut from_the_start) = (compensator(&one), compensator(&other));
+    let (mut random, mut again) = (Random::new(640), Random::new(640));
+    for k in 0..400 {
+        if k == 300 {
+            assert_eq!(changed.set_heading(set), Ok(()));
+            assert_eq!(changed.config(), &other);
+        }
+        let (found, expected) = (advance(&mut changed, &mut random, k), advance(&mut from_the_start, &mut again, k));
+        assert_eq!(bits(&found) == bits(&expected), k >= 300 || found.heading.is_none(), "sample {k}");
+        assert!(k < 390 || k % 97 == 50 || found.heading.is_some(), "sample {k} shows nothing");
+    }
+    let error = changed.set_heading(HeadingConfig { declination_deg: Some(181.0), ..set });
+    assert_eq!(error.expect_err("out of range").field, "heading.declination_deg");
+    assert_eq!(changed.config(), &other);
+    // how headings are reported is no part of what was learned
+    let mut restored = compensator(&one);
+    assert_eq!(restored.restore(&changed.snapshot()), Ok(Restored::Everything));
+    assert_eq!(restored.config(), &one);
+    assert_eq!(restored.set_heading(set), Ok(()));
+    let (mut random, mut again) = (Random::new(641), Random::new(641));
+    for k in 400..450 {
+        let (found, expected) = (advance(&mut restored, &mut random, k), advance(&mut changed, &mut again, k));
+        assert_eq!(bits(&found), bits(&expected), "sample {k}");
+    }
 }
 
 #[test]

@@ -1,12 +1,9 @@
-//! The compensator as it crosses the border: one mutex around one core object, and what belongs to this platform
-//! rather than to the method: the operating system's own hard-iron estimate, and a heading frame that may change.
+//! The compensator as it crosses the border: one mutex around one core object, and what belongs X
 
 use crate::config::Config;
 use crate::error::MagcompError;
 use crate::guarded::{Guarded, caught};
-use crate::record::{
-    Calibration, Coverage, Fit, HeadingFrame, MagneticSample, Reading, RotationRateSample, UpSample, heading_in,
-};
+use crate::record::{Calibration, Coverage, Fit, HeadingFrame, MagneticSample, Reading, RotationRateSample, UpSample};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use std::sync::{Arc, OnceLock};
 
@@ -24,15 +21,12 @@ pub struct Compensator {
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot was made with another config: its calibration was taken over, the rest starts anew.
+    /// The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
     CalibrationOnly,
 }
 
 struct Running {
     core: magcomp::Compensator,
-    /// None: the config's.
-    frame: Option<HeadingFrame>,
-    up: Option<Vector3<f64>>,
     reported_ut: Option<Vector3<f64>>,
 }
 
@@ -56,7 +50,10 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
-        self.running.with(|running| Ok(running.push(sample, self.use_reported_hard_iron)))
+        self.push_for(sample, |reading, jump_ut| Reading {
+            reported_hard_iron_jump_ut: jump_ut,
+            ..Reading::from(*reading)
+        })
     }
 
     /// A gyroscope event. Fails with `EventRejected`, which says why it was not used.
@@ -66,21 +63,20 @@ impl Compensator {
 
     /// An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
     pub fn push_up(&self, sample: UpSample) -> Result<(), MagcompError> {
-        self.running.with(|running| {
-            running.core.push_up(sample.into())?;
-            running.up = Some(sample.up_m_s2.into());
-            Ok(())
-        })
+        self.running.with(|running| Ok(running.core.push_up(sample.into())?))
     }
 
     /// From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
     /// Fails with `Config` when the declination is out of range.
     pub fn set_heading_frame(&self, frame: HeadingFrame) -> Result<(), MagcompError> {
-        let heading = magcomp::HeadingConfig { declination_deg: frame.declination_deg, ..self.config.heading };
-        magcomp::Config { heading, ..self.config.clone() }.validate()?;
         self.running.with(|running| {
-            running.frame = Some(frame);
-            Ok(())
+            let heading = magcomp::HeadingConfig {
+                axis: frame.axis.into(),
+                screen_rotation: frame.screen_rotation.into(),
+                declination_deg: frame.declination_deg,
+                ..running.core.config().heading
+            };
+            Ok(running.core.set_heading(heading)?)
         })
     }
 
@@ -105,7 +101,7 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.coverage().into()))
     }
 
-    /// Forgets everything but the config, and makes it usable again after `Panicked`.
+    /// Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
     pub fn reset(&self) -> Result<(), MagcompError> {
         self.running.replace(|| Running::new(&self.config))
     }
@@ -115,12 +111,13 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.snapshot()))
     }
 
-    /// Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-    /// `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
+    /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+    /// version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+    /// changed then.
     pub fn restore(&self, snapshot: String) -> Result<Restored, MagcompError> {
         let restored = self.running.with(|running| {
             let restored = running.core.restore(&snapshot)?;
-            (running.up, running.reported_ut) = (None, None);
+            running.reported_ut = None;
             Ok(restored)
         })?;
         Ok(match restored {
@@ -133,13 +130,11 @@ impl Compensator {
     /// device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
     /// changed then.
     pub fn restore_calibration(&self, snapshot: String) -> Result<(), MagcompError> {
-        let kept = caught(|| {
-            let mut other = magcomp::Compensator::new(self.config.clone())?;
-            other.restore(&snapshot)?;
-            Ok::<_, MagcompError>(other.calibration())
-        });
-        let kept = kept.map_err(|what| MagcompError::Panicked { what })??;
-        self.running.with(|running| kept.map_or(Ok(()), |calibration| running.begin_with(calibration)))
+        self.running.with(|running| {
+            running.core.restore_calibration(&snapshot)?;
+            running.reported_ut = None;
+            Ok(())
+        })
     }
 
     /// Frees the native state now; from then on every call fails with `Closed`. May be called twice.
@@ -154,6 +149,18 @@ impl Compensator {
 }
 
 impl Compensator {
+    /// What `answer` makes of the core's reading and of the jump of the operating system's hard iron, microtesla.
+    pub(crate) fn push_for<R>(
+        &self,
+        sample: MagneticSample,
+        answer: impl FnOnce(&magcomp::Reading, Option<f64>) -> R,
+    ) -> Result<R, MagcompError> {
+        self.running.with(|running| {
+            let jump_ut = running.note_reported(&sample, self.use_reported_hard_iron);
+            Ok(answer(&running.core.push(sample.into()), jump_ut))
+        })
+    }
+
     /// Runs an action that panics, to show what happens then.
     #[cfg(feature = "test-hooks")]
     pub(crate) fn panic_on_purpose(&self) -> Result<(), MagcompError> {
@@ -164,41 +171,20 @@ impl Compensator {
 impl Running {
     fn new(config: &magcomp::Config) -> Result<Self, MagcompError> {
         let core = magcomp::Compensator::new(config.clone())?;
-        Ok(Self { core, frame: None, up: None, reported_ut: None })
+        Ok(Self { core, reported_ut: None })
     }
 
-    fn push(&mut self, sample: MagneticSample, use_reported: bool) -> Reading {
-        let reported = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()));
-        if let Some(hard_iron_ut) = reported.filter(|_| use_reported && self.core.calibration().is_none()) {
-            let begun = prior(hard_iron_ut, self.core.config()).and_then(|calibration| self.begin_with(calibration));
-            if let Err(error) = begun {
-                log::warn!("the operating system's hard iron was not taken over: {error}");
+    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
+    fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
+        let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
+        if use_reported && self.core.calibration().is_none() {
+            match prior(now, self.core.config()) {
+                Ok(calibration) => self.core.adopt(calibration),
+                Err(error) => log::warn!("the operating system's hard iron was not taken over: {error}"),
             }
         }
-        let answer = self.core.push(sample.into());
-        let mut reading = Reading::from(answer);
-        if let (Some(frame), Some(up), Some(found)) = (&self.frame, &self.up, &mut reading.heading) {
-            let field_ut = answer.filtered_field_ut.or(answer.field_ut);
-            // sigma and inclination are the same in every frame
-            let sigma = found.heading_sigma_deg;
-            reading.heading = field_ut.and_then(|field_ut| heading_in(&field_ut, up, frame));
-            if let Some(heading) = &mut reading.heading {
-                heading.heading_sigma_deg = sigma;
-            }
-        }
-        if let (Some(now), Some(before)) = (reported, self.reported_ut) {
-            reading.reported_hard_iron_jump_ut = Some((now - before).norm()).filter(|jump| *jump > 0.0);
-        }
-        self.reported_ut = reported.or(self.reported_ut);
-        reading
-    }
-
-    /// A calibration to begin with. The core takes one over from a snapshot made with another config.
-    fn begin_with(&mut self, calibration: magcomp::Calibration) -> Result<(), MagcompError> {
-        let config = magcomp::Config { initial: Some(calibration), ..self.core.config().clone() };
-        self.core.restore(&magcomp::Compensator::new(config)?.snapshot())?;
-        (self.up, self.reported_ut) = (None, None);
-        Ok(())
+        let before = self.reported_ut.replace(now)?;
+        Some((now - before).norm()).filter(|jump| *jump > 0.0)
     }
 }
 

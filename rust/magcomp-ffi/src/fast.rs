@@ -10,10 +10,11 @@
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::java::{Env, JavaArray};
-use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
+use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
+use crate::status::{EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
+use magcomp::{EventKind, SensorMode, nalgebra};
 
 /// The handle's object is closed or gone.
 const CLOSED: jint = -1;
@@ -61,31 +62,45 @@ fn halves(time_ns: i64) -> [f64; 2] {
     [(time_ns >> 32) as f64, (time_ns & 0xffff_ffff) as f64]
 }
 
-fn write_reading(reading: &Reading) -> Slots {
-    let mut out = [f64::NAN; slot::COUNT];
-    write_status(&reading.status, &mut out);
-    write_vector(reading.field_ut, slot::FIELD, &mut out);
-    write_vector(reading.filtered_field_ut, slot::FILTERED_FIELD, &mut out);
+fn write_reading(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Slots {
+    let magcomp::Reading {
+        time_ns: _, // the caller knows it
+        field_ut,
+        field_sigma_ut,
+        filtered_field_ut,
+        total_field_ut,
+        heading,
+        sigma_t,
+        window,
+        coverage,
+        mode,
+        event,
+        status,
+    } = reading;
     let unknown = f64::NAN;
-    out[slot::TOTAL_FIELD] = reading.total_field_ut.unwrap_or(unknown);
-    if let Some(heading) = &reading.heading {
+    let mut out = [unknown; slot::COUNT];
+    write_status(&(*status).into(), &mut out);
+    write_vector(field_ut, slot::FIELD, &mut out);
+    write_vector(filtered_field_ut, slot::FILTERED_FIELD, &mut out);
+    out[slot::TOTAL_FIELD] = total_field_ut.unwrap_or(unknown);
+    if let Some(heading) = heading {
         out[slot::HEADING] = heading.heading_deg;
         out[slot::HEADING_SIGMA] = heading.heading_sigma_deg.unwrap_or(unknown);
         out[slot::TRUE_HEADING] = heading.true_heading_deg.unwrap_or(unknown);
         out[slot::INCLINATION] = heading.inclination_deg;
     }
-    out[slot::SIGMA_T] = reading.sigma_t.unwrap_or(unknown);
-    out[slot::WINDOW] = f64::from(reading.window);
-    out[slot::COVERAGE] = reading.coverage;
-    out[slot::REPORTED_JUMP] = reading.reported_hard_iron_jump_ut.unwrap_or(unknown);
-    out[slot::FIELD_SIGMA] = reading.field_sigma_ut.unwrap_or(unknown);
-    out[slot::MODE] = f64::from(match reading.mode {
+    out[slot::SIGMA_T] = sigma_t.unwrap_or(unknown);
+    out[slot::WINDOW] = *window as f64;
+    out[slot::COVERAGE] = *coverage;
+    out[slot::REPORTED_JUMP] = jump_ut.unwrap_or(unknown);
+    out[slot::FIELD_SIGMA] = field_sigma_ut.unwrap_or(unknown);
+    out[slot::MODE] = f64::from(match mode {
         SensorMode::GyroscopeAndGravity => 0,
         SensorMode::GyroscopeOnly => 1,
         SensorMode::GravityOnly => 2,
         SensorMode::MagnetometerOnly => 3,
     });
-    if let Some(event) = &reading.event {
+    if let Some(event) = event {
         out[slot::EVENT] = f64::from(match event.kind {
             EventKind::DeviceStep => 0,
             EventKind::DeviceStepBack => 1,
@@ -98,9 +113,9 @@ fn write_reading(reading: &Reading) -> Slots {
     out
 }
 
-fn write_vector(v: Option<Vector3>, at: usize, out: &mut Slots) {
+fn write_vector(v: &Option<nalgebra::Vector3<f64>>, at: usize, out: &mut Slots) {
     if let Some(v) = v {
-        out[at..at + 3].copy_from_slice(&[v.x, v.y, v.z]);
+        out[at..at + 3].copy_from_slice(v.as_slice());
     }
 }
 
@@ -216,10 +231,7 @@ fn event_code(result: Result<(), MagcompError>) -> jint {
 fn magnetic(compensator: &Compensator, time_ns: i64, field_ut: Vector3, reported: Vector3) -> Result<Slots, jint> {
     let known = !(reported.x.is_nan() || reported.y.is_nan() || reported.z.is_nan());
     let sample = MagneticSample { time_ns, field_ut, reported_hard_iron_ut: known.then_some(reported) };
-    match compensator.push(sample) {
-        Ok(reading) => Ok(write_reading(&reading)),
-        Err(error) => Err(code_of(&error)),
-    }
+    compensator.push_for(sample, write_reading).map_err(|error| code_of(&error))
 }
 
 /// Doubles in `out`.
@@ -229,7 +241,7 @@ pub fn slots(_env: Env, _class: jclass) -> jint {
 }
 
 /// A raw magnetometer event, uT; `bx` to `bz` are the operating system's own hard iron, NaN for none. Answers the
-/// status's code and fills `out`.
+/// status's code and fills `out`; an `out` that is too short throws.
 #[allow(clippy::too_many_arguments)]
 #[jni_mangle("org.magcomp.FastPath")]
 pub fn push(
@@ -246,12 +258,10 @@ pub fn push(
     out: JavaArray<jdouble>,
 ) -> jint {
     let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-    if out.len(env) < slot::COUNT {
-        return TOO_SHORT;
-    }
     let reported = Vector3 { x: bx, y: by, z: bz };
     match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
         Ok(slots) => {
+            // the JVM checks the length, and throws IndexOutOfBoundsException
             out.write(env, 0, &slots);
             slots[slot::STATUS] as jint
         }
@@ -368,16 +378,24 @@ mod hooks {
         examples.len() as jint
     }
 
-    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, with the paper's
-    /// method or a constant calibration.
+    /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, by the paper's
+    /// method or with a constant calibration.
     #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn bare_push_ns(env: Env, _class: jclass, constant: bool, step_ns: jlong, values: JavaArray<jdouble>) -> jlong {
+    pub fn bare_push_ns(
+        env: Env,
+        _class: jclass,
+        constant: bool,
+        n_min: jint,
+        step_ns: jlong,
+        values: JavaArray<jdouble>,
+    ) -> jlong {
         let mut samples = vec![0.0; values.len(env)];
         values.read(env, 0, &mut samples);
         let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
-        let Ok(mut core) = magcomp::Compensator::new(magcomp::Config { method, ..Default::default() }) else {
-            return -1;
-        };
+        let windowed = magcomp::WindowedConfig { n_min: n_min as usize, ..Default::default() };
+        let initial = constant.then(|| magcomp::Calibration::identity(50.0));
+        let config = magcomp::Config { method, windowed, initial, ..Default::default() };
+        let Ok(mut core) = magcomp::Compensator::new(config) else { return -1 };
         let begin = std::time::Instant::now();
         for (k, xyz) in samples.chunks_exact(3).enumerate() {
             let time_ns = (k as i64 + 1) * step_ns;

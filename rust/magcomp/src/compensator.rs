@@ -2,7 +2,7 @@
 //! forms the heading from the corrected field and the latest `up`.
 
 use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError, Method};
+use crate::config::{Config, ConfigError, HeadingConfig, Method};
 use crate::coverage::Coverage;
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::aided::Aided;
@@ -64,11 +64,10 @@ struct Inputs {
     event: Option<Event>,
 }
 
-/// Everything a snapshot holds.
+/// What a snapshot holds besides the calibration.
 #[derive(Debug, Serialize, Deserialize)]
 struct State {
     config: Config,
-    calibration: Option<Calibration>,
     inputs: Inputs,
     pairing: InertialPairing,
     aided: Aided,
@@ -104,10 +103,29 @@ impl Compensator {
         })
     }
 
-    /// The config it was made with.
+    /// The config it was made with, and the heading settings that were set since.
     #[must_use]
     pub fn config(&self) -> &Config {
         &self.config
+    }
+
+    /// From now on headings are reported like this, for instance when the screen was turned. Nothing else changes.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the field that is out of range; nothing has changed then.
+    pub fn set_heading(&mut self, heading: HeadingConfig) -> Result<(), ConfigError> {
+        heading.validate()?;
+        self.config.heading = heading;
+        Ok(())
+    }
+
+    /// From now on this calibration is in force, until something better is learned: for instance one the operating
+    /// system reports. The stream goes on.
+    pub fn adopt(&mut self, calibration: Calibration) {
+        self.windowed.adopt(calibration);
+        self.aided.begin_from(&calibration);
+        // it does not know yet where the field points: the next sample goes in as one after a pause
+        self.inputs.aided = false;
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -271,41 +289,55 @@ impl Compensator {
         }
     }
 
-    /// The whole state as JSON with a version and a checksum. A compensator with the same config that restores it
-    /// gives bit-identical readings from there on.
+    /// The whole state as text with a version and a checksum. A compensator with the same config that restores it gives
+    /// bit-identical readings from there on.
     #[must_use]
     pub fn snapshot(&self) -> String {
-        seal(&State {
+        let state = State {
             config: self.config.clone(),
-            calibration: self.calibration(),
             inputs: self.inputs,
             pairing: self.pairing.clone(),
             aided: self.aided.clone(),
             windowed: self.windowed.state(),
-        })
+        };
+        seal(self.calibration(), &state)
     }
 
-    /// Takes over a snapshot: everything when it was made with the same config, else its calibration alone, and the
-    /// clock starts anew.
+    /// Takes over a snapshot: everything when it was made with the same config, heading settings aside, which stay as
+    /// they are here; else as [`Self::restore_calibration`].
     ///
     /// # Errors
     /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
     pub fn restore(&mut self, snapshot: &str) -> Result<Restored, SnapshotError> {
-        let state: State = open(snapshot)?;
-        if state.config == self.config {
-            let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
-            (self.windowed, self.aided, self.pairing, self.inputs) =
-                (windowed, state.aided, state.pairing, state.inputs);
-            return Ok(Restored::Everything);
+        let kept = open(snapshot)?;
+        if let Some(state) = kept.state::<State>()? {
+            let same = Config { heading: self.config.heading, ..state.config } == self.config;
+            if same {
+                let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
+                (self.windowed, self.aided, self.pairing, self.inputs) =
+                    (windowed, state.aided, state.pairing, state.inputs);
+                return Ok(Restored::Everything);
+            }
         }
-        self.restore_calibration(state.calibration)
+        self.begin_with(kept.calibration);
+        Ok(Restored::CalibrationOnly)
     }
 
-    fn restore_calibration(&mut self, calibration: Option<Calibration>) -> Result<Restored, SnapshotError> {
-        let config = Config { initial: calibration.or(self.config.initial), ..self.config.clone() };
-        let started = Self::new(config).map_err(|_| SnapshotError::Damaged)?;
-        *self = Self { config: self.config.clone(), ..started };
-        Ok(Restored::CalibrationOnly)
+    /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch
+    /// of an app, or of a device whose clock begins at 0 again.
+    ///
+    /// # Errors
+    /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
+    pub fn restore_calibration(&mut self, snapshot: &str) -> Result<(), SnapshotError> {
+        self.begin_with(open(snapshot)?.calibration);
+        Ok(())
+    }
+
+    fn begin_with(&mut self, calibration: Option<Calibration>) {
+        self.reset();
+        if let Some(calibration) = calibration {
+            self.adopt(calibration);
+        }
     }
 
     fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {

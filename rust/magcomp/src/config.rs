@@ -142,10 +142,8 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        let (s, f, w, h) = (&self.sensor, &self.fit, &self.windowed, &self.heading);
-        let positive = |v: f64| v > 0.0 && v.is_finite();
-        let not_negative = |v: f64| v >= 0.0 && v.is_finite();
-        let checks: [(bool, &'static str, &dyn std::fmt::Debug, &'static str); 22] = [
+        let (s, f, w) = (&self.sensor, &self.fit, &self.windowed);
+        let checks: [Check<'_>; 19] = [
             (positive(s.range_ut), "sensor.range_ut", &s.range_ut, "above 0 uT"),
             (s.rail_ut.is_none_or(positive), "sensor.rail_ut", &s.rail_ut, "above 0 uT, or none"),
             (positive(self.pairing.stale_s), "pairing.stale_s", &self.pairing.stale_s, "above 0 s"),
@@ -187,6 +185,18 @@ impl Config {
             (w.n_max <= LARGEST_WINDOW, "windowed.n_max", &w.n_max, "at most 100000 samples"),
             (not_negative(w.sigma_th), "windowed.sigma_th", &w.sigma_th, "0 or above"),
             (w.refit_stride >= 1, "windowed.refit_stride", &w.refit_stride, "at least 1"),
+        ];
+        first_failed(&checks)?;
+        self.heading.validate()?;
+        self.aided.validate()
+    }
+}
+
+impl HeadingConfig {
+    /// Whether every field is inside its range.
+    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
+        let h = self;
+        first_failed(&[
             (
                 h.declination_deg.is_none_or(|d| (-180.0..=180.0).contains(&d)),
                 "heading.declination_deg",
@@ -195,14 +205,24 @@ impl Config {
             ),
             (not_negative(h.tilt_sigma_deg), "heading.tilt_sigma_deg", &h.tilt_sigma_deg, "0 deg or above"),
             (not_negative(h.field_sigma_ut), "heading.field_sigma_ut", &h.field_sigma_ut, "0 uT or above"),
-        ];
-        match checks.into_iter().find(|(ok, ..)| !ok) {
-            None => self.aided.validate(),
-            Some((_, field, value, expected)) => {
-                let value = format!("{value:?}");
-                let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
-                Err(ConfigError { field, value, expected })
-            }
-        }
+        ])
     }
+}
+
+/// Whether it holds, the field's path, its value, and what it may be.
+type Check<'a> = (bool, &'static str, &'a dyn std::fmt::Debug, &'static str);
+
+fn positive(v: f64) -> bool {
+    v > 0.0 && v.is_finite()
+}
+
+fn not_negative(v: f64) -> bool {
+    v >= 0.0 && v.is_finite()
+}
+
+fn first_failed(checks: &[Check<'_>]) -> Result<(), ConfigError> {
+    let Some((_, field, value, expected)) = checks.iter().find(|(ok, ..)| !ok) else { return Ok(()) };
+    let value = format!("{value:?}");
+    let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
+    Err(ConfigError { field, value, expected })
 }

@@ -19,6 +19,21 @@ macro_rules! config {
         }
 
         impl AidedConfig {
+            /// Every number with its name.
+            pub fn settings(&self) -> impl Iterator<Item = (&'static str, f64)> {
+                [$((stringify!($name), self.$name),)*].into_iter()
+            }
+
+            /// Sets the number of that name. False when there is none; the range is checked with the whole config.
+            #[must_use]
+            pub fn set(&mut self, name: &str, value: f64) -> bool {
+                match name {
+                    $(stringify!($name) => self.$name = value,)*
+                    _ => return false,
+                }
+                true
+            }
+
             /// Checks every field against its range.
             pub(crate) fn validate(&self) -> Result<(), ConfigError> {
                 $(

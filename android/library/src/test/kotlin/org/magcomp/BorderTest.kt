@@ -153,7 +153,7 @@ class BorderTest {
         NativeCompensator(Config()).use { native ->
             val handle = native.fastHandle()
             val short = DoubleArray(out.size - 1)
-            assertEquals(FastPath.TOO_SHORT, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short))
+            assertThrows(IndexOutOfBoundsException::class.java) { FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short) }
             assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), LongArray(1), DoubleArray(6), out))
             assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), longArrayOf(1, 2), DoubleArray(6), out))
             assertEquals(FastPath.NO_SUCH_KIND, FastPath.pushBatch(handle, byteArrayOf(9), LongArray(1), DoubleArray(3), out))

@@ -19,7 +19,7 @@ object TestHooks {
 
     /** Nanoseconds the core itself takes for these samples. */
     @JvmStatic
-    external fun barePushNs(constant: Boolean, stepNs: Long, values: DoubleArray): Long
+    external fun barePushNs(constant: Boolean, nMin: Int, stepNs: Long, values: DoubleArray): Long
 }
 
 val repository: File = File(System.getProperty("repository.root"))
