@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include <magcomp.h>
+#include "magcomp.h"
 
 /// Panics inside the object of a handle.
 int32_t magcomp_test_panic(int64_t handle);
