@@ -273,6 +273,11 @@ RustBuffer uniffi_magcomp_ffi_fn_method_compensator_covariance(uint64_t ptr, Rus
 RustBuffer uniffi_magcomp_ffi_fn_method_compensator_coverage(uint64_t ptr, RustCallStatus *_Nonnull out_status
 );
 #endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_FAST_HANDLE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_FAST_HANDLE
+int64_t uniffi_magcomp_ffi_fn_method_compensator_fast_handle(uint64_t ptr, RustCallStatus *_Nonnull out_status
+);
+#endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_FIT
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_FIT
 RustBuffer uniffi_magcomp_ffi_fn_method_compensator_fit(uint64_t ptr, RustCallStatus *_Nonnull out_status
@@ -740,6 +745,12 @@ uint16_t uniffi_magcomp_ffi_checksum_method_compensator_covariance(void
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_COVERAGE
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_COVERAGE
 uint16_t uniffi_magcomp_ffi_checksum_method_compensator_coverage(void
+
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_FAST_HANDLE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_FAST_HANDLE
+uint16_t uniffi_magcomp_ffi_checksum_method_compensator_fast_handle(void
 
 );
 #endif

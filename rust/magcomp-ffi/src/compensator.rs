@@ -142,7 +142,7 @@ impl Compensator {
         self.running.shut_down();
     }
 
-    /// A number for the JNI fast path, for the library's own wrapper.
+    /// A number for the fast paths, JNI and C, for the library's own wrapper.
     pub fn fast_handle(self: Arc<Self>) -> i64 {
         *self.handle.get_or_init(|| crate::handles::add(&self))
     }

@@ -1,4 +1,4 @@
-//! Numbers for compensators, so that JNI needs no pointer.
+//! Numbers for compensators, so that JNI and Swift need no pointer.
 //!
 //! A handle is an index and a generation. The table holds weak references: it keeps nothing alive, a handle whose
 //! object is gone finds nothing, and a number is never used twice. So there is no use after close and no double
@@ -37,7 +37,6 @@ pub(crate) fn add(object: &Arc<Compensator>) -> i64 {
 }
 
 /// The object of a handle, if it is still there.
-#[cfg(not(target_vendor = "apple"))]
 pub(crate) fn find(handle: i64) -> Option<Arc<Compensator>> {
     let (generation, index) = ((handle >> 32) as u32, (handle & 0xffff_ffff) as usize);
     let table = TABLE.read().unwrap_or_else(PoisonError::into_inner);

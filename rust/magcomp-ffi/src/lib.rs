@@ -1,12 +1,13 @@
 //! The border between the core and Kotlin or Swift: converts and delegates, nothing else.
 //!
-//! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM. Both act on
-//! the same objects. A panic never crosses: it becomes [`MagcompError::Panicked`], and the object refuses further use
+//! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM, `c` (C) in Swift.
+//! All act on the same objects. A panic never crosses: it becomes [`MagcompError::Panicked`], and the object refuses further use
 //! until it is reset.
 //!
 //! Conversions are in `record`, `status`, `config` and `error` alone, as exhaustive matches and destructurings: what
 //! the core gains, the compiler asks for here.
 
+mod c;
 mod compensator;
 mod config;
 mod constant_field;

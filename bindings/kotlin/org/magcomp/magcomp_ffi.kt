@@ -973,7 +973,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_coverage() and 0xFFFF) != 26830) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() and 0xFFFF) != 32297) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() and 0xFFFF) != 21106) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 33260) {
@@ -1454,7 +1454,7 @@ public interface NativeCompensatorInterface {
     fun `coverage`(): Coverage
 
     /**
-     * A number for the JNI fast path, for the library's own wrapper.
+     * A number for the fast paths, JNI and C, for the library's own wrapper.
      */
     fun `fastHandle`(): kotlin.Long
 
@@ -1685,7 +1685,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * A number for the JNI fast path, for the library's own wrapper.
+     * A number for the fast paths, JNI and C, for the library's own wrapper.
      */override fun `fastHandle`(): kotlin.Long {
             return FfiConverterLong.lift(
     callWithHandle {

@@ -1,0 +1,80 @@
+// swift-tools-version: 6.0
+import PackageDescription
+
+// The native library: on Apple platforms an XCFramework, that of a release or, with MAGCOMP_XCFRAMEWORK, one in a folder
+// of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --profile ship -p magcomp-ffi` left
+// in target/ship, or in the folder MAGCOMP_NATIVE.
+// `ios/build-xcframework.sh --release URL` fills this in: where a release's XCFramework is, and its checksum.
+let release: (url: String, checksum: String)? = nil
+
+let environment = Context.environment
+let localFramework = "target/ios/MagcompFFI.xcframework"
+
+#if os(Linux)
+let onLinux = environment["MAGCOMP_XCFRAMEWORK"] == nil
+#else
+let onLinux = false
+#endif
+
+let native: Target =
+    if onLinux {
+        .systemLibrary(name: "MagcompFFI", path: "ios/Sources/MagcompFFI")
+    } else if let release, environment["MAGCOMP_XCFRAMEWORK"] == nil {
+        .binaryTarget(name: "MagcompFFI", url: release.url, checksum: release.checksum)
+    } else {
+        .binaryTarget(name: "MagcompFFI", path: environment["MAGCOMP_XCFRAMEWORK"] ?? localFramework)
+    }
+let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/ship"
+// allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
+let linking: [LinkerSetting] =
+    onLinux
+    ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.a", "-Xlinker", "--allow-shlib-undefined"])]
+    : []
+
+// A stand-in of CoreMotion, for this package's own tests on Linux
+let standIn = onLinux && environment["MAGCOMP_COREMOTION"] == "stand-in"
+let coreMotion: [Target.Dependency] = standIn ? ["CoreMotion"] : []
+
+var targets: [Target] = [
+    native,
+    .target(
+        name: "MagcompBindings",
+        dependencies: ["MagcompFFI"],
+        path: "bindings/swift",
+        exclude: ["MagcompFFI.h", "MagcompFFI.modulemap"],
+        linkerSettings: linking
+    ),
+    .target(
+        name: "Magcomp",
+        dependencies: ["MagcompBindings", "MagcompFFI"] + coreMotion,
+        path: "ios/Sources/Magcomp",
+        resources: [.copy("PrivacyInfo.xcprivacy")]
+    ),
+]
+if onLinux {
+    // what the feature `test-hooks` adds to the native library
+    targets += [
+        .systemLibrary(name: "MagcompTestHooks", path: "ios/Tests/TestHooks"),
+        .testTarget(
+            name: "MagcompTests",
+            dependencies: ["Magcomp", "MagcompTestHooks"] + coreMotion,
+            path: "ios/Tests/MagcompTests"
+        ),
+        .executableTarget(
+            name: "Benchmark",
+            dependencies: ["Magcomp", "MagcompTestHooks"],
+            path: "ios/Tests/Benchmark"
+        ),
+    ]
+}
+if standIn {
+    targets.append(.target(name: "CoreMotion", path: "ios/Tests/CoreMotion"))
+}
+
+let package = Package(
+    name: "magcomp",
+    platforms: [.iOS(.v15)],
+    products: [.library(name: "Magcomp", targets: ["Magcomp"])],
+    targets: targets,
+    swiftLanguageModes: [.v6]
+)

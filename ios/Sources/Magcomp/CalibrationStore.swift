@@ -1,0 +1,31 @@
+import Foundation
+
+/// Where a calibration is kept from one launch to the next. The text carries its own version and checksum: a store need
+/// not look into it, and an old or damaged one is passed over as if there were none.
+public protocol CalibrationStore: Sendable {
+    /// What was saved last, or nil.
+    func load() -> String?
+
+    /// Keeps a snapshot in the place of the one before. Called in the background, once a minute and at the end.
+    func save(_ snapshot: String)
+}
+
+/// Keeps the calibration in user defaults.
+public struct UserDefaultsStore: CalibrationStore {
+    private let suiteName: String?
+    private let key: String
+
+    /// - Parameters:
+    ///   - suiteName: the suite of an app group; nil: the app's own defaults
+    ///   - key: under which key
+    public init(suiteName: String? = nil, key: String = "org.magcomp.calibration") {
+        self.suiteName = suiteName
+        self.key = key
+    }
+
+    private var defaults: UserDefaults { suiteName.flatMap { UserDefaults(suiteName: $0) } ?? .standard }
+
+    public func load() -> String? { defaults.string(forKey: key) }
+
+    public func save(_ snapshot: String) { defaults.set(snapshot, forKey: key) }
+}

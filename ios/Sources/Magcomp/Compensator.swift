@@ -1,0 +1,116 @@
+import MagcompFFI
+
+/// Frees a magnetometer from the disturbance its phone carries, sample by sample.
+///
+/// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.Closed`. After a defect of
+/// the library calls throw `MagcompError.Panicked` until ``reset()``. No push allocates.
+public final class Compensator: Sendable {
+    /// What it was made with; what was left out is the library's default.
+    public let config: Config
+    private let native: NativeCompensator
+    // a number, not a pointer: that of a closed object finds nothing
+    private let handle: Int64
+
+    /// - Throws: `MagcompError.Config` when a field of the config is out of range, `MagcompError.Calibration` when its
+    ///   first calibration is none
+    public init(config: Config = Config()) throws {
+        self.config = config
+        native = try NativeCompensator(config: config)
+        handle = native.fastHandle()
+    }
+
+    /// A raw magnetometer event and its answer. A sample that can't be used comes back with status `.rejected` and changes
+    /// nothing.
+    public func push(_ sample: MagneticSample) throws -> Reading {
+        let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
+        let unknown = Double.nan
+        var out = MagcompReading()
+        let code = magcomp_push(
+            handle, sample.timeNs, field.x, field.y, field.z,
+            reported?.x ?? unknown, reported?.y ?? unknown, reported?.z ?? unknown, &out)
+        try check(code)
+        return Reading(out, timeNs: sample.timeNs)
+    }
+
+    /// A gyroscope event.
+    ///
+    /// - Returns: whether it was used; if not, for instance because it came too late, nothing has changed
+    @discardableResult
+    public func pushRotationRate(_ sample: RotationRateSample) throws -> Bool {
+        let rate = sample.rateRadS
+        return try check(magcomp_push_rotation_rate(handle, sample.timeNs, rate.x, rate.y, rate.z)) == 0
+    }
+
+    /// An accelerometer or gravity event; at rest it points up.
+    ///
+    /// - Returns: whether it was used; if not, for instance because it came too late, nothing has changed
+    @discardableResult
+    public func pushUp(_ sample: UpSample) throws -> Bool {
+        let up = sample.upMS2
+        return try check(magcomp_push_up(handle, sample.timeNs, up.x, up.y, up.z)) == 0
+    }
+
+    /// Any event; the answer to a magnetic one.
+    public func push(_ event: SensorSample) throws -> Reading? {
+        switch event {
+        case .magnetic(let sample): return try push(sample)
+        case .rotationRate(let sample): try pushRotationRate(sample)
+        case .up(let sample): try pushUp(sample)
+        case .systemField: break
+        }
+        return nil
+    }
+
+    /// From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+    ///
+    /// - Throws: `MagcompError.Config` when the declination is out of range
+    public func setHeadingFrame(_ frame: HeadingFrame) throws { try native.setHeadingFrame(frame: frame) }
+
+    /// Hard iron, soft iron and field strength in force, if any.
+    public func calibration() throws -> Calibration? { try native.calibration() }
+
+    /// Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+    /// nil when it is not known.
+    public func covariance() throws -> [Double]? { try native.covariance() }
+
+    /// The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none.
+    public func fit() throws -> Fit? { try native.fit() }
+
+    /// Which directions were seen, for guidance.
+    public func coverage() throws -> Coverage { try native.coverage() }
+
+    /// Forgets everything but the config, and makes it usable again after `MagcompError.Panicked`.
+    public func reset() throws { try native.reset() }
+
+    /// The whole state as text with a version and a checksum, to be kept and restored.
+    public func snapshot() throws -> String { try native.snapshot() }
+
+    /// Takes over a snapshot: everything when it was made with the same config, else its calibration alone.
+    ///
+    /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
+    @discardableResult
+    public func restore(_ snapshot: String) throws -> Restored { try native.restore(snapshot: snapshot) }
+
+    /// Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+    /// phone, whose sensor clock begins at 0 again.
+    ///
+    /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
+    public func restoreCalibration(_ snapshot: String) throws { try native.restoreCalibration(snapshot: snapshot) }
+
+    /// Frees the native state now. May be called twice, and while another thread pushes.
+    public func close() { native.shutDown() }
+
+    @discardableResult
+    private func check(_ code: Int32) throws -> Int32 {
+        if code >= 0 { return code }
+        if code == Int32(MAGCOMP_PANICKED) {
+            // the error with what the panic said; when another thread has reset it meanwhile, this call goes through
+            _ = try native.calibration()
+            throw MagcompError.Panicked(what: "reset meanwhile")
+        }
+        throw MagcompError.Closed
+    }
+
+    /// For tests alone.
+    var fastHandle: Int64 { handle }
+}

@@ -1,0 +1,198 @@
+/// How the phone's sensors are asked.
+public struct SensorOptions: Equatable, Sendable {
+    /// Events a second of each sensor, 1 to 1000; the system takes it as a wish and gives at most about 100. Default 100.
+    public var rateHz: Int
+    /// Whether the gyroscope is used. Default true.
+    public var gyroscope: Bool
+    /// Whether gravity is used; without it there is no heading. Default true.
+    public var up: Bool
+    /// Whether the system's own calibrated field is delivered too, for comparison. Default false.
+    public var systemField: Bool
+
+    public init(rateHz: Int = 100, gyroscope: Bool = true, up: Bool = true, systemField: Bool = false) {
+        (self.rateHz, self.gyroscope, self.up, self.systemField) = (rateHz, gyroscope, up, systemField)
+    }
+}
+
+// macOS has a CoreMotion without these sensors
+#if canImport(CoreMotion) && !os(macOS)
+import CoreMotion
+import Foundation
+
+/// The phone's own sensors: the raw magnetometer, and device motion for gravity and the gyroscope.
+///
+/// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Updates
+/// start with the first iterator of ``samples()`` and stop with the last; each gets every event. Iterating throws
+/// ``SensorError`` when a sensor is missing or the system refuses, and `MagcompError.Config` for options out of range.
+public final class CoreMotionSource: MagneticFieldSource {
+    private let updates: Updates
+
+    /// - Parameters:
+    ///   - options: which sensors, how often
+    ///   - manager: an app should have one alone; its magnetometer and device-motion updates are this source's from now on
+    public init(options: SensorOptions = SensorOptions(), manager: CMMotionManager = CMMotionManager()) {
+        updates = Updates(manager, options)
+    }
+
+    public func samples() -> SensorSamples {
+        SensorSamples { [updates] in updates.events() }
+    }
+}
+
+/// One motion manager and everyone who wants its events.
+private final class Updates: @unchecked Sendable {
+    typealias Listener = AsyncThrowingStream<SensorSample, any Error>.Continuation
+
+    /// Standard gravity, m/s^2: what Core Motion calls 1 g.
+    private static let gravity = 9.80665
+
+    private let options: SensorOptions
+    private let queue = OperationQueue()
+    // what follows is used inside `lock` alone
+    private let lock = NSLock()
+    private let manager: CMMotionManager
+    private var listeners: [Int: Listener] = [:]
+    private var number = 0
+
+    init(_ manager: CMMotionManager, _ options: SensorOptions) {
+        (self.manager, self.options) = (manager, options)
+        queue.name = "org.magcomp.sensors"
+        // events stay in order
+        queue.maxConcurrentOperationCount = 1
+        queue.qualityOfService = .userInitiated
+    }
+
+    func events() -> AsyncThrowingStream<SensorSample, any Error> {
+        // no event is dropped before the estimator
+        AsyncThrowingStream(bufferingPolicy: .unbounded) { listener in
+            do {
+                let number = try add(listener)
+                listener.onTermination = { _ in self.remove(number) }
+            } catch {
+                listener.finish(throwing: error)
+            }
+        }
+    }
+
+    private func add(_ listener: Listener) throws -> Int {
+        try lock.withLock {
+            if listeners.isEmpty { try start() }
+            number += 1
+            listeners[number] = listener
+            return number
+        }
+    }
+
+    private func remove(_ number: Int) {
+        lock.withLock {
+            if listeners.removeValue(forKey: number) != nil, listeners.isEmpty { stop() }
+        }
+    }
+
+    private func start() throws {
+        guard (1...1000).contains(options.rateHz) else {
+            throw MagcompError.Config(
+                field: "SensorOptions.rateHz", value: "\(options.rateHz)", expected: "1 to 1000")
+        }
+        guard manager.isMagnetometerAvailable else {
+            throw SensorError.missing(sensor: "magnetometer", advice: "hide the compass")
+        }
+        let motion = options.gyroscope || options.up || options.systemField
+        // only this frame and those of a compass carry the calibrated field
+        let frame: CMAttitudeReferenceFrame = options.systemField ? .xArbitraryCorrectedZVertical : .xArbitraryZVertical
+        if motion {
+            guard manager.isDeviceMotionAvailable else {
+                throw SensorError.missing(
+                    sensor: "gyroscope",
+                    advice: "without a heading, use SensorOptions(gyroscope: false, up: false)")
+            }
+            guard CMMotionManager.availableAttitudeReferenceFrames().contains(frame) else {
+                throw SensorError.missing(
+                    sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
+            }
+        }
+        let interval = 1 / Double(options.rateHz)
+        manager.magnetometerUpdateInterval = interval
+        manager.startMagnetometerUpdates(to: queue) { @Sendable [weak self] data, error in
+            if let error { self?.fail("magnetometer", error) }
+            if let data { self?.take(data) }
+        }
+        guard motion else { return }
+        manager.deviceMotionUpdateInterval = interval
+        manager.startDeviceMotionUpdates(using: frame, to: queue) { @Sendable [weak self] data, error in
+            if let error { self?.fail("gyroscope", error) }
+            if let data { self?.take(data) }
+        }
+    }
+
+    private func stop() {
+        manager.stopMagnetometerUpdates()
+        manager.stopDeviceMotionUpdates()
+    }
+
+    private func take(_ data: CMMagnetometerData) {
+        guard let timeNs = nanoseconds(data.timestamp) else { return }
+        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))])
+    }
+
+    private func take(_ motion: CMDeviceMotion) {
+        guard let timeNs = nanoseconds(motion.timestamp) else { return }
+        var events: [SensorSample] = []
+        if options.gyroscope {
+            let rate = motion.rotationRate
+            let rateRadS = Vector3(x: rate.x, y: rate.y, z: rate.z)
+            events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rateRadS)))
+        }
+        if options.up {
+            let (down, g) = (motion.gravity, Self.gravity)
+            let upMS2 = Vector3(x: -down.x * g, y: -down.y * g, z: -down.z * g)
+            events.append(.up(UpSample(timeNs: timeNs, upMS2: upMS2)))
+        }
+        if options.systemField {
+            let calibrated = motion.magneticField
+            let accuracy: SystemFieldSample.Accuracy =
+                switch calibrated.accuracy.rawValue {
+                case 0: .low
+                case 1: .medium
+                case 2: .high
+                default: .uncalibrated
+                }
+            let field = Vector3(calibrated.field)
+            events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
+        }
+        deliver(events)
+    }
+
+    /// Nil for what is no time at all, which Core Motion never reports.
+    private func nanoseconds(_ seconds: TimeInterval) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
+
+    private func deliver(_ events: [SensorSample]) {
+        let all = lock.withLock { Array(listeners.values) }
+        for listener in all {
+            for event in events { listener.yield(event) }
+        }
+    }
+
+    private func fail(_ sensor: String, _ error: any Error) {
+        let reason = error as NSError
+        let code = reason.domain == CMErrorDomain ? UInt32(exactly: reason.code) : nil
+        // passes by itself when the device is moved
+        if code == CMErrorDeviceRequiresMovement.rawValue { return }
+        let refused = [CMErrorNotAuthorized, CMErrorNotEntitled].contains { $0.rawValue == code }
+        let failure: SensorError =
+            refused
+            ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
+        let all = lock.withLock {
+            defer { listeners = [:] }
+            if !listeners.isEmpty { stop() }
+            return Array(listeners.values)
+        }
+        // outside the lock: this calls `remove`
+        for listener in all { listener.finish(throwing: failure) }
+    }
+}
+
+extension Vector3 {
+    fileprivate init(_ field: CMMagneticField) { self.init(x: field.x, y: field.y, z: field.z) }
+}
+#endif

@@ -1,0 +1,137 @@
+import MagcompFFI
+
+// What the C path answers, as the records uniffi makes. Cases are counted in the order of their declaration in
+// rust/magcomp-ffi/src/c.rs; a test compares every one with what uniffi says.
+
+extension Reading {
+    init(_ c: MagcompReading, timeNs: Int64) {
+        let heading = known(c.heading_deg).map {
+            Heading(
+                headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
+                inclinationDeg: c.inclination_deg)
+        }
+        self.init(
+            timeNs: timeNs,
+            fieldUt: vector(c.field_ut),
+            fieldSigmaUt: known(c.field_sigma_ut),
+            filteredFieldUt: vector(c.filtered_field_ut),
+            totalFieldUt: known(c.total_field_ut),
+            heading: heading,
+            sigmaT: known(c.sigma_t),
+            window: c.window,
+            coverage: c.coverage,
+            reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
+            mode: SensorMode(c.mode),
+            event: Event(c.event),
+            status: Status(c.status)
+        )
+    }
+}
+
+private func known(_ value: Double) -> Double? { value.isNaN ? nil : value }
+
+private func vector(_ v: (Double, Double, Double)) -> Vector3? {
+    v.0.isNaN ? nil : Vector3(x: v.0, y: v.1, z: v.2)
+}
+
+/// The header and the library are of one build: only a defect leads here.
+private func unknown(_ what: String, _ code: Int32) -> Never {
+    fatalError("\(what) \(code): the library's native part is of another version")
+}
+
+extension SensorMode {
+    fileprivate init(_ code: Int32) {
+        self = switch code {
+        case 0: .gyroscopeAndGravity
+        case 1: .gyroscopeOnly
+        case 2: .gravityOnly
+        case 3: .magnetometerOnly
+        default: unknown("mode", code)
+        }
+    }
+}
+
+extension Event {
+    fileprivate init?(_ c: MagcompEvent) {
+        let kind: EventKind? = switch c.kind {
+        case 0: .deviceStep
+        case 1: .deviceStepBack
+        case 2: .placeChanged
+        case 3: .erratic
+        default: nil
+        }
+        guard let kind else { return nil }
+        self.init(kind: kind, sinceNs: c.since_ns, decidedNs: c.decided_ns)
+    }
+}
+
+extension Status {
+    init(_ c: MagcompStatus) {
+        self = switch c.kind {
+        case 0: .collecting(missing: Missing(c))
+        case 1: .tracking
+        case 2: .suspect(sinceNs: c.whole.0)
+        case 3: .held(reason: HoldReason(c))
+        case 4: .disturbed(sinceNs: c.whole.0)
+        case 5: .rejected(reason: RejectReason(c))
+        default: unknown("status", c.kind)
+        }
+    }
+}
+
+extension Missing {
+    fileprivate init(_ c: MagcompStatus) {
+        self = switch c.reason {
+        case 0: .samples(have: Int32(c.whole.0), need: Int32(c.whole.1))
+        case 1: .fit(problem: FitProblem(c))
+        case 2: .rotation
+        case 3: .directions
+        default: unknown("missing", c.reason)
+        }
+    }
+}
+
+extension HoldReason {
+    fileprivate init(_ c: MagcompStatus) {
+        self = switch c.reason {
+        case 0: .lowUniformity
+        case 1: .fitRefused(problem: FitProblem(c))
+        case 2: .constant
+        case 3: .atRest
+        case 4: .tooLittleRotation
+        case 5: .noGyroscope
+        default: unknown("hold reason", c.reason)
+        }
+    }
+}
+
+extension RejectReason {
+    fileprivate init(_ c: MagcompStatus) {
+        let (a, b) = (c.real.0, c.real.1)
+        self = switch c.reason {
+        case 0: .notFinite
+        case 1: .outOfRange(valueUt: a, limitUt: b)
+        case 2: .saturated(valueUt: a, railUt: b)
+        case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
+        case 4: .timeJump(gapS: a, limitS: b)
+        case 5: .stuck(repeats: Int32(c.whole.0))
+        default: unknown("reject reason", c.reason)
+        }
+    }
+}
+
+extension FitProblem {
+    fileprivate init(_ c: MagcompStatus) {
+        let (a, b, third) = c.real
+        self = switch c.problem {
+        case 0: .tooFewSamples(have: Int32(c.whole.0))
+        case 1: .planar(thicknessUt: a)
+        case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
+        case 3: .inconsistent(residualUt: a, limitUt: b)
+        case 4: .notAnEllipsoid
+        case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
+        case 6: .notFinite
+        default: unknown("fit problem", c.problem)
+        }
+    }
+}

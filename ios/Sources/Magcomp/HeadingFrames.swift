@@ -1,0 +1,34 @@
+extension ScreenRotation {
+    /// By the raw value of a `UIInterfaceOrientation`: 1 portrait, 2 upside down, 3 landscape with the home button's edge
+    /// to the right (the device was turned counter-clockwise), 4 to the left. Nil for any other, which is none.
+    init?(interfaceOrientation rawValue: Int) {
+        switch rawValue {
+        case 1: self = .deg0
+        case 2: self = .deg180
+        case 3: self = .deg90
+        case 4: self = .deg270
+        default: return nil
+        }
+    }
+}
+
+#if canImport(UIKit) && os(iOS)
+import UIKit
+
+extension HeadingFrame {
+    /// The heading frame for a screen as iOS reports it.
+    ///
+    /// - Parameters:
+    ///   - interfaceOrientation: that of the window's scene; unknown counts as portrait
+    ///   - axis: the axis of the device the heading is that of; automatic: top edge when flat, camera when upright
+    ///   - declinationDeg: declination, degrees, east positive, for a true heading; `geomagneticField` gives it
+    public init(
+        interfaceOrientation: UIInterfaceOrientation,
+        axis: ReferenceAxis = .auto,
+        declinationDeg: Double? = nil
+    ) {
+        let rotation = ScreenRotation(interfaceOrientation: interfaceOrientation.rawValue) ?? .deg0
+        self.init(axis: axis, screenRotation: rotation, declinationDeg: declinationDeg)
+    }
+}
+#endif

@@ -1,0 +1,72 @@
+/// Where events come from: a phone's sensors (``CoreMotionSource``), a recording (``RecordingSource``), or your own.
+public protocol MagneticFieldSource: Sendable {
+    /// The events, each sensor's in the order of their times. Cold: every iterator starts its own, and ends it when it is
+    /// freed or its task is cancelled. No event may be dropped on the way.
+    func samples() -> SensorSamples
+}
+
+/// One event of one of the sensors, with its own time.
+public enum SensorSample: Equatable, Sendable {
+    /// A raw magnetometer event.
+    case magnetic(MagneticSample)
+    /// A gyroscope event.
+    case rotationRate(RotationRateSample)
+    /// An accelerometer or gravity event.
+    case up(UpSample)
+    /// The operating system's own calibrated field, for comparison; the compensator does not use it.
+    case systemField(SystemFieldSample)
+
+    /// Time of the event, nanoseconds, on one clock for all sensors.
+    public var timeNs: Int64 {
+        switch self {
+        case .magnetic(let sample): sample.timeNs
+        case .rotationRate(let sample): sample.timeNs
+        case .up(let sample): sample.timeNs
+        case .systemField(let sample): sample.timeNs
+        }
+    }
+}
+
+/// The field as the operating system has calibrated it.
+public struct SystemFieldSample: Equatable, Sendable {
+    /// How well the operating system says that it is calibrated.
+    public enum Accuracy: Equatable, Sendable {
+        case uncalibrated, low, medium, high
+    }
+
+    /// Time of the event, nanoseconds, on the magnetometer's clock.
+    public var timeNs: Int64
+    /// The calibrated field, microtesla, device frame.
+    public var fieldUt: Vector3
+    /// How well it is calibrated.
+    public var accuracy: Accuracy
+
+    public init(timeNs: Int64, fieldUt: Vector3, accuracy: Accuracy) {
+        self.timeNs = timeNs
+        self.fieldUt = fieldUt
+        self.accuracy = accuracy
+    }
+}
+
+/// Events of the sensors, from any sequence of them. Every iterator makes its own.
+public struct SensorSamples: AsyncSequence, Sendable {
+    public typealias Element = SensorSample
+
+    private let begin: @Sendable () -> AsyncIterator
+
+    /// - Parameter make: makes the sequence anew for every iterator
+    public init<S: AsyncSequence>(_ make: @escaping @Sendable () -> S) where S.Element == SensorSample {
+        begin = {
+            var iterator = make().makeAsyncIterator()
+            return AsyncIterator { try await iterator.next() }
+        }
+    }
+
+    public func makeAsyncIterator() -> AsyncIterator { begin() }
+
+    public struct AsyncIterator: AsyncIteratorProtocol {
+        fileprivate let advance: () async throws -> SensorSample?
+
+        public mutating func next() async throws -> SensorSample? { try await advance() }
+    }
+}

@@ -1,0 +1,148 @@
+import Foundation
+
+/// A recording is not in order.
+public struct RecordingError: Error, Equatable, Sendable {
+    /// The recording.
+    public let name: String
+    /// Line in it, from 1.
+    public let line: Int
+    /// Column's name, or nil when the line as a whole is wrong.
+    public let column: String?
+    /// What is wrong with it.
+    public let problem: String
+}
+
+extension RecordingError: LocalizedError {
+    public var errorDescription: String? {
+        "\(name), line \(line)" + (column.map { ", column \($0)" } ?? "") + ": \(problem)"
+    }
+}
+
+/// A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla, m/s^2
+/// (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
+/// magnetometer event, in this order, as far as it has them.
+///
+/// Iterating does not wait between rows and throws ``RecordingError`` where the recording is not in order.
+public struct RecordingSource: MagneticFieldSource {
+    private let name: String
+    private let open: @Sendable () throws -> Data
+
+    /// - Parameters:
+    ///   - name: said in errors
+    ///   - open: gives the text anew for every iterator
+    public init(name: String, open: @escaping @Sendable () throws -> Data) {
+        (self.name, self.open) = (name, open)
+    }
+
+    /// A file, `.csv`; a `.csv.gz` must be decompressed before.
+    public init(url: URL) {
+        self.init(name: url.lastPathComponent) { try Data(contentsOf: url, options: .alwaysMapped) }
+    }
+
+    public func samples() -> SensorSamples {
+        SensorSamples { [self] in Rows(name: name, open: open) }
+    }
+}
+
+/// The rows of a recording as events, read as they are asked for.
+private struct Rows: AsyncSequence, AsyncIteratorProtocol {
+    typealias Element = SensorSample
+
+    private static let gzip: [UInt8] = [0x1f, 0x8b]
+
+    let name: String
+    let open: @Sendable () throws -> Data
+    private var lines: Lines?
+    private var columns: [String: Int] = [:]
+    private var width = 0
+    private var line = 0
+    /// Events of the latest row, the next one last.
+    private var events: [SensorSample] = []
+
+    init(name: String, open: @escaping @Sendable () throws -> Data) { (self.name, self.open) = (name, open) }
+
+    func makeAsyncIterator() -> Rows { self }
+
+    mutating func next() async throws -> SensorSample? {
+        if lines == nil { try begin() }
+        if events.isEmpty {
+            guard let text = nextLine() else { return nil }
+            try read(text)
+        }
+        return events.popLast()
+    }
+
+    private mutating func begin() throws {
+        let data = try open()
+        guard !data.starts(with: Self.gzip) else {
+            throw RecordingError(name: name, line: 1, column: nil, problem: "it is compressed; decompress it with gunzip")
+        }
+        lines = Lines(data: data)
+        guard let header = nextLine() else {
+            throw RecordingError(name: name, line: 1, column: nil, problem: "the header is missing")
+        }
+        let names = cells(header)
+        width = names.count
+        columns = Dictionary(zip(names, 0...), uniquingKeysWith: { _, last in last })
+        for column in ["t_s", "mx", "my", "mz"] where columns[column] == nil {
+            throw wrong(column, "the column is missing")
+        }
+    }
+
+    private mutating func nextLine() -> String? {
+        guard let text = lines?.next() else { return nil }
+        line += 1
+        return text
+    }
+
+    private mutating func read(_ text: String) throws {
+        let cells = cells(text)
+        guard cells.count == width else { throw wrong(nil, "\(cells.count) cells, expected \(width)") }
+        let time = try number("t_s", cells)
+        guard let timeNs = Int64(exactly: (time * 1e9).rounded()) else {
+            throw wrong("t_s", "the time is no number of seconds that fits 64 bits of nanoseconds")
+        }
+        let field = try vector(["mx", "my", "mz"], cells)
+        events = field.map { [.magnetic(MagneticSample(timeNs: timeNs, fieldUt: $0))] } ?? []
+        if let up = try vector(["ax", "ay", "az"], cells) { events.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
+        if let rate = try vector(["gx", "gy", "gz"], cells) {
+            events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
+        }
+    }
+
+    private func vector(_ names: [String], _ cells: [String]) throws -> Vector3? {
+        guard names.allSatisfy({ columns[$0] != nil }) else { return nil }
+        return try Vector3(x: number(names[0], cells), y: number(names[1], cells), z: number(names[2], cells))
+    }
+
+    private func number(_ column: String, _ cells: [String]) throws -> Double {
+        let text = cells[columns[column]!]
+        guard let value = Double(text) else { throw wrong(column, "'\(text)' is no number") }
+        return value
+    }
+
+    private func cells(_ text: String) -> [String] {
+        text.split(separator: ",", omittingEmptySubsequences: false).map { $0.trimmingCharacters(in: .whitespaces) }
+    }
+
+    private func wrong(_ column: String?, _ problem: String) -> RecordingError {
+        RecordingError(name: name, line: line, column: column, problem: problem)
+    }
+}
+
+/// The lines of a text, each decoded when it is asked for.
+private struct Lines {
+    let data: Data
+    var at: Data.Index
+
+    init(data: Data) { (self.data, at) = (data, data.startIndex) }
+
+    mutating func next() -> String? {
+        guard at < data.endIndex else { return nil }
+        let end = data[at...].firstIndex(of: UInt8(ascii: "\n")) ?? data.endIndex
+        var line = data[at..<end]
+        at = end < data.endIndex ? data.index(after: end) : end
+        if line.last == UInt8(ascii: "\r") { line.removeLast() }
+        return String(decoding: line, as: UTF8.self)
+    }
+}

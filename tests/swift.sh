@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side. `tests/swift.sh`,
+# or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`; `tests/swift.sh benchmark` prints what a
+# push costs. Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder:
+# MAGCOMP_SWIFT_ROOT, by default ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+command -v cargo >/dev/null || { echo "swift: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
+. tests/swift-toolchain.sh
+
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+cargo build --quiet --locked --profile ship -p magcomp-ffi --features test-hooks
+cargo build --quiet --locked --profile ship -p magcomp-ffi --features test-hooks --example expected
+mkdir -p "$target/swift"
+recording=tests/recordings/broad_34_attached_magnet_3cm.csv.gz
+"$target/ship/examples/expected" $recording tests/vectors >"$target/swift/expected.txt"
+gzip -dc $recording >"$target/swift/recording.csv"
+
+export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$target/ship MAGCOMP_EXPECTED=$target/swift
+# the package's own warnings are errors, and what it builds stays out of its folder
+options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
+case "${1:-}" in
+    "")
+        swift_run build "${options[@]}"
+        # one test at a time: some measure memory
+        swift_run test "${options[@]}" --no-parallel
+        ;;
+    benchmark) swift_run run -c release "${options[@]}" Benchmark "$target/swift/recording.csv" ;;
+    *) swift_run "$1" "${options[@]}" "${@:2}" ;;
+esac
