@@ -1,13 +1,14 @@
-//! What a sample costs: the fitting part for windows of 100 and 2000 beside a direct per-sample fit, and a whole push.
+//! What a sample costs: the fitting part for windows of 100 and 2000 beside a direct per-sample fit, and a whole push,
+//! windowed and aided.
 //!
 //! `cargo bench -p magcomp`; read ratios within one run, not times.
 
 mod common;
 
-use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, warm_start};
+use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, turning, warm_start};
 use criterion::{Criterion, criterion_group, criterion_main};
 use magcomp::nalgebra::Matrix3;
-use magcomp::{MagneticSample, Moments, Residual};
+use magcomp::{Compensator, Config, MagneticSample, Moments, Residual};
 use std::hint::black_box;
 
 fn fitting(criterion: &mut Criterion) {
@@ -62,6 +63,20 @@ fn push(criterion: &mut Criterion) {
             bencher.iter(|| compensator.push(black_box(next())));
         });
     }
+    let stream = turning(200_000);
+    let mut compensator = Compensator::new(Config::default()).expect("a valid config");
+    let mut next = stream.iter().cycle();
+    group.bench_function("aided, with the gyroscope and accelerometer event of each sample", |bencher| {
+        bencher.iter(|| {
+            let (rate, up, sample) = next.next().expect("endless");
+            if rate.time_ns == 10_000_000 {
+                compensator.reset(); // the stream begins again
+            }
+            let _ = compensator.push_rotation_rate(*rate);
+            let _ = compensator.push_up(*up);
+            compensator.push(black_box(*sample))
+        });
+    });
     group.finish();
 }
 

@@ -89,8 +89,8 @@ pub struct Judgement {
     pub status: BTreeMap<&'static str, usize>,
     /// Mean time in `push`, nanoseconds.
     pub mean_push_ns: f64,
-    /// Time in `push` that 99 % stay below, nanoseconds.
-    pub p99_push_ns: u64,
+    /// Time in `push` that 99.9 % stay below, nanoseconds.
+    pub p999_push_ns: u64,
     /// Longest time in `push`, nanoseconds: on a shared machine, mostly the scheduler's.
     pub max_push_ns: u64,
 }
@@ -140,7 +140,7 @@ pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgeme
         events: declared(recording, steps),
         status,
         mean_push_ns: times_ns.iter().sum::<u64>() as f64 / steps.len().max(1) as f64,
-        p99_push_ns: times_ns.get(times_ns.len() * 99 / 100).copied().unwrap_or(0),
+        p999_push_ns: times_ns.get(times_ns.len() * 999 / 1000).copied().unwrap_or(0),
         max_push_ns: times_ns.last().copied().unwrap_or(0),
     }
 }

@@ -43,7 +43,8 @@ pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Tabl
         line(&format!("status {status}, rows"), String::new(), count.to_string());
     }
     line("push, mean ns", String::new(), number(Some(judgement.mean_push_ns), 0));
-    line("push, 99 % below ns", String::new(), judgement.p99_push_ns.to_string());
+    line("push, 99.9 % below ns", String::new(), judgement.p999_push_ns.to_string());
+    line("push, longest ns", String::new(), judgement.max_push_ns.to_string());
     let reference =
         if judgement.heading.is_some() { "; heading against the reference, up to one constant" } else { "" };
     let (from_s, to_s) = judgement.counted_s;
