@@ -112,9 +112,9 @@ config! {
     /// Time constant with which that share falls while hypotheses run, s: how soon a disturbance is over.
     /// Small: a chance fit ends it. Large: it is told for too long. Default 0.25.
     clear_time_s = 0.25, 0.02, 10.0;
-    /// Share of gated samples from which the status is `Suspect` and the hypotheses start. Default 0.2: 0.13 s of
+    /// Share of gated samples from which the status is `Suspect` and the hypotheses start. Default 0.14: 0.09 s of
     /// nothing but gated samples. Small: spikes start hypotheses.
-    suspect_share = 0.2, 0.02, 0.9;
+    suspect_share = 0.14, 0.02, 0.9;
     /// Share of gated samples below which the hypothesis "nothing happened" has won. Default 0.08.
     clear_share = 0.08, 0.001, 0.5;
     /// Rotation since the onset before a hypothesis may win, rad. Small: eager, false steps in real rooms. Large: late.
