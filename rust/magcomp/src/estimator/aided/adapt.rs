@@ -6,7 +6,8 @@
 //! ```
 //! A gyroscope that explains nothing: |e| beyond what any offset could do to a turn of |theta| (|e| > 17 uT and
 //! |e| > 150 uT |theta|) in most samples; then only the magnitude can be used.
-//! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion.
+//! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion; and with what the innovations have in common
+//! over 0.25 s beyond white noise (less than white: s_d is too large, the corrections go too far).
 //! Random walk of b, from its own corrections D_k = sum db over T seconds: a true drift keeps their direction, noise and
 //! an uneven field do not (after Myers and Tapley 1976, with the lagged product in place of the square):
 //! ```text
@@ -31,8 +32,10 @@ const USELESS_LEVER_UT: f64 = 150.0;
 const USELESS_GAIN: f64 = 0.05;
 const USELESS_ON: f64 = 0.6;
 const USELESS_OFF: f64 = 0.3;
-/// Time constant of the slow difference between c and f, s.
+/// Time constant of the slow difference between c and f, and of the slow innovation, s.
 const SLOW_TIME_S: f64 = 0.25;
+/// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows.
+const SLOW_WEIGHT: f64 = 0.15;
 /// Magnetometer noise never counts as more, uT^2.
 const LARGEST_VARIANCE_UT2: f64 = 100.0;
 const WALK_GAIN: f64 = 0.3;
@@ -59,6 +62,7 @@ pub(crate) struct Adaptation {
     walk_time_s: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
+    slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
     useless_share: f64,
     pub(crate) useless: bool,
@@ -76,6 +80,7 @@ impl Adaptation {
             walk_time_s: 0.0,
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
+            slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: config.uneven_max_ut.powi(2),
             useless_share: 0.0,
             useless: false,
@@ -127,12 +132,16 @@ impl Adaptation {
         self.previous_raw_ut = Some(*raw_ut);
     }
 
-    /// The local field's standard deviation, from the size of an innovation.
+    /// The local field's standard deviation, from the size of an innovation and of its slow part.
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, config: &AidedConfig) {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
+        let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
+        self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * gain;
+        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
+        let excess = excess + SLOW_WEIGHT * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
         self.local_ut = self.local_ut.min(config.local_max_ut).max(config.local_min_ut);

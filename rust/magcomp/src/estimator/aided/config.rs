@@ -82,8 +82,8 @@ config! {
     /// believed. Large: slow start. Default 0.008: data sheets of phones' gyroscopes say 1 to 3 % at the most.
     scale_sd = 0.008, 0.0, 0.2;
     /// What is left of the gyroscope's scale error once it is estimated (cross axis, timing), as noise in proportion to
-    /// the rate, square root of a second. Large: f is noisier. Default 0.002.
-    scale_walk = 0.002, 0.0, 0.5;
+    /// the rate, square root of a second. Large: f is noisier. Default 0.001.
+    scale_walk = 0.001, 0.0, 0.5;
     /// Random walk of the gyroscope's bias, rad/s per square root of a second. Small: a
     /// warming gyroscope is followed late. Large: the heading wanders. Default 5e-5 (the prototype: 2e-4).
     bias_walk_rad_s = 5e-5, 1e-8, 0.1;
@@ -91,8 +91,8 @@ config! {
     /// Large: noisier. Default 1e-4 (the prototype: 5e-4).
     iron_walk = 1e-4, 0.0, 0.1;
     /// Least random walk of the hard iron, uT per square root of a second: what it falls to while nothing drifts.
-    /// Default 0.06: 0.5 uT in a minute.
-    offset_walk_min_ut = 0.06, 1e-4, 10.0;
+    /// Default 0.03: 0.25 uT in a minute.
+    offset_walk_min_ut = 0.03, 1e-4, 10.0;
     /// Random walk of the hard iron at the start, uT per square root of a second. Small: drift is noticed late.
     /// Large: a noisy first minute. Default 0.3 (the prototype: 0.4, always).
     offset_walk_ut = 0.3, 1e-4, 10.0;
@@ -113,8 +113,8 @@ config! {
     /// Standard deviation of the local field at the start, uT. Small: an uneven room spoils the
     /// first calibration. Large: it takes longer. Default 1.
     local_start_ut = 1.0, 0.01, 20.0;
-    /// Least standard deviation of the local field, uT. Default 0.04.
-    local_min_ut = 0.04, 1e-3, 20.0;
+    /// Least standard deviation of the local field, uT. Default 0.01.
+    local_min_ut = 0.01, 1e-3, 20.0;
     /// Largest: above it an anomaly would be swallowed instead of declared. Default 2 (the prototype: 3).
     local_max_ut = 2.0, 0.1, 50.0;
     /// Jitter of the sample times, s: adds noise in proportion to the rate of turn. Default 0.001.
@@ -127,9 +127,9 @@ config! {
     /// Time constant with which that share falls while hypotheses run, s: how soon a disturbance is over.
     /// Small: a chance fit ends it. Large: it is told for too long. Default 0.25.
     clear_time_s = 0.25, 0.02, 10.0;
-    /// Share of gated samples from which the status is `Suspect` and the hypotheses start. Default 0.2: 0.13 s of
+    /// Share of gated samples from which the status is `Suspect` and the hypotheses start. Default 0.14: 0.09 s of
     /// nothing but gated samples. Small: spikes start hypotheses.
-    suspect_share = 0.2, 0.02, 0.9;
+    suspect_share = 0.14, 0.02, 0.9;
     /// Share of gated samples below which the hypothesis "nothing happened" has won. Default 0.08.
     clear_share = 0.08, 0.001, 0.5;
     /// Rotation since the onset before a hypothesis may win, rad. Small: eager, false steps in real rooms. Large: late.
@@ -179,12 +179,10 @@ config! {
     /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f.
     /// Small: over-confident in rooms. Large: cautious. Default 2.2, from the six undisturbed recordings.
     uneven_gain = 2.2, 0.0, 10.0;
-    /// Most of that slow difference that counts, uT; also its value at the start. Default 0.5.
-    uneven_max_ut = 0.5, 0.0, 20.0;
+    /// Most of that slow difference that counts, uT; also its value at the start. Default 0.55.
+    uneven_max_ut = 0.55, 0.0, 20.0;
     /// Memory of that difference's power, s. Default 5.
     uneven_time_s = 5.0, 0.1, 300.0;
-    /// What is not known about the gyroscope's own time, s. Default 0.005.
-    clock_sd_s = 0.005, 0.0, 0.1;
     /// Gravity, m/s^2. Default 9.80665.
     gravity_m_s2 = 9.80665, 9.0, 10.5;
     /// Deviation of the accelerometer's magnitude from gravity at which its weight has fallen to 37 %, m/s^2.

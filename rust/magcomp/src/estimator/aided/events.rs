@@ -31,6 +31,10 @@ const LARGEST_STEP_UT: f64 = 500.0;
 const IRON_STEP: f64 = 0.05;
 const NIS_CAP: f64 = 25.0;
 const LARGEST_LOG_RATIO: f64 = 30.0;
+/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second.
+/// Else `device`, the freer one, would win by following the ramp.
+const RAMP_S: f64 = 0.4;
+const RAMP_WALK_UT: f64 = 2.0;
 const FIT_TIME_S: f64 = 0.25;
 /// Share of misfits allowed to a hypothesis that wins within an erratic field.
 const STRICT_MISFIT: f64 = 0.15;
@@ -160,6 +164,11 @@ impl Trial {
         let mut place = self.place(filter);
         device.propagate(step.increment_rad, step.dt_s, step.noise);
         place.propagate(step.increment_rad, step.dt_s, step.noise);
+        if self.age_s < RAMP_S {
+            let variance = RAMP_WALK_UT * RAMP_WALK_UT * step.dt_s;
+            device.add_variance(OFFSET, variance);
+            place.add_variance(FIELD, variance);
+        }
         if !step.resting {
             let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, config.jitter_s);
             if let (Some(d), Some(p)) = (seen(&device), seen(&place)) {

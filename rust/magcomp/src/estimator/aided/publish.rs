@@ -9,6 +9,12 @@ use super::{Aided, AidedOutput};
 use crate::pairing::Rotation;
 use crate::reading::{HoldReason, Missing, Status};
 
+/// What is not known about the gyroscope's own time, s: this, and a share of the delay found between the sensors.
+const CLOCK_S: f64 = 5e-4;
+const CLOCK_SHARE: f64 = 0.35;
+/// Share of P_mm that is published for f. The walks in P are allowances: a filter that allows for one that does not
+/// happen errs by P / 2 (steady state), one that happens by P.
+const CAUTION: f64 = 0.7;
 /// Rate lately below which nothing is being learned, rad/s.
 const TOO_LITTLE_RAD_S: f64 = 0.04;
 /// Magnetometer noise assumed at most in the magnitude mode, whose one-step increments mean nothing, uT.
@@ -46,7 +52,8 @@ impl Aided {
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let swing = rate.cross(&f) * self.config.clock_sd_s;
+        let clock_s2 = (CLOCK_SHARE * delay_s).powi(2) + filter.p(DELAY, DELAY) + CLOCK_S * CLOCK_S;
+        let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.config);
         let mut unseen = self.adaptation.local_ut.powi(2) + floor;
@@ -58,7 +65,7 @@ impl Aided {
             + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
             + Matrix3::identity() * unseen
             + timing;
-        let p_f = filter.block(FIELD, FIELD) + Matrix3::identity() * floor + timing;
+        let p_f = filter.block(FIELD, FIELD) * CAUTION + Matrix3::identity() * floor + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }

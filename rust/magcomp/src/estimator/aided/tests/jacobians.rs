@@ -14,6 +14,7 @@ const QUIET: ProcessNoise = ProcessNoise {
     field_ut: 0.0,
     angle_rad: 0.0,
     scale: 0.0,
+    bridged_rad2: 0.0,
     offset_ut: 0.0,
     iron: 0.0,
     bias_rad_s: 0.0,

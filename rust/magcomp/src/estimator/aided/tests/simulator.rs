@@ -88,6 +88,7 @@ impl World {
         let rotation = Rotation {
             increment_rad: turn + (self.gyro_bias + noise) * dt_s,
             rate_rad_s: self.rate + self.gyro_bias + noise,
+            variance_rad2: 0.0,
         };
         let up = self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.80665) + self.random.vector(0.05);
         Sample {
