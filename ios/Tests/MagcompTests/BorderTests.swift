@@ -38,7 +38,8 @@ import Testing
         var expected: [Status] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
         expected += [.samples(have: 60, need: 100), .rotation, .directions].map { .collecting(missing: $0) }
         expected += problems.map { .collecting(missing: .fit(problem: $0)) }
-        expected += held.map { .held(reason: $0) } + [.disturbed(sinceNs: .min + 1)]
+        expected += held.map { .held(reason: $0) }
+        expected.append(.disturbed(sinceNs: Int64.min + 1))
         expected += rejected.map { .rejected(reason: $0) }
         #expect(Int(magcomp_test_status(-1, nil)) == expected.count)
         for (index, status) in expected.enumerated() {

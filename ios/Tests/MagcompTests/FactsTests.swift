@@ -136,7 +136,9 @@ import Testing
         var ours: [Status] = [.collecting(missing: .samples(have: 60, need: 100))]
         ours += problems.map { .collecting(missing: .fit(problem: $0)) }
         ours += [.collecting(missing: .rotation), .collecting(missing: .directions), .tracking, .suspect(sinceNs: 1)]
-        ours += held.map { .held(reason: $0) } + [.disturbed(sinceNs: 1)] + rejected.map { .rejected(reason: $0) }
+        ours += held.map { .held(reason: $0) }
+        ours.append(.disturbed(sinceNs: 1))
+        ours += rejected.map { .rejected(reason: $0) }
         #expect(ours.map { $0.label() } == facts.statuses.map(\.label))
         #expect(ours.map { $0.text() } == facts.statuses.map(\.text))
     }
@@ -146,11 +148,11 @@ import Testing
         #expect(rejections.map { $0.text() } == facts.eventRejections.map(\.text))
         #expect(facts.errors.count == 3 && facts.borderErrors.count == 2)
         for fact in facts.errors + facts.borderErrors {
-            let said = try #require(said(fact.name), "\(fact.name)")
+            let sentence = try #require(said(fact.name), "\(fact.name)")
             if let begins = fact.begins {
-                #expect(said.hasPrefix(begins), "\(said)")
+                #expect(sentence.hasPrefix(begins), "\(sentence)")
             } else {
-                #expect(said == fact.text)
+                #expect(sentence == fact.text)
             }
         }
     }
