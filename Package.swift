@@ -28,7 +28,7 @@ let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/targe
 // allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
 let linking: [LinkerSetting] =
     onLinux
-    ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.a", "-Xlinker", "--allow-shlib-undefined"])]
+    ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.so", "-Xlinker", "--allow-shlib-undefined"])]
     : []
 
 // A stand-in of CoreMotion, for this package's own tests on Linux

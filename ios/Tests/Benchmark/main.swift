@@ -1,1 +1,85 @@
-print("x")
+// What a push costs: in bare Rust, over the C path (`Compensator`), over uniffi, on the same events of a recording, in
+// turns. It asserts nothing: `tests/swift.sh benchmark` runs it.
+
+import Foundation
+import Magcomp
+import MagcompTestHooks
+
+let recording = RecordingSource(url: URL(fileURLWithPath: CommandLine.arguments[1]))
+var all: [SensorSample] = []
+for try await event in recording.samples() { all.append(event) }
+let magnetic = all.filter { if case .magnetic = $0 { true } else { false } }
+
+func keep(_ events: [SensorSample]) {
+    magcomp_test_bare_add(-1, 0, 0, 0, 0)
+    for event in events {
+        switch event {
+        case .magnetic(let s): magcomp_test_bare_add(0, s.timeNs, s.fieldUt.x, s.fieldUt.y, s.fieldUt.z)
+        case .rotationRate(let s): magcomp_test_bare_add(1, s.timeNs, s.rateRadS.x, s.rateRadS.y, s.rateRadS.z)
+        case .up(let s): magcomp_test_bare_add(2, s.timeNs, s.upMS2.x, s.upMS2.y, s.upMS2.z)
+        case .systemField: break
+        }
+    }
+}
+
+@MainActor func time(_ body: () throws -> Void) rethrows -> Double {
+    let begin = DispatchTime.now().uptimeNanoseconds
+    try body()
+    return Double(DispatchTime.now().uptimeNanoseconds - begin)
+}
+
+// what the answers amount to, so that nothing is left out
+var seen = 0.0
+
+@MainActor func overC(_ events: [SensorSample], _ config: Config) throws -> Double {
+    let compensator = try Compensator(config: config)
+    return try time { for event in events { seen += try compensator.push(event)?.coverage ?? 0 } }
+}
+
+@MainActor func overUniffi(_ events: [SensorSample], _ config: Config) throws -> Double {
+    let native = try NativeCompensator(config: config)
+    return try time {
+        for event in events {
+            switch event {
+            case .magnetic(let sample): seen += try native.push(sample: sample).coverage
+            case .rotationRate(let sample): try? native.pushRotationRate(sample: sample)
+            case .up(let sample): try? native.pushUp(sample: sample)
+            case .systemField: break
+            }
+        }
+    }
+}
+
+func median(_ values: [Double]) -> Double { values.sorted()[values.count / 2] }
+
+let rounds = 21
+print("ns a push: median of \(rounds) rounds of the recording, in turns; in brackets: times bare Rust, median of the rounds")
+let cases: [(name: String, method: Method, code: Int32, events: [SensorSample])] = [
+    ("default method, gyroscope, up and magnetometer", .auto, 0, all),
+    ("paper's method, magnetometer alone", .windowed, 1, magnetic),
+    ("constant calibration, magnetometer alone", .constant, 2, magnetic),
+]
+for (name, method, code, events) in cases {
+    keep(events)
+    let config = Config(method: method)
+    var bare: [Double] = []
+    var c: [Double] = []
+    var uniffi: [Double] = []
+    for round in 0..<(rounds + 2) {
+        let b = Double(magcomp_test_bare_ns(code))
+        let (ours, theirs) = (try overC(events, config), try overUniffi(events, config))
+        // the first two warm up
+        if round >= 2 {
+            bare.append(b)
+            c.append(ours)
+            uniffi.append(theirs)
+        }
+    }
+    print("\(name): \(events.count) pushes")
+    for (way, values) in [("bare Rust", bare), ("Swift, Compensator (C)", c), ("Swift, uniffi", uniffi)] {
+        let ns = String(format: "%9.0f", median(values) / Double(events.count))
+        let ratio = String(format: "%.2f", median(zip(values, bare).map { $0 / $1 }))
+        print("  \(way.padding(toLength: 24, withPad: " ", startingAt: 0))\(ns) ns  (\(ratio))")
+    }
+}
+exit(seen.isFinite ? 0 : 1)

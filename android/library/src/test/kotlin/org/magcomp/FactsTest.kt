@@ -1,0 +1,213 @@
+package org.magcomp
+
+import android.hardware.Sensor
+import kotlin.math.abs
+import kotlinx.coroutines.flow.take
+import kotlinx.coroutines.flow.toList
+import kotlinx.coroutines.launch
+import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withTimeout
+import kotlinx.coroutines.yield
+import org.json.JSONArray
+import org.json.JSONObject
+import org.junit.jupiter.api.Assertions.assertArrayEquals
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertFalse
+import org.junit.jupiter.api.Assertions.assertThrows
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+/** The facts every language of the library agrees on, from the files Rust and Swift assert too. */
+class FactsTest {
+    private val facts = JSONObject(repository.resolve("tests/vectors/facts.json").readText())
+
+    @Test
+    fun correcting() {
+        for (case in list(facts, "correct")) {
+            val calibration = Calibration(softIron(case), vector(case.getJSONArray("hard_iron_ut")), 50.0)
+            assertVector(vector(case.getJSONArray("field_ut")), correct(calibration, vector(case.getJSONArray("raw_ut"))), 1e-12)
+        }
+    }
+
+    @Test
+    fun `no calibration`() {
+        for (case in list(facts, "no_calibration")) {
+            val calibration = Calibration(softIron(case), Vector3(0.0, 0.0, 0.0), case.getDouble("field_strength_ut"))
+            val error = assertThrows(MagcompException.Calibration::class.java) { correct(calibration, Vector3(1.0, 2.0, 3.0)) }
+            assertEquals(case.getString("text"), error.text())
+        }
+    }
+
+    @Test
+    fun `the gauge is the symmetric positive definite matrix`() {
+        val gauge = facts.getJSONObject("gauge")
+        val (soft, hard, strength) = NativeConstantField(1).use { session ->
+            val raw = gauge.getJSONArray("raw_ut")
+            for (k in 0 until raw.length()) session.add(vector(raw.getJSONArray(k)))
+            session.finish(null).calibration
+        }
+        val expected = softIron(gauge)
+        assertArrayEquals(
+            with(expected) { doubleArrayOf(xx, yy, zz, xy, xz, yz) },
+            with(soft) { doubleArrayOf(xx, yy, zz, xy, xz, yz) },
+            1e-9,
+        )
+        assertVector(vector(gauge.getJSONArray("hard_iron_ut")), hard, 1e-7)
+        assertEquals(gauge.getDouble("field_strength_ut"), strength, 1e-7)
+    }
+
+    @Test
+    fun headings() {
+        for (case in list(facts, "headings")) {
+            val frame = HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG0, case.getDouble("declination_deg"))
+            val found = heading(vector(case.getJSONArray("field_ut")), vector(case.getJSONArray("up")), frame)!!
+            assertEquals(case.getDouble("heading_deg"), found.headingDeg, 1e-9, case.getString("name"))
+            assertEquals(case.getDouble("true_heading_deg"), found.trueHeadingDeg!!, 1e-9, case.getString("name"))
+            assertEquals(case.getDouble("inclination_deg"), found.inclinationDeg, 1e-9, case.getString("name"))
+        }
+    }
+
+    @Test
+    fun `units by their limits`() {
+        val limits = facts.getJSONObject("limits")
+        fun pair(key: String) = limits.getJSONArray(key).let { Pair(it.getDouble(0), it.getDouble(1)) }
+        Compensator(Config(sensor = SensorLimits(maxGapS = limits.getDouble("max_gap_s")))).use { compensator ->
+            fun push(timeNs: Long, x: Double) = compensator.push(MagneticSample(timeNs, Vector3(x, 0.0, 0.0))).status
+            val (within, beyond) = pair("magnetic_ut")
+            assertTrue(push(0, within) is Status.Collecting)
+            assertTrue((push(1, beyond) as Status.Rejected).reason is RejectReason.OutOfRange)
+            val (soon, late) = pair("gap_ns")
+            assertTrue((push(late.toLong(), 1.0) as Status.Rejected).reason is RejectReason.TimeJump)
+            assertTrue(push(soon.toLong(), 1.0) is Status.Collecting)
+        }
+        Compensator().use { compensator ->
+            val (slow, fast) = pair("rotation_rate_rad_s")
+            assertTrue(compensator.pushRotationRate(1, slow, 0.0, 0.0))
+            assertFalse(compensator.pushRotationRate(2, fast, 0.0, 0.0))
+            val (weak, strong) = pair("up_m_s2")
+            assertTrue(compensator.pushUp(1, weak, 0.0, 0.0))
+            assertFalse(compensator.pushUp(2, strong, 0.0, 0.0))
+        }
+    }
+
+    @Test
+    fun statuses() {
+        val poor = FitProblem.PoorCoverage(12.5, 10.0)
+        val problems = listOf(
+            FitProblem.TooFewSamples(8),
+            FitProblem.Planar(0.5),
+            poor,
+            FitProblem.Inconsistent(7.5, 2.5),
+            FitProblem.NotAnEllipsoid,
+            FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
+            FitProblem.NotFinite,
+        )
+        val missing = listOf(Missing.Samples(60, 100)) + problems.map { Missing.Fit(it) } +
+            listOf(Missing.Rotation, Missing.Directions)
+        val held = listOf(
+            HoldReason.LowUniformity,
+            HoldReason.FitRefused(poor),
+            HoldReason.Constant,
+            HoldReason.AtRest,
+            HoldReason.TooLittleRotation,
+            HoldReason.NoGyroscope,
+        )
+        val rejected = listOf(
+            RejectReason.NotFinite,
+            RejectReason.OutOfRange(-2500.0, 2000.0),
+            RejectReason.Saturated(1300.0, 1299.5),
+            RejectReason.TimeNotAfter(7, 8),
+            RejectReason.TimeJump(1e6, 604_800.0),
+            RejectReason.Stuck(50),
+        )
+        val ours = missing.map { Status.Collecting(it) } + Status.Tracking + Status.Suspect(1) +
+            held.map { Status.Held(it) } + Status.Disturbed(1) + rejected.map { Status.Rejected(it) }
+        val expected = list(facts, "statuses").map { Pair(it.getString("label"), it.getString("text")) }
+        assertEquals(expected, ours.map { Pair(it.label(), it.text()) })
+    }
+
+    @Test
+    fun errors() {
+        assertEquals(
+            list(facts, "event_rejections").map { it.getString("text") },
+            EventRejection.entries.map { it.text() },
+        )
+        for (case in list(facts, "errors") + list(facts, "border_errors")) {
+            val error = when (val name = case.getString("name")) {
+                "Config" -> assertThrows(MagcompException.Config::class.java) {
+                    Compensator(Config(windowed = WindowedConfig(nMin = 3)))
+                }
+                "SnapshotDamaged" -> Compensator().use {
+                    assertThrows(MagcompException.SnapshotDamaged::class.java) { it.restore("nonsense") }
+                }
+                "SnapshotNewer" -> MagcompException.SnapshotNewer(99)
+                "Closed" -> MagcompException.Closed()
+                "Panicked" -> MagcompException.Panicked("why")
+                else -> error(name)
+            }
+            if (case.has("begins")) {
+                assertTrue(error.text().startsWith(case.getString("begins")), error.text())
+            } else {
+                assertEquals(case.getString("text"), error.text())
+            }
+        }
+    }
+
+    @Test
+    fun `signs and units of Android's sensors, in attitudes computed by hand`() = runBlocking {
+        val shared = JSONObject(repository.resolve("tests/vectors/platform_events.json").readText())
+        val types = intArrayOf(Sensor.TYPE_GYROSCOPE, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
+        val timeNs = shared.getLong("time_ns")
+        for (case in list(shared, "cases")) {
+            val sensors = FakeSensorManager(*types)
+            val source = SensorManagerSource(sensors, SensorOptions(), { true }) {
+                object : SensorManagerSource.EventThread {
+                    override val handler = null
+
+                    override fun end() = Unit
+                }
+            }
+            val samples = mutableListOf<SensorSample>()
+            val collecting = launch { source.samples().take(3).toList(samples) }
+            withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
+            val events = case.getJSONObject("android")
+            for ((type, key) in types.zip(listOf("gyroscope", "gravity", "magnetic_field_uncalibrated"))) {
+                val value = events.getJSONArray(key)
+                sensors.deliver(type, timeNs, *FloatArray(3) { value.getDouble(it).toFloat() })
+            }
+            withTimeout(20_000) { collecting.join() }
+            val rate = (samples[0] as SensorSample.RotationRate).sample
+            val up = (samples[1] as SensorSample.Up).sample
+            val field = (samples[2] as SensorSample.Magnetic).sample
+            // Android's floats
+            assertVector(vector(case.getJSONArray("rate_rad_s")), rate.rateRadS, 1e-6)
+            assertVector(vector(case.getJSONArray("up_m_s2")), up.upMS2, 1e-6)
+            assertVector(vector(case.getJSONArray("field_ut")), field.fieldUt, 1e-6)
+            assertEquals(List(3) { timeNs }, samples.map { it.timeNs })
+            val axis = ReferenceAxis.valueOf(case.getString("axis").uppercase())
+            val found = heading(field.fieldUt, up.upMS2, HeadingFrame(axis, ScreenRotation.DEG0))!!
+            val off = Math.IEEEremainder(found.headingDeg - case.getDouble("heading_deg"), 360.0)
+            assertTrue(abs(off) < 1e-6, "${case.getString("name")}: $found")
+            assertEquals(shared.getDouble("inclination_deg"), found.inclinationDeg, 1e-6)
+        }
+    }
+
+    private fun list(of: JSONObject, key: String): List<JSONObject> {
+        val list = of.getJSONArray(key)
+        assertTrue(list.length() > 0, key)
+        return List(list.length()) { list.getJSONObject(it) }
+    }
+
+    private fun vector(json: JSONArray) = Vector3(json.getDouble(0), json.getDouble(1), json.getDouble(2))
+
+    private fun softIron(case: JSONObject): SoftIron {
+        val m = case.getJSONArray("soft_iron")
+        return SoftIron(m.getDouble(0), m.getDouble(1), m.getDouble(2), m.getDouble(3), m.getDouble(4), m.getDouble(5))
+    }
+
+    private fun assertVector(expected: Vector3, found: Vector3, tolerance: Double) = assertArrayEquals(
+        with(expected) { doubleArrayOf(x, y, z) },
+        with(found) { doubleArrayOf(x, y, z) },
+        tolerance,
+    )
+}

@@ -1,0 +1,166 @@
+import Foundation
+@testable import Magcomp
+import MagcompTestHooks
+import Testing
+
+@Suite struct BorderTests {
+    let events = tumbling(600)
+
+    @Test func findsTheHardIronAndSaysWhyNotBefore() throws {
+        let compensator = try Compensator()
+        let readings = try compensator.pushAll(events)
+        #expect(readings[0].status.label() == "collecting")
+        #expect(readings[0].fieldUt == nil)
+        let last = try #require(readings.last)
+        #expect(last.status == .tracking)
+        #expect(abs(try #require(last.totalFieldUt) - 50) < 2)
+        let hardIron = try #require(try compensator.calibration()).hardIronUt
+        #expect(hardIron.isClose(to: [hardIronUt.x, hardIronUt.y, hardIronUt.z], within: 1))
+        #expect(try compensator.fit()?.covariance.count == 81)
+        #expect(try compensator.covariance()?.count == 81)
+        #expect(try compensator.coverage().share > 0.5)
+    }
+
+    @Test func everyStatusIsReadFromCAsUniffiHasIt() throws {
+        let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
+        let problems: [FitProblem] = [
+            .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
+            .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
+        ]
+        let held: [HoldReason] = [
+            .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
+        ]
+        let rejected: [RejectReason] = [
+            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(valueUt: 1300, railUt: 1299.5),
+            .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
+            .stuck(repeats: 50),
+        ]
+        var expected: [Status] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
+        expected += [.samples(have: 60, need: 100), .rotation, .directions].map { .collecting(missing: $0) }
+        expected += problems.map { .collecting(missing: .fit(problem: $0)) }
+        expected += held.map { .held(reason: $0) }
+        expected.append(.disturbed(sinceNs: Int64.min + 1))
+        expected += rejected.map { .rejected(reason: $0) }
+        #expect(Int(magcomp_test_status(-1, nil)) == expected.count)
+        for (index, status) in expected.enumerated() {
+            var out = MagcompStatus()
+            _ = magcomp_test_status(Int32(index), &out)
+            #expect(Status(out) == status)
+            #expect(status.text().hasPrefix(status.label()))
+        }
+    }
+
+    @Test func aConfigOutOfRangeIsATypedError() {
+        #expect(
+            throws: MagcompError.Config(field: "windowed.n_min", value: "3", expected: "at least 9 samples")
+        ) { try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
+    }
+
+    @Test func theDefaultsAreTheCores() throws {
+        let (plain, spelled) = (try Compensator(), try Compensator(config: defaultConfig()))
+        #expect(try plain.pushAll(events) == spelled.pushAll(events))
+        #expect(try plain.snapshot() == spelled.snapshot())
+    }
+
+    @Test func aBadSampleIsRejectedAndChangesNothing() throws {
+        let compensator = try Compensator()
+        _ = try compensator.pushAll(events)
+        let before = try compensator.snapshot()
+        let bad = Vector3(x: .nan, y: 0, z: 0)
+        #expect(try compensator.push(MagneticSample(timeNs: .max, fieldUt: bad)).status == .rejected(reason: .notFinite))
+        let late = try compensator.push(MagneticSample(timeNs: 5, fieldUt: Vector3(x: 1, y: 2, z: 3)))
+        #expect(late.status == .rejected(reason: .timeNotAfter(timeNs: 5, latestNs: 600 * stepNs)))
+        #expect(late.timeNs == 5)
+        #expect(try !compensator.pushUp(UpSample(timeNs: 5, upMS2: Vector3(x: 0, y: 0, z: 9.8))), "too late")
+        #expect(try !compensator.pushRotationRate(RotationRateSample(timeNs: 5, rateRadS: bad)))
+        #expect(try compensator.snapshot() == before)
+    }
+
+    @Test func theSystemsHardIronCanBeTheFirstCalibration() throws {
+        let compensator = try Compensator(config: Config(useReportedHardIron: true))
+        func push(_ timeNs: Int64, reported: Double) throws -> Reading {
+            let sample = MagneticSample(
+                timeNs: timeNs, fieldUt: Vector3(x: 110, y: 20, z: 0),
+                reportedHardIronUt: Vector3(x: reported, y: 0, z: 0))
+            return try compensator.push(sample)
+        }
+        #expect(try push(1, reported: 100).fieldUt?.isClose(to: [10, 20, 0], within: 1e-9) == true)
+        #expect(try push(2, reported: 97).reportedHardIronJumpUt == 3)
+    }
+
+    @Test func afterClosingEveryUseIsATypedError() throws {
+        let compensator = try Compensator()
+        compensator.close()
+        compensator.close()
+        let v = Vector3(x: 1, y: 2, z: 3)
+        let uses: [() throws -> Void] = [
+            { _ = try compensator.push(MagneticSample(timeNs: 1, fieldUt: v)) },
+            { try compensator.pushUp(UpSample(timeNs: 1, upMS2: v)) },
+            { try compensator.pushRotationRate(RotationRateSample(timeNs: 1, rateRadS: v)) },
+            { _ = try compensator.calibration() },
+            { _ = try compensator.snapshot() },
+            { try compensator.reset() },
+        ]
+        for use in uses {
+            #expect(throws: MagcompError.Closed) { try use() }
+        }
+    }
+
+    @Test func aHandleOutlivesItsObjectAsANumberThatFindsNothing() throws {
+        var compensator: Compensator? = try Compensator()
+        let handle = try #require(compensator).fastHandle
+        #expect(magcomp_push_up(handle, 1, 0, 0, 9.8) == 0)
+        compensator = nil
+        for stale in [handle, 0, -1, .max, .min] {
+            #expect(magcomp_push_up(stale, 2, 0, 0, 9.8) == Int32(MAGCOMP_CLOSED))
+            #expect(magcomp_push(stale, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_CLOSED))
+        }
+        let other = try Compensator()
+        #expect(other.fastHandle != handle)
+        #expect(magcomp_push(other.fastHandle, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_NO_ROOM))
+    }
+
+    @Test func aDefectOfTheLibraryIsATypedErrorUntilReset() throws {
+        let compensator = try Compensator()
+        #expect(magcomp_test_panic(compensator.fastHandle) == Int32(MAGCOMP_PANICKED))
+        let defect = MagcompError.Panicked(what: "on purpose")
+        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        #expect(throws: defect) { try compensator.push(sample) }
+        #expect(throws: defect) { try compensator.calibration() }
+        try compensator.reset()
+        #expect(try compensator.push(sample).status.label() == "collecting")
+    }
+
+    @Test func aSnapshotTakesEverythingAlong() throws {
+        let half = events.count / 2
+        let (whole, first, second) = (try Compensator(), try Compensator(), try Compensator())
+        let readings = try whole.pushAll(events)
+        _ = try first.pushAll(Array(events[..<half]))
+        #expect(try second.restore(first.snapshot()) == .everything)
+        #expect(try second.pushAll(Array(events[half...])) == Array(readings[(half / 2)...]))
+        #expect(throws: MagcompError.SnapshotDamaged) { try second.restore(first.snapshot() + "x") }
+    }
+
+    @Test func theHeadingFrameMayChangeInMidStream() throws {
+        let compensator = try Compensator()
+        let still = try compensator.pushAll(events).last?.heading
+        let turned = try Compensator()
+        try turned.setHeadingFrame(HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3))
+        let after = try #require(try turned.pushAll(events).last?.heading)
+        let before = try #require(still)
+        #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)
+        #expect(after.trueHeadingDeg == trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+        #expect(throws: MagcompError.self) {
+            try turned.setHeadingFrame(HeadingFrame(axis: .auto, screenRotation: .deg0, declinationDeg: 200))
+        }
+    }
+
+    @Test func theEarthsFieldAtAPlace() throws {
+        let paris = try geomagneticField(
+            latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, unixTimeMs: 1_750_000_000_000)
+        #expect((63...65).contains(paris.inclinationDeg) && (47...50).contains(paris.totalFieldUt))
+        #expect(throws: MagcompError.self) {
+            try geomagneticField(latitudeDeg: 91, longitudeDeg: 0, heightM: 0, unixTimeMs: 1_750_000_000_000)
+        }
+    }
+}

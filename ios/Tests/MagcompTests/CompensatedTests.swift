@@ -1,0 +1,159 @@
+import Foundation
+import Magcomp
+import Testing
+
+@Suite struct CompensatedTests {
+    let events = tumbling(1500)
+
+    struct Broken: Error, Equatable {}
+
+    final class Kept: CalibrationStore {
+        let snapshot: Shared<String?>
+
+        init(_ snapshot: String? = nil) { self.snapshot = Shared(snapshot) }
+
+        func load() -> String? { snapshot.value }
+
+        func save(_ snapshot: String) { self.snapshot.change { $0 = snapshot } }
+    }
+
+    @Test func aSlowIteratorLosesTheOldestReadingsCountedAndTheEstimatorNone() async throws {
+        var readings: [CompensatedReading] = []
+        for try await reading in Played(events: events).samples().compensated(capacity: 5) {
+            if readings.isEmpty { try await Task.sleep(for: .milliseconds(500)) }
+            readings.append(reading)
+        }
+        #expect(readings.count < 1500)
+        #expect(readings.count + readings.map(\.droppedBefore).reduce(0, +) == 1500)
+        #expect(try readings.last?.reading == Compensator().pushAll(events).last)
+    }
+
+    @Test func aFastIteratorLosesNone() async throws {
+        let readings = try await Played(events: events).samples().compensated(capacity: 1500).collected()
+        #expect(try readings.map(\.reading) == Compensator().pushAll(events))
+        #expect(readings.allSatisfy { $0.droppedBefore == 0 })
+    }
+
+    @Test func twoIteratorsHaveACompensatorEach() async throws {
+        let sequence = Played(events: events).samples().compensated(capacity: 1500)
+        async let first = sequence.collected()
+        async let second = sequence.collected()
+        let (one, other) = try await (first, second)
+        #expect(one == other && one.count == 1500)
+    }
+
+    @Test func anySequenceOfSamplesCanBeCompensated() async throws {
+        let (stream, continuation) = AsyncStream.makeStream(of: SensorSample.self)
+        for event in events { continuation.yield(event) }
+        continuation.finish()
+        #expect(try await stream.compensated(capacity: 1500).collected().count == 1500)
+    }
+
+    @Test func anErrorOfTheSourceArrives() async throws {
+        let events = events
+        let samples = SensorSamples {
+            AsyncThrowingStream<SensorSample, any Error> { continuation in
+                continuation.yield(events[1])
+                continuation.finish(throwing: Broken())
+            }
+        }
+        var iterator = samples.compensated().makeAsyncIterator()
+        #expect(try await iterator.next() != nil)
+        await #expect(throws: Broken.self) { try await iterator.next() }
+    }
+
+    @Test func anErrorOfTheConfigArrives() async throws {
+        let played = Played(events: events).samples()
+        await #expect(throws: MagcompError.Config(field: "capacity", value: "0", expected: "at least 1")) {
+            try await played.compensated(capacity: 0).collected()
+        }
+        let config = Config(windowed: WindowedConfig(nMin: 3))
+        await #expect(throws: MagcompError.self) { try await played.compensated(config).collected() }
+    }
+
+    @Test func cancellingEndsAnEndlessSource() async throws {
+        let ended = Shared(false)
+        let endless = SensorSamples {
+            AsyncStream<SensorSample> { continuation in
+                continuation.onTermination = { _ in ended.change { $0 = true } }
+            }
+        }
+        let task = Task { try await endless.compensated().collected() }
+        try await Task.sleep(for: .milliseconds(20))
+        task.cancel()
+        #expect(try await task.value == [])
+        try await eventually { ended.value }
+    }
+
+    @Test func theCalibrationIsKeptFromOneLaunchToTheNext() async throws {
+        let store = Kept()
+        _ = try await Compass(source: Played(events: events), store: store).readings().collected()
+        #expect(store.snapshot.value != nil)
+        let again = try await Compass(source: Played(events: Array(events[..<2])), store: store).readings().collected()
+        #expect(again[0].reading.fieldUt != nil, "calibrated from the first sample on, though the clock began anew")
+        #expect(again[0].reading.status.label() != "rejected")
+    }
+
+    @Test func itIsSavedOnceAMinuteToo() async throws {
+        let store = Kept()
+        let (stream, continuation) = AsyncStream.makeStream(of: SensorSample.self)
+        var iterator = stream.compensated(store: store, capacity: 10_000).makeAsyncIterator()
+        for event in tumbling(6100) { continuation.yield(event) }
+        for _ in 0..<6000 { _ = try await iterator.next() }
+        try await eventually { store.snapshot.value != nil }
+    }
+
+    @Test func aDamagedStoreIsAsNone() async throws {
+        for snapshot in ["", "{}", "nonsense"] {
+            let readings = Played(events: Array(events[..<2])).samples().compensated(store: Kept(snapshot))
+            #expect(try await readings.collected().map(\.reading.fieldUt) == [nil])
+        }
+    }
+
+    @Test func nothingIsSavedBeforeThereIsACalibration() async throws {
+        let store = Kept()
+        _ = try await Played(events: Array(events[..<20])).samples().compensated(store: store).collected()
+        #expect(store.snapshot.value == nil)
+    }
+
+    @Test func userDefaultsKeepASnapshot() {
+        let key = "magcomp-test-\(UUID().uuidString)"
+        defer { UserDefaults.standard.removeObject(forKey: key) }
+        let store = UserDefaultsStore(key: key)
+        #expect(store.load() == nil)
+        store.save("a")
+        store.save("b")
+        #expect(UserDefaultsStore(key: key).load() == "b")
+    }
+
+    @Test func theScreenMayTurnWhileReadingsCome() async throws {
+        let half = events.count / 2
+        let (events, frame) = (events, Shared(HeadingFrame(axis: .topEdge, screenRotation: .deg0)))
+        let turning = SensorSamples {
+            AsyncStream(unfolding: { [count = Shared(0)] in
+                let k = count.value
+                count.change { $0 += 1 }
+                if k == half {
+                    frame.change { $0 = HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3) }
+                }
+                return k < events.count ? events[k] : nil
+            })
+        }
+        let readings = try await turning.compensated(capacity: 1500) { frame.value }.collected().map(\.reading)
+        let still = try Compensator().pushAll(events)
+        #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
+        let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))
+        #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)
+        #expect(after.trueHeadingDeg == trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+    }
+
+    @Test func aCompassHasAFrameThatMayBeSet() async throws {
+        let compass = Compass(source: Played(events: events))
+        #expect(compass.frame == HeadingFrame(axis: .auto, screenRotation: .deg0))
+        let first = try await compass.readings().collected().last
+        compass.frame.screenRotation = .deg180
+        let second = try await compass.readings().collected().last
+        let turned = try #require(second?.reading.heading).headingDeg - (try #require(first?.reading.heading).headingDeg)
+        #expect(abs((turned - 180).remainder(dividingBy: 360)) < 1e-9)
+    }
+}

@@ -1,0 +1,285 @@
+#if canImport(CoreMotion)
+import CoreMotion
+import Foundation
+import Magcomp
+import Testing
+
+/// ``CoreMotionSource`` over a stand-in of Core Motion that plays what a test scripts.
+@Suite struct CoreMotionSourceTests {
+    let manager = CMMotionManager()
+
+    /// The first samples while `play` runs, once updates are on.
+    func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
+        var samples: [SensorSample] = []
+        var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        play()
+        while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
+        return samples
+    }
+
+    @Test func signsAndUnitsInAttitudesComputedByHand() async throws {
+        struct Events: Decodable {
+            struct Case: Decodable {
+                struct Apples: Decodable {
+                    let magneticField, gravity, rotationRate: [Double]
+                }
+                let name, axis: String
+                let ios: Apples
+                let fieldUt, upMS2, rateRadS: [Double]
+                let headingDeg: Double
+            }
+            let timeNs: Int64
+            let iosTimestampS, inclinationDeg: Double
+            let cases: [Case]
+        }
+        let events = try vectors("platform_events.json", as: Events.self)
+        #expect(events.cases.count == 12)
+        for fact in events.cases {
+            let (g, r, m) = (fact.ios.gravity, fact.ios.rotationRate, fact.ios.magneticField)
+            let samples = try await samples(3) {
+                manager.deviceMotion(at: events.iosTimestampS, gravity: (g[0], g[1], g[2]), rate: (r[0], r[1], r[2]))
+                manager.magnetometer(at: events.iosTimestampS, m[0], m[1], m[2])
+            }
+            let expected: [SensorSample] = [
+                .rotationRate(RotationRateSample(timeNs: events.timeNs, rateRadS: Vector3(fact.rateRadS))),
+                .up(UpSample(timeNs: events.timeNs, upMS2: Vector3(fact.upMS2))),
+                .magnetic(MagneticSample(timeNs: events.timeNs, fieldUt: Vector3(fact.fieldUt))),
+            ]
+            #expect(samples == expected, "\(fact.name)")
+            guard case .up(let up) = samples[1], case .magnetic(let magnetic) = samples[2] else { continue }
+            let frame = HeadingFrame(axis: fact.axis == "camera" ? .camera : .topEdge, screenRotation: .deg0)
+            let found = try #require(try heading(fieldUt: magnetic.fieldUt, up: up.upMS2, frame: frame))
+            #expect(abs((found.headingDeg - fact.headingDeg).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")
+            #expect(abs(found.inclinationDeg - events.inclinationDeg) < 1e-9, "\(fact.name)")
+        }
+    }
+
+    @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {
+        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), manager: manager)
+        let sequence = source.samples()
+        #expect(manager.starts == 0, "cold")
+        do {
+            var iterator = sequence.makeAsyncIterator()
+            #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
+            #expect(manager.magnetometerUpdateInterval == 0.02 && manager.deviceMotionUpdateInterval == 0.02)
+            #expect(manager.frame == .xArbitraryZVertical)
+            manager.magnetometer(at: 1, 1, 2, 3)
+            #expect(try await iterator.next()?.timeNs == 1_000_000_000)
+        }
+        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
+        // and it can be iterated again
+        var again = sequence.makeAsyncIterator()
+        manager.magnetometer(at: 2, 1, 2, 3)
+        #expect(try await again.next()?.timeNs == 2_000_000_000)
+        #expect(manager.starts == 2)
+    }
+
+    @Test func onlyTheSensorsAskedForAreUsed() async throws {
+        let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) {
+            #expect(!manager.isDeviceMotionActive)
+            manager.magnetometer(at: 1, 1, 2, 3)
+        }
+        #expect(alone == [.magnetic(MagneticSample(timeNs: 1_000_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3)))])
+        let withUp = try await samples(2, SensorOptions(gyroscope: false)) {
+            manager.deviceMotion(at: 1, gravity: (0, 0, -1), rate: (1, 2, 3))
+            manager.magnetometer(at: 1, 1, 2, 3)
+        }
+        #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.80665))))
+    }
+
+    @Test func theSystemsOwnFieldIsBesideOurs() async throws {
+        let source = CoreMotionSource(options: SensorOptions(systemField: true), manager: manager)
+        var readings = source.samples().compensated().makeAsyncIterator()
+        try await eventually { manager.isDeviceMotionActive }
+        #expect(manager.frame == .xArbitraryCorrectedZVertical)
+        let accuracies: [(CMMagneticFieldCalibrationAccuracy, SystemFieldSample.Accuracy)] = [
+            (.uncalibrated, .uncalibrated), (.low, .low), (.medium, .medium), (.high, .high),
+        ]
+        for (k, (theirs, ours)) in accuracies.enumerated() {
+            let time = Double(k + 1)
+            let calibrated = CMCalibratedMagneticField(field: .init(x: 10, y: 20, z: -40), accuracy: theirs)
+            manager.deviceMotion(at: time, gravity: (0, 0, -1), field: calibrated)
+            manager.magnetometer(at: time, 110, 20, time)
+            let reading = try #require(try await readings.next())
+            let field = Vector3(x: 10, y: 20, z: -40)
+            let expected = SystemFieldSample(timeNs: Int64(k + 1) * 1_000_000_000, fieldUt: field, accuracy: ours)
+            #expect(reading.systemField == expected)
+            #expect(reading.sample.fieldUt.x == 110)
+        }
+    }
+
+    @Test func aMissingSensorIsATypedErrorThatSaysWhatToDo() async throws {
+        manager.lack(magnetometer: true)
+        await #expect(throws: SensorError.missing(sensor: "magnetometer", advice: "hide the compass")) {
+            try await samples(1) {}
+        }
+        manager.lack(deviceMotion: true)
+        do {
+            _ = try await samples(1) {}
+            Issue.record("no error")
+        } catch let error as SensorError {
+            #expect(error.localizedDescription.contains("SensorOptions(gyroscope: false, up: false)"))
+        }
+        // and that works
+        let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) { manager.magnetometer(at: 1, 1, 2, 3) }
+        #expect(alone.count == 1)
+    }
+
+    @Test func optionsOutOfRangeAreATypedError() async throws {
+        for rateHz in [0, -1, 1001] {
+            let error = MagcompError.Config(field: "SensorOptions.rateHz", value: "\(rateHz)", expected: "1 to 1000")
+            await #expect(throws: error) { try await samples(1, SensorOptions(rateHz: rateHz)) {} }
+        }
+        #expect(manager.starts == 0)
+    }
+
+    @Test func refusedAccessEndsTheSequenceWithATypedError() async throws {
+        for code in [CMErrorNotAuthorized, CMErrorNotEntitled] {
+            await #expect(throws: SensorError.accessRefused(sensor: "magnetometer")) {
+                try await samples(1) { manager.magnetometerFails(code.error) }
+            }
+            #expect(!manager.isMagnetometerActive && !manager.isDeviceMotionActive)
+        }
+        await #expect(throws: SensorError.refused(sensor: "gyroscope", reason: "CMErrorDomain 109")) {
+            try await samples(1) { manager.deviceMotionFails(CMErrorNotAvailable.error) }
+        }
+        // also after events, and through the compensator; what came before arrives
+        var readings = CoreMotionSource(manager: manager).samples().compensated().makeAsyncIterator()
+        try await eventually { manager.isMagnetometerActive }
+        manager.magnetometer(at: 1, 1, 2, 3)
+        manager.magnetometerFails(CMErrorUnknown.error)
+        #expect(try await readings.next() != nil)
+        await #expect(throws: SensorError.refused(sensor: "magnetometer", reason: "CMErrorDomain 103")) {
+            try await readings.next()
+        }
+        // who tries again gets events again
+        #expect(try await samples(1) { manager.magnetometer(at: 2, 1, 2, 3) }.count == 1)
+    }
+
+    @Test func anErrorThatPassesByItselfDoesNotEndTheSequence() async throws {
+        let samples = try await samples(2) {
+            manager.deviceMotionFails(CMErrorDeviceRequiresMovement.error)
+            manager.deviceMotion(at: 1, gravity: (0, 0, -1))
+        }
+        #expect(samples.count == 2)
+    }
+
+    @Test func aPauseEndsNothing() async throws {
+        // the app was in the background for ten minutes; the clock went on
+        let times: [Double] = (1...100).map { k in Double(k) / 100 + (k > 50 ? 600 : 0) }
+        let readings = try await readings(times.count) {
+            for time in times {
+                manager.deviceMotion(at: time, gravity: (0, 0, -1))
+                manager.magnetometer(at: time, 20 + time, 30, -40)
+            }
+        }
+        #expect(readings.map(\.sample.timeNs) == times.map { Int64(($0 * 1e9).rounded()) })
+        #expect(readings.allSatisfy { $0.reading.status.label() == "collecting" })
+    }
+
+    @Test func timesThatRepeatOrGoBackAreRejectedAndNothingElse() async throws {
+        let times = [1.0, 1.01, 1.01, 1.0, 1.02]
+        let readings = try await readings(times.count) {
+            for time in times {
+                manager.deviceMotion(at: time, gravity: (0, 0, -1))
+                manager.magnetometer(at: time, 20 + time, 30, -40)
+            }
+        }
+        #expect(readings.map { $0.reading.status.label() == "rejected" } == [false, false, true, true, false])
+    }
+
+    @Test func deviceMotionMayStopAndComeBack() async throws {
+        let readings = try await readings(300) {
+            for k in 1...300 {
+                let time = Double(k) / 100
+                if !(100..<200).contains(k) { manager.deviceMotion(at: time, gravity: (0, 0, -1)) }
+                manager.magnetometer(at: time, 20 + Double(k % 7), 30, -40)
+            }
+        }
+        #expect(readings[50].reading.mode == .gyroscopeAndGravity)
+        #expect(readings[190].reading.mode == .magnetometerOnly)
+        #expect(readings[299].reading.mode == .gyroscopeAndGravity)
+    }
+
+    /// As many readings while `play` runs.
+    func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
+        var readings: [CompensatedReading] = []
+        var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
+        try await eventually { manager.isMagnetometerActive }
+        play()
+        while readings.count < count, let reading = try await iterator.next() { readings.append(reading) }
+        #expect(readings.allSatisfy { $0.droppedBefore == 0 })
+        return readings
+    }
+
+    @Test func cancellingTheTaskStopsTheUpdates() async throws {
+        let source = CoreMotionSource(manager: manager)
+        let got = Shared(0)
+        let task = Task {
+            for try await _ in source.samples().compensated() { got.change { $0 += 1 } }
+        }
+        try await eventually { manager.isMagnetometerActive }
+        manager.magnetometer(at: 1, 1, 2, 3)
+        try await eventually { got.value == 1 }
+        task.cancel()
+        try await task.value
+        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
+    }
+
+    @Test func leavingTheLoopStopsTheUpdates() async throws {
+        for _ in 0..<100 {
+            let source = CoreMotionSource(manager: manager)
+            let player = Player(manager: manager)
+            let playing = Task {
+                var time = 0.0
+                while !Task.isCancelled {
+                    time += 0.001
+                    player.manager.magnetometer(at: time, 1, 2, time)
+                    await Task.yield()
+                }
+            }
+            for try await reading in source.samples().compensated() where reading.reading.window >= 0 { break }
+            playing.cancel()
+            try await eventually { !manager.isMagnetometerActive }
+        }
+    }
+
+    /// The stand-in may be played from any thread.
+    struct Player: @unchecked Sendable {
+        let manager: CMMotionManager
+    }
+
+    @Test func twoIteratorsEachGetEveryEvent() async throws {
+        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), manager: manager)
+        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
+        var second = source.samples().makeAsyncIterator()
+        #expect(manager.starts == 1, "they share the updates")
+        for time in [1.0, 2.0] { manager.magnetometer(at: time, 1, 2, 3) }
+        for time in [1, 2] {
+            #expect(try await first?.next()?.timeNs == Int64(time) * 1_000_000_000)
+            #expect(try await second.next()?.timeNs == Int64(time) * 1_000_000_000)
+        }
+        first = nil
+        #expect(manager.isMagnetometerActive, "one is left")
+        manager.magnetometer(at: 3, 1, 2, 3)
+        #expect(try await second.next()?.timeNs == 3_000_000_000)
+    }
+
+    @Test func noEventIsDroppedBeforeTheEstimator() async throws {
+        let samples = try await samples(20_000, SensorOptions(gyroscope: false, up: false)) {
+            // all of them before the iterator asks for the first
+            for k in 1...20_000 { manager.magnetometer(at: Double(k), 1, 2, 3) }
+        }
+        #expect(samples.map(\.timeNs) == (1...20_000).map { Int64($0) * 1_000_000_000 })
+    }
+
+    @Test func theOneLiner() async throws {
+        // its own manager: nothing can be played, but it compiles as the documents say, and ends when told to
+        let task = Task {
+            for try await reading in Compass().readings() { print(reading.reading.status.text()) }
+        }
+        task.cancel()
+        try await task.value
+    }
+}
+#endif

@@ -1,0 +1,179 @@
+import Foundation
+import Magcomp
+import Testing
+
+/// The facts every language of the library agrees on, from the file Rust and Kotlin assert too.
+@Suite struct FactsTests {
+    struct Facts: Decodable {
+        struct Correct: Decodable {
+            let name: String
+            let softIron, hardIronUt, rawUt, fieldUt: [Double]
+        }
+        struct NoCalibration: Decodable {
+            let softIron: [Double]
+            let fieldStrengthUt: Double
+            let text: String
+        }
+        struct Gauge: Decodable {
+            let softIron, hardIronUt: [Double]
+            let fieldStrengthUt: Double
+            let rawUt: [[Double]]
+        }
+        struct Attitude: Decodable {
+            let name: String
+            let fieldUt, up: [Double]
+            let headingDeg, declinationDeg, trueHeadingDeg, inclinationDeg: Double
+        }
+        struct Limits: Decodable {
+            let magneticUt, rotationRateRadS: [Double]
+            // `convertFromSnakeCase` makes this of up_m_s2
+            let upMS2, gapNs: [Double]
+            let maxGapS: Double
+        }
+        struct Words: Decodable {
+            let name: String
+            let label, text, begins: String?
+        }
+        let correct: [Correct]
+        let noCalibration: [NoCalibration]
+        let gauge: Gauge
+        let headings: [Attitude]
+        let limits: Limits
+        let statuses, eventRejections, errors, borderErrors: [Words]
+    }
+
+    let facts: Facts
+
+    init() throws { facts = try vectors("facts.json") }
+
+    func softIron(_ m: [Double]) -> SoftIron { SoftIron(xx: m[0], yy: m[1], zz: m[2], xy: m[3], xz: m[4], yz: m[5]) }
+
+    @Test func correcting() throws {
+        #expect(!facts.correct.isEmpty)
+        for fact in facts.correct {
+            let calibration = Calibration(
+                softIron: softIron(fact.softIron), hardIronUt: Vector3(fact.hardIronUt), fieldStrengthUt: 50)
+            let field = try correct(calibration: calibration, rawUt: Vector3(fact.rawUt))
+            #expect(field.isClose(to: fact.fieldUt, within: 1e-12), "\(fact.name)")
+        }
+    }
+
+    @Test func noCalibration() throws {
+        #expect(!facts.noCalibration.isEmpty)
+        for fact in facts.noCalibration {
+            let calibration = Calibration(
+                softIron: softIron(fact.softIron), hardIronUt: Vector3(x: 0, y: 0, z: 0),
+                fieldStrengthUt: fact.fieldStrengthUt)
+            #expect(throws: MagcompError.Calibration(why: fact.text)) {
+                try correct(calibration: calibration, rawUt: Vector3(x: 1, y: 2, z: 3))
+            }
+        }
+    }
+
+    @Test func theGaugeIsTheSymmetricPositiveDefiniteMatrix() throws {
+        let session = ConstantField(samplesPerOrientation: 1)
+        for raw in facts.gauge.rawUt { try session.add(rawUt: Vector3(raw)) }
+        let found = try session.finish(options: nil).calibration
+        let m = found.softIron
+        for (ours, theirs) in zip([m.xx, m.yy, m.zz, m.xy, m.xz, m.yz], facts.gauge.softIron) {
+            #expect(abs(ours - theirs) < 1e-9)
+        }
+        #expect(found.hardIronUt.isClose(to: facts.gauge.hardIronUt, within: 1e-7))
+        #expect(abs(found.fieldStrengthUt - facts.gauge.fieldStrengthUt) < 1e-7)
+    }
+
+    @Test func headings() throws {
+        #expect(!facts.headings.isEmpty)
+        for fact in facts.headings {
+            let frame = HeadingFrame(axis: .topEdge, screenRotation: .deg0, declinationDeg: fact.declinationDeg)
+            let found = try #require(try heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame))
+            #expect(abs(found.headingDeg - fact.headingDeg) < 1e-9, "\(fact.name)")
+            #expect(abs(try #require(found.trueHeadingDeg) - fact.trueHeadingDeg) < 1e-9, "\(fact.name)")
+            #expect(abs(found.inclinationDeg - fact.inclinationDeg) < 1e-9, "\(fact.name)")
+        }
+    }
+
+    @Test func unitsByTheirLimits() throws {
+        let limits = facts.limits
+        let compensator = try Compensator(config: Config(sensor: SensorLimits(maxGapS: limits.maxGapS)))
+        func push(_ timeNs: Double, _ x: Double) throws -> Status {
+            let field = Vector3(x: x, y: 0, z: 0)
+            return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status
+        }
+        #expect(try push(0, limits.magneticUt[0]).label() == "collecting")
+        guard case .rejected(.outOfRange) = try push(1, limits.magneticUt[1]) else { throw Unexpected() }
+        guard case .rejected(.timeJump) = try push(limits.gapNs[1], 1) else { throw Unexpected() }
+        #expect(try push(limits.gapNs[0], 1).label() == "collecting")
+
+        let other = try Compensator()
+        func rate(_ timeNs: Int64, _ x: Double) throws -> Bool {
+            try other.pushRotationRate(RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: x, y: 0, z: 0)))
+        }
+        #expect(try rate(1, limits.rotationRateRadS[0]))
+        #expect(try !rate(2, limits.rotationRateRadS[1]))
+        func up(_ timeNs: Int64, _ x: Double) throws -> Bool {
+            try other.pushUp(UpSample(timeNs: timeNs, upMS2: Vector3(x: x, y: 0, z: 0)))
+        }
+        #expect(try up(1, limits.upMS2[0]))
+        #expect(try !up(2, limits.upMS2[1]))
+    }
+
+    struct Unexpected: Error {}
+
+    @Test func statuses() {
+        let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
+        let problems: [FitProblem] = [
+            .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
+            .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
+        ]
+        let held: [HoldReason] = [
+            .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
+        ]
+        let rejected: [RejectReason] = [
+            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(valueUt: 1300, railUt: 1299.5),
+            .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
+        ]
+        var ours: [Status] = [.collecting(missing: .samples(have: 60, need: 100))]
+        ours += problems.map { .collecting(missing: .fit(problem: $0)) }
+        ours += [.collecting(missing: .rotation), .collecting(missing: .directions), .tracking, .suspect(sinceNs: 1)]
+        ours += held.map { .held(reason: $0) }
+        ours.append(.disturbed(sinceNs: 1))
+        ours += rejected.map { .rejected(reason: $0) }
+        #expect(ours.map { $0.label() } == facts.statuses.map(\.label))
+        #expect(ours.map { $0.text() } == facts.statuses.map(\.text))
+    }
+
+    @Test func errors() throws {
+        let rejections: [EventRejection] = [.notFinite, .outOfRange, .late, .duplicate, .ahead]
+        #expect(rejections.map { $0.text() } == facts.eventRejections.map(\.text))
+        #expect(facts.errors.count == 3 && facts.borderErrors.count == 2)
+        for fact in facts.errors + facts.borderErrors {
+            let sentence = try #require(said(fact.name), "\(fact.name)")
+            if let begins = fact.begins {
+                #expect(sentence.hasPrefix(begins), "\(sentence)")
+            } else {
+                #expect(sentence == fact.text)
+            }
+        }
+    }
+
+    func said(_ name: String) -> String? {
+        switch name {
+        case "Config": failure { _ = try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
+        case "SnapshotDamaged": failure { try Compensator().restore("nonsense") }
+        case "SnapshotNewer": failure { throw MagcompError.SnapshotNewer(found: 99) }
+        case "Closed": failure { throw MagcompError.Closed }
+        case "Panicked": failure { throw MagcompError.Panicked(what: "why") }
+        default: nil
+        }
+    }
+
+    func failure(_ body: () throws -> Void) -> String? {
+        do {
+            try body()
+            return nil
+        } catch {
+            return error.localizedDescription
+        }
+    }
+}

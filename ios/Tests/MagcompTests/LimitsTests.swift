@@ -1,0 +1,74 @@
+import Foundation
+import Magcomp
+import Testing
+
+@Suite(.serialized) struct LimitsTests {
+    let events = tumbling(1000)
+
+    @Test func eightThreadsPushAndClose() throws {
+        let wrong = Shared<[String]>([])
+        let answered = Shared(0)
+        for round in 0..<40 {
+            let compensator = try Compensator()
+            DispatchQueue.concurrentPerform(iterations: 8) { number in
+                do {
+                    for k in 0..<300 {
+                        let timeNs = Int64(k * 8 + number + 1) * 1000
+                        let v = Vector3(x: Double(k), y: 10, z: 20)
+                        _ = try compensator.push(MagneticSample(timeNs: timeNs, fieldUt: v))
+                        try compensator.pushUp(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.8)))
+                        answered.change { $0 += 1 }
+                        if k % 50 == 10 { _ = try compensator.coverage() }
+                        if number == 7, k == 6 * round { compensator.close() }
+                    }
+                } catch MagcompError.Closed {
+                    // as it should
+                } catch {
+                    wrong.change { $0.append("\(error)") }
+                }
+            }
+        }
+        #expect(wrong.value == [])
+        #expect(answered.value > 40 * 8, "\(answered.value) pushes got through")
+    }
+
+    @Test func aMillionPushesDoNotGrowMemory() throws {
+        let compensator = try Compensator()
+        var offsetNs: Int64 = 0
+        func round() throws {
+            for event in events {
+                guard case .magnetic(let sample) = event else { continue }
+                let timeNs = sample.timeNs + offsetNs
+                try compensator.pushRotationRate(RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: 0.1, y: 0.2, z: 0.3)))
+                try compensator.pushUp(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.8)))
+                _ = try compensator.push(MagneticSample(timeNs: timeNs, fieldUt: sample.fieldUt))
+            }
+            offsetNs += Int64(events.count) * stepNs
+        }
+        for _ in 0..<50 { try round() }
+        let before = try residentBytes()
+        for _ in 0..<1000 { try round() }
+        let grown = try residentBytes() - before
+        // one byte lost in every push would show
+        #expect(grown < 1_000_000, "resident memory grew by \(grown) bytes in a million magnetometer pushes")
+    }
+
+    @Test func compensatorsAreFreed() throws {
+        func some() throws {
+            for _ in 0..<100 {
+                _ = try Compensator().push(MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3)))
+            }
+        }
+        for _ in 0..<3 { try some() }
+        let before = try residentBytes()
+        // each has a window of 100 kB and more
+        for _ in 0..<20 { try some() }
+        let grown = try residentBytes() - before
+        #expect(grown < 50_000_000, "resident memory grew by \(grown) bytes")
+    }
+
+    func residentBytes() throws -> Int {
+        let pages = try String(contentsOfFile: "/proc/self/statm", encoding: .utf8).split(separator: " ")[1]
+        return try #require(Int(pages)) * 4096
+    }
+}
