@@ -625,13 +625,14 @@ public protocol CompensatorProtocol: AnyObject, Sendable {
     func pushUp(sample: UpSample) throws
 
     /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
      */
     func reset() throws
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
      */
     func restore(snapshot: String) throws  -> Restored
 
@@ -814,7 +815,7 @@ open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTy
 }
 
     /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
      */
 open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -825,8 +826,9 @@ open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_li
 }
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
      */
 open func restore(snapshot: String)throws  -> Restored  {
     return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -4509,7 +4511,7 @@ public enum Restored: Equatable, Hashable {
      */
     case everything
     /**
-     * The snapshot was made with another config: its calibration was taken over, the rest starts anew.
+     * The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
      */
     case calibrationOnly
 
@@ -5706,10 +5708,10 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 62246) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 13008) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 64265) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 13537) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 11625) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 14261) {
