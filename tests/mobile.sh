@@ -20,10 +20,14 @@ target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
 export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile IPHONEOS_DEPLOYMENT_TARGET=14.0
 unset RUSTUP_TOOLCHAIN RUSTFLAGS
-wanted=${1:-}
+only=${1:-}
+case "$only" in
+    "" | arm64-v8a | armeabi-v7a | x86_64) ;;
+    *) echo "usage: tests/mobile.sh [arm64-v8a | armeabi-v7a | x86_64]" >&2; exit 2 ;;
+esac
 std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
 
-if [ $# -eq 0 ]; then
+if [ -z "$only" ]; then
     echo "mobile: iOS, device and simulator"
     cargo check --quiet --locked --profile ship -p magcomp-ffi "${std[@]}" --target aarch64-apple-ios --target aarch64-apple-ios-sim
 fi
@@ -45,7 +49,7 @@ stubs() {
 
 # build ABI RUST_TARGET CLANG_TARGET
 build() {
-    [ "${wanted:-$1}" = "$1" ] || return 0
+    [ "${only:-$1}" = "$1" ] || return 0
     local stubs=$CARGO_TARGET_DIR/stubs/$1 variable
     stubs "$3" "$stubs"
     variable=CARGO_TARGET_$(tr 'a-z-' 'A-Z_' <<<"$2")

@@ -7,6 +7,7 @@ parts=(rust bindings kotlin mobile aar)
 
 rust() {
     command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
+    tests/versions.sh
     cargo fmt --all --check
     # the generator of the bindings is 5 lines on a large library: `bindings` builds it
     local all=(--workspace --exclude uniffi-bindgen --locked)
