@@ -2,7 +2,8 @@
 # The mobile targets without an NDK or a Mac: checks iOS (device and simulator), and builds the Android libraries, linked
 # against stand-ins of the system's libraries (android/stubs), with the shipping profile. Prints their sizes and audits
 # what they export and import and how they are aligned. NOT for shipping: their unwinder is a stand-in.
-# Result: target/android/<abi>/libmagcomp_ffi.so. Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld.
+# Result: target/android/<abi>/libmagcomp_ffi.so. `tests/mobile.sh arm64-v8a` builds that one alone.
+# Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 packages=(rustc-web cargo-web rust-web-src clang-19 lld-19 binutils)
@@ -19,10 +20,17 @@ target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
 export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile IPHONEOS_DEPLOYMENT_TARGET=14.0
 unset RUSTUP_TOOLCHAIN RUSTFLAGS
+only=${1:-}
+case "$only" in
+    "" | arm64-v8a | armeabi-v7a | x86_64) ;;
+    *) echo "usage: tests/mobile.sh [arm64-v8a | armeabi-v7a | x86_64]" >&2; exit 2 ;;
+esac
 std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
 
-echo "mobile: iOS, device and simulator"
-cargo check --quiet --locked --profile ship -p magcomp-ffi "${std[@]}" --target aarch64-apple-ios --target aarch64-apple-ios-sim
+if [ -z "$only" ]; then
+    echo "mobile: iOS, device and simulator"
+    cargo check --quiet --locked --profile ship -p magcomp-ffi "${std[@]}" --target aarch64-apple-ios --target aarch64-apple-ios-sim
+fi
 
 # stubs CLANG_TARGET FOLDER: shared libraries with the names of android/stubs, an unwinder that aborts, __dso_handle
 stubs() {
@@ -41,6 +49,7 @@ stubs() {
 
 # build ABI RUST_TARGET CLANG_TARGET
 build() {
+    [ "${only:-$1}" = "$1" ] || return 0
     local stubs=$CARGO_TARGET_DIR/stubs/$1 variable
     stubs "$3" "$stubs"
     variable=CARGO_TARGET_$(tr 'a-z-' 'A-Z_' <<<"$2")

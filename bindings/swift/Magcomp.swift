@@ -584,6 +584,363 @@ fileprivate struct FfiConverterString: FfiConverter {
 
 
 /**
+ * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
+ */
+public protocol CompensatorProtocol: AnyObject, Sendable {
+
+    /**
+     * Hard iron, soft iron and field strength in force, if any.
+     */
+    func calibration() throws  -> Calibration?
+
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+    func covariance() throws  -> [Double]?
+
+    /**
+     * Which directions were seen, for guidance.
+     */
+    func coverage() throws  -> Coverage
+
+    /**
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     */
+    func fit() throws  -> Fit?
+
+    /**
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     */
+    func push(sample: MagneticSample) throws  -> Reading
+
+    /**
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     */
+    func pushRotationRate(sample: RotationRateSample) throws
+
+    /**
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     */
+    func pushUp(sample: UpSample) throws
+
+    /**
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     */
+    func reset() throws
+
+    /**
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    func restore(snapshot: String) throws  -> Restored
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    func restoreCalibration(snapshot: String) throws
+
+    /**
+     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     * Fails with `Config` when the declination is out of range.
+     */
+    func setHeadingFrame(frame: HeadingFrame) throws
+
+    /**
+     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     */
+    func shutDown()
+
+    /**
+     * The whole state as text with a version and a checksum, to be kept and restored.
+     */
+    func snapshot() throws  -> String
+
+}
+/**
+ * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
+ */
+open class Compensator: CompensatorProtocol, @unchecked Sendable {
+    fileprivate let handle: UInt64
+
+    /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public struct NoHandle {
+        public init() {}
+    }
+
+    // TODO: We'd like this to be `private` but for Swifty reasons,
+    // we can't implement `FfiConverter` without making this `required` and we can't
+    // make it `required` without making it `public`.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    required public init(unsafeFromHandle handle: UInt64) {
+        self.handle = handle
+    }
+
+    // This constructor can be used to instantiate a fake object.
+    // - Parameter noHandle: Placeholder value so we can have a constructor separate from the default empty one that may be implemented for classes extending [FFIObject].
+    //
+    // - Warning:
+    //     Any object instantiated with this constructor cannot be passed to an actual Rust-backed object. Since there isn't a backing handle the FFI lower functions will crash.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public init(noHandle: NoHandle) {
+        self.handle = 0
+    }
+
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public func uniffiCloneHandle() -> UInt64 {
+        return try! rustCall { uniffi_magcomp_ffi_fn_clone_compensator(self.handle, $0) }
+    }
+    /**
+     * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
+     */
+public convenience init(config: Config)throws  {
+    let handle =
+        try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_constructor_compensator_new(
+        FfiConverterTypeConfig_lower(config),uniffiCallStatus
+    )
+}
+    self.init(unsafeFromHandle: handle)
+}
+
+    deinit {
+        if handle == 0 {
+            // Mock objects have handle=0 don't try to free them
+            return
+        }
+
+        try! rustCall { uniffi_magcomp_ffi_fn_free_compensator(handle, $0) }
+    }
+
+
+
+
+    /**
+     * Hard iron, soft iron and field strength in force, if any.
+     */
+open func calibration()throws  -> Calibration?  {
+    return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_calibration(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+open func covariance()throws  -> [Double]?  {
+    return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_covariance(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Which directions were seen, for guidance.
+     */
+open func coverage()throws  -> Coverage  {
+    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_coverage(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     */
+open func fit()throws  -> Fit?  {
+    return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_fit(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     */
+open func push(sample: MagneticSample)throws  -> Reading  {
+    return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeMagneticSample_lower(sample),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     */
+open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeRotationRateSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     */
+open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_up(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeUpSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     */
+open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_reset(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+open func restore(snapshot: String)throws  -> Restored  {
+    return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_restore(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(snapshot),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(snapshot),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     * Fails with `Config` when the declination is out of range.
+     */
+open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeHeadingFrame_lower(frame),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     */
+open func shutDown()  {try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_shut_down(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * The whole state as text with a version and a checksum, to be kept and restored.
+     */
+open func snapshot()throws  -> String  {
+    return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_snapshot(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+
+
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeCompensator: FfiConverter {
+    typealias FfiType = UInt64
+    typealias SwiftType = Compensator
+
+    public static func lift(_ handle: UInt64) throws -> Compensator {
+        return Compensator(unsafeFromHandle: handle)
+    }
+
+    public static func lower(_ value: Compensator) -> UInt64 {
+        return value.uniffiCloneHandle()
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Compensator {
+        let handle: UInt64 = try readInt(&buf)
+        return try lift(handle)
+    }
+
+    public static func write(_ value: Compensator, into buf: inout [UInt8]) {
+        writeInt(&buf, lower(value))
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeCompensator_lift(_ handle: UInt64) throws -> Compensator {
+    return try FfiConverterTypeCompensator.lift(handle)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeCompensator_lower(_ value: Compensator) -> UInt64 {
+    return FfiConverterTypeCompensator.lower(value)
+}
+
+
+
+
+
+
+/**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
 public protocol ConstantFieldProtocol: AnyObject, Sendable {
@@ -802,378 +1159,6 @@ public func FfiConverterTypeConstantField_lift(_ handle: UInt64) throws -> Const
 #endif
 public func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt64 {
     return FfiConverterTypeConstantField.lower(value)
-}
-
-
-
-
-
-
-/**
- * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
- */
-public protocol NativeCompensatorProtocol: AnyObject, Sendable {
-
-    /**
-     * Hard iron, soft iron and field strength in force, if any.
-     */
-    func calibration() throws  -> Calibration?
-
-    /**
-     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
-     * none when it is not known.
-     */
-    func covariance() throws  -> [Double]?
-
-    /**
-     * Which directions were seen, for guidance.
-     */
-    func coverage() throws  -> Coverage
-
-    /**
-     * A number for the fast paths, JNI and C, for the library's own wrapper.
-     */
-    func fastHandle()  -> Int64
-
-    /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
-     */
-    func fit() throws  -> Fit?
-
-    /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
-     */
-    func push(sample: MagneticSample) throws  -> Reading
-
-    /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
-     */
-    func pushRotationRate(sample: RotationRateSample) throws
-
-    /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
-     */
-    func pushUp(sample: UpSample) throws
-
-    /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
-     */
-    func reset() throws
-
-    /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
-     */
-    func restore(snapshot: String) throws  -> Restored
-
-    /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-    func restoreCalibration(snapshot: String) throws
-
-    /**
-     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
-     */
-    func setHeadingFrame(frame: HeadingFrame) throws
-
-    /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
-     */
-    func shutDown()
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-    func snapshot() throws  -> String
-
-}
-/**
- * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
- */
-open class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
-    fileprivate let handle: UInt64
-
-    /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public struct NoHandle {
-        public init() {}
-    }
-
-    // TODO: We'd like this to be `private` but for Swifty reasons,
-    // we can't implement `FfiConverter` without making this `required` and we can't
-    // make it `required` without making it `public`.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    required public init(unsafeFromHandle handle: UInt64) {
-        self.handle = handle
-    }
-
-    // This constructor can be used to instantiate a fake object.
-    // - Parameter noHandle: Placeholder value so we can have a constructor separate from the default empty one that may be implemented for classes extending [FFIObject].
-    //
-    // - Warning:
-    //     Any object instantiated with this constructor cannot be passed to an actual Rust-backed object. Since there isn't a backing handle the FFI lower functions will crash.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public init(noHandle: NoHandle) {
-        self.handle = 0
-    }
-
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public func uniffiCloneHandle() -> UInt64 {
-        return try! rustCall { uniffi_magcomp_ffi_fn_clone_compensator(self.handle, $0) }
-    }
-    /**
-     * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
-     */
-public convenience init(config: Config)throws  {
-    let handle =
-        try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_constructor_compensator_new(
-        FfiConverterTypeConfig_lower(config),uniffiCallStatus
-    )
-}
-    self.init(unsafeFromHandle: handle)
-}
-
-    deinit {
-        if handle == 0 {
-            // Mock objects have handle=0 don't try to free them
-            return
-        }
-
-        try! rustCall { uniffi_magcomp_ffi_fn_free_compensator(handle, $0) }
-    }
-
-
-
-
-    /**
-     * Hard iron, soft iron and field strength in force, if any.
-     */
-open func calibration()throws  -> Calibration?  {
-    return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_calibration(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
-     * none when it is not known.
-     */
-open func covariance()throws  -> [Double]?  {
-    return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_covariance(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Which directions were seen, for guidance.
-     */
-open func coverage()throws  -> Coverage  {
-    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_coverage(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * A number for the fast paths, JNI and C, for the library's own wrapper.
-     */
-open func fastHandle() -> Int64  {
-    return try!  FfiConverterInt64.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_fast_handle(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
-     */
-open func fit()throws  -> Fit?  {
-    return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_fit(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
-     */
-open func push(sample: MagneticSample)throws  -> Reading  {
-    return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeMagneticSample_lower(sample),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
-     */
-open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeRotationRateSample_lower(sample),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
-     */
-open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push_up(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeUpSample_lower(sample),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
-     */
-open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_reset(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
-     */
-open func restore(snapshot: String)throws  -> Restored  {
-    return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
-     */
-open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeHeadingFrame_lower(frame),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
-     */
-open func shutDown()  {try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_shut_down(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-open func snapshot()throws  -> String  {
-    return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_snapshot(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-
-
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeNativeCompensator: FfiConverter {
-    typealias FfiType = UInt64
-    typealias SwiftType = NativeCompensator
-
-    public static func lift(_ handle: UInt64) throws -> NativeCompensator {
-        return NativeCompensator(unsafeFromHandle: handle)
-    }
-
-    public static func lower(_ value: NativeCompensator) -> UInt64 {
-        return value.uniffiCloneHandle()
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> NativeCompensator {
-        let handle: UInt64 = try readInt(&buf)
-        return try lift(handle)
-    }
-
-    public static func write(_ value: NativeCompensator, into buf: inout [UInt8]) {
-        writeInt(&buf, lower(value))
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeNativeCompensator_lift(_ handle: UInt64) throws -> NativeCompensator {
-    return try FfiConverterTypeNativeCompensator.lift(handle)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) -> UInt64 {
-    return FfiConverterTypeNativeCompensator.lower(value)
 }
 
 
@@ -3669,7 +3654,7 @@ public func FfiConverterTypeLogLevel_lower(_ value: LogLevel) -> RustBuffer {
  * What went wrong. `text()` says it in a sentence.
  */
 public
-enum MagcompError: Swift.Error, Equatable, Hashable {
+enum MagcompError: Swift.Error, Equatable, Hashable, Foundation.LocalizedError {
 
 
 
@@ -3768,6 +3753,10 @@ public func text() -> String  {
 
 
 
+
+    public var errorDescription: String? {
+        String(reflecting: self)
+    }
 
 }
 
@@ -4522,7 +4511,7 @@ public enum Restored: Equatable, Hashable {
      */
     case everything
     /**
-     * The snapshot was made with another config: its calibration was taken over, the rest starts anew.
+     * The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
      */
     case calibrationOnly
 
@@ -5707,9 +5696,6 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_coverage() != 26830) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() != 21106) {
-        return InitializationResult.apiChecksumMismatch
-    }
     if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 33260) {
         return InitializationResult.apiChecksumMismatch
     }
@@ -5722,10 +5708,10 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 62246) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 13008) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 64265) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 13537) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 11625) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 14261) {

@@ -177,19 +177,24 @@ impl Running {
     /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
     fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
         let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
-        if use_reported && self.core.calibration().is_none() {
+        let before = self.reported_ut.replace(now);
+        if use_reported && before != Some(now) && self.core.calibration().is_none() {
             match prior(now, self.core.config()) {
                 Ok(calibration) => self.core.adopt(calibration),
                 Err(error) => log::warn!("the operating system's hard iron was not taken over: {error}"),
             }
         }
-        let before = self.reported_ut.replace(now)?;
+        let before = before?;
         Some((now - before).norm()).filter(|jump| *jump > 0.0)
     }
 }
 
 /// A first calibration from the operating system's hard iron.
 fn prior(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp::Calibration, MagcompError> {
+    let (value_ut, limit_ut) = (hard_iron_ut[hard_iron_ut.iamax()], config.sensor.range_ut);
+    if value_ut.abs() > limit_ut {
+        return Err(magcomp::RejectReason::OutOfRange { value_ut, limit_ut }.into());
+    }
     let field_ut = config.fit.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
     Ok(magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?)
 }

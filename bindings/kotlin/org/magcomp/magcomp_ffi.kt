@@ -988,10 +988,10 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_up() and 0xFFFF) != 62246) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 13008) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 64265) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 13537) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 11625) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 14261) {
@@ -1479,13 +1479,14 @@ public interface NativeCompensatorInterface {
     fun `pushUp`(`sample`: UpSample)
 
     /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
      */
     fun `reset`()
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
      */
     fun `restore`(`snapshot`: kotlin.String): Restored
 
@@ -1770,7 +1771,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * Forgets everything but the config, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
      */
     @Throws(MagcompException::class)override fun `reset`()
         =
@@ -1786,8 +1787,9 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
      */
     @Throws(MagcompException::class)override fun `restore`(`snapshot`: kotlin.String): Restored {
             return FfiConverterTypeRestored.lift(
@@ -5142,7 +5144,7 @@ enum class Restored {
      */
     EVERYTHING,
     /**
-     * The snapshot was made with another config: its calibration was taken over, the rest starts anew.
+     * The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
      */
     CALIBRATION_ONLY;
 

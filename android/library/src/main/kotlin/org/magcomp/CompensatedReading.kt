@@ -14,12 +14,15 @@ import kotlinx.coroutines.launch
  *
  * @property reading corrected field, heading, and what the compensator is doing
  * @property sample the raw sample it answers
+ * @property unseenDirections where the field has not pointed yet, unit vectors in the device frame: the app may ask its
+ *   user to turn the phone so that it does. Renewed several times a second
  * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
  *   every sample all the same
  */
 public data class CompensatedReading(
     public val reading: Reading,
     public val sample: MagneticSample,
+    public val unseenDirections: List<Vector3>,
     public val droppedBefore: Long = 0,
 )
 
@@ -73,6 +76,8 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private var number = 0L
     private var currentFrame: HeadingFrame? = frameOf(config)
     private var savedNs: Long? = null
+    private var unseen = emptyList<Vector3>()
+    private var unseenNs: Long? = null
 
     init {
         val kept = store?.load()
@@ -110,12 +115,17 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
         } else {
             compensator.push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
         }
-        val saved = savedNs ?: sample.timeNs.also { savedNs = it }
-        if (sample.timeNs - saved >= SAVE_EVERY_NS) {
-            savedNs = sample.timeNs
+        val timeNs = sample.timeNs
+        val saved = savedNs ?: timeNs.also { savedNs = it }
+        if (timeNs - saved >= SAVE_EVERY_NS) {
+            savedNs = timeNs
             save()
         }
-        return Numbered(number++, CompensatedReading(buffer.toReading(), sample))
+        if (timeNs - (unseenNs ?: (timeNs - UNSEEN_EVERY_NS)) >= UNSEEN_EVERY_NS) {
+            unseenNs = timeNs
+            unseen = compensator.coverage().unseenDirections
+        }
+        return Numbered(number++, CompensatedReading(buffer.toReading(), sample, unseen))
     }
 
     private fun save() {
@@ -135,6 +145,9 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private companion object {
         /** Once a minute: what a crash costs at the most. */
         const val SAVE_EVERY_NS = 60_000_000_000L
+
+        /** As often as an eye sees. */
+        const val UNSEEN_EVERY_NS = 200_000_000L
 
         fun frameOf(config: Config) = HeadingFrame(
             config.heading?.axis ?: ReferenceAxis.TOP_EDGE,

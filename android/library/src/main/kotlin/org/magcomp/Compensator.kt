@@ -106,28 +106,28 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      *
      * @throws MagcompException.Config when the declination is out of range
      */
-    public fun setHeadingFrame(frame: HeadingFrame): Unit = open { native.setHeadingFrame(frame) }
+    public fun setHeadingFrame(frame: HeadingFrame): Unit = unlessClosed { native.setHeadingFrame(frame) }
 
     /** Hard iron, soft iron and field strength in force, if any. */
-    public fun calibration(): Calibration? = open { native.calibration() }
+    public fun calibration(): Calibration? = unlessClosed { native.calibration() }
 
     /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
      * null when it is not known.
      */
-    public fun covariance(): List<Double>? = open { native.covariance() }
+    public fun covariance(): List<Double>? = unlessClosed { native.covariance() }
 
     /** The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none. */
-    public fun fit(): Fit? = open { native.fit() }
+    public fun fit(): Fit? = unlessClosed { native.fit() }
 
     /** Which directions were seen, for guidance. */
-    public fun coverage(): Coverage = open { native.coverage() }
+    public fun coverage(): Coverage = unlessClosed { native.coverage() }
 
-    /** Forgets everything but the config, and makes it usable again after [MagcompException.Panicked]. */
-    public fun reset(): Unit = open { native.reset() }
+    /** Forgets everything but the config it was made with, and makes it usable again after [MagcompException.Panicked]. */
+    public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** The whole state as text with a version and a checksum, to be kept and restored. */
-    public fun snapshot(): String = open { native.snapshot() }
+    public fun snapshot(): String = unlessClosed { native.snapshot() }
 
     /**
      * Takes over a snapshot: everything when it was made with the same config, else its calibration alone.
@@ -135,7 +135,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
      */
-    public fun restore(snapshot: String): Restored = open { native.restore(snapshot) }
+    public fun restore(snapshot: String): Restored = unlessClosed { native.restore(snapshot) }
 
     /**
      * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
@@ -144,14 +144,14 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
      */
-    public fun restoreCalibration(snapshot: String): Unit = open { native.restoreCalibration(snapshot) }
+    public fun restoreCalibration(snapshot: String): Unit = unlessClosed { native.restoreCalibration(snapshot) }
 
     /** Frees the native state now. May be called twice, and while another thread pushes. */
     override fun close() {
         try {
-            native.shutDown()
-        } catch (_: IllegalStateException) {
-            return // closed before
+            unlessClosed { native.shutDown() }
+        } catch (_: MagcompException.Closed) {
+            return
         }
         native.close()
     }
@@ -159,18 +159,10 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     private fun check(code: Int): Int = when {
         code >= 0 -> code
         // the error with what the panic said; when another thread has reset it meanwhile, that call goes through
-        code == FastPath.PANICKED -> open { native.calibration() }.let { throw MagcompException.Panicked("reset meanwhile") }
+        code == FastPath.PANICKED -> unlessClosed { native.calibration() }.let { throw MagcompException.Panicked("reset meanwhile") }
         code == FastPath.CLOSED -> throw MagcompException.Closed()
         else -> error("native error $code: the library's native part is of another version")
     }
-
-    /** The generated class says IllegalStateException for a closed object. */
-    private inline fun <T> open(call: () -> T): T =
-        try {
-            call()
-        } catch (_: IllegalStateException) {
-            throw MagcompException.Closed()
-        }
 
     private companion object {
         val NOT_REPORTED = Vector3(Double.NaN, Double.NaN, Double.NaN)

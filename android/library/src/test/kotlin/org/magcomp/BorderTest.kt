@@ -1,5 +1,6 @@
 package org.magcomp
 
+import java.io.File
 import org.junit.jupiter.api.Assertions.assertArrayEquals
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertFalse
@@ -240,20 +241,58 @@ class BorderTest {
 
     @Test
     fun `a constant calibration guides to the directions that are missing`() {
-        NativeConstantField(1).use { session ->
-            assertThrows(MagcompException.Fit::class.java) { session.finish(null) }
+        ConstantField().use { session ->
+            assertThrows(MagcompException.Fit::class.java) { session.finish() }
             for (k in 0 until 40) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
             val before = session.coverage()
             for (k in 40 until 600) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
             val after = session.coverage()
             assertTrue(after.unseenDirections.size < before.unseenDirections.size)
             assertEquals(600, session.orientations())
-            val fit = session.finish(null)
+            val fit = session.finish()
             assertEquals(120.0, fit.calibration.hardIronUt.x, 1.0)
             val corrected = correct(fit.calibration, Vector3(values[0], values[1], values[2]))
             assertNotEquals(values[0], corrected.x)
             assertThrows(MagcompException.Rejected::class.java) { session.add(Vector3(Double.NaN, 0.0, 0.0)) }
+            session.reset()
+            assertEquals(0, session.orientations())
         }
+    }
+
+    @Test
+    fun `a constant calibration that was closed says so`() {
+        val session = ConstantField(samplesPerOrientation = 5)
+        session.close()
+        session.close()
+        val uses = listOf(
+            { session.add(Vector3(1.0, 2.0, 3.0)) },
+            { session.orientations() },
+            { session.coverage() },
+            { session.finish() },
+            { session.reset() },
+        )
+        for (use in uses) assertThrows(MagcompException.Closed::class.java) { use() }
+    }
+
+    @Test
+    fun `messages go to stderr under their tag, as many as their level lets through`() {
+        fun said(level: LogLevel): String {
+            // in a process of its own: the log of this one is set once
+            val java = File(System.getProperty("java.home"), "bin/java").path
+            val options = listOf("java.library.path", "jna.library.path").map { "-D$it=" + System.getProperty(it) }
+            val command = listOf(java) + options + listOf("-cp", System.getProperty("java.class.path"), "org.magcomp.LoggingMain", level.name)
+            val process = ProcessBuilder(command).redirectOutput(ProcessBuilder.Redirect.DISCARD).start()
+            val text = process.errorStream.reader().readText()
+            assertEquals(0, process.waitFor(), text)
+            return text
+        }
+        val errors = said(LogLevel.ERROR)
+        assertTrue(Regex("^ERROR compass-app: panicked at .*", RegexOption.MULTILINE).containsMatchIn(errors), errors)
+        assertTrue("ERROR compass-app: panic caught at the border: on purpose" in errors, errors)
+        assertFalse("WARN" in errors, errors)
+        val warnings = said(LogLevel.WARN)
+        assertTrue("WARN compass-app: the operating system's hard iron was not taken over" in warnings, warnings)
+        assertFalse("compass-app" in said(LogLevel.OFF))
     }
 
     @Test

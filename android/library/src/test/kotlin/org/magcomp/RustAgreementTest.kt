@@ -56,11 +56,11 @@ class RustAgreementTest {
         val ours = (0 until cases.length()).map { number ->
             val case = cases.getJSONObject(number)
             val points = case.getJSONArray("points_ut")
-            NativeConstantField(1).use { session ->
+            ConstantField().use { session ->
                 for (k in 0 until points.length()) session.add(vector(points.getJSONArray(k)))
                 val name = "fit " + case.getString("name").replace(' ', '_')
                 try {
-                    val (soft, b, strength) = session.finish(null).calibration
+                    val (soft, b, strength) = session.finish().calibration
                     name + bits(b.x, b.y, b.z, soft.xx, soft.yy, soft.zz, soft.xy, soft.xz, soft.yz, strength)
                 } catch (_: MagcompException.Fit) {
                     name + bits(null)

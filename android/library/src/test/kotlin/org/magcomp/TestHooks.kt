@@ -22,6 +22,19 @@ object TestHooks {
     external fun barePushNs(constant: Boolean, nMin: Int, stepNs: Long, values: DoubleArray): Long
 }
 
+/** Run in a process of its own: what the library says at a level. */
+object LoggingMain {
+    @JvmStatic
+    fun main(arguments: Array<String>) {
+        startLogging("compass-app", LogLevel.valueOf(arguments.single()))
+        Compensator(Config(useReportedHardIron = true)).use {
+            // no phone has a hard iron this large
+            it.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0), Vector3(0.0, 9000.0, 0.0)))
+        }
+        NativeCompensator(Config()).use { TestHooks.panicOnPurpose(it.fastHandle()) }
+    }
+}
+
 val repository: File = File(System.getProperty("repository.root"))
 
 /** A device tumbled in a field of 50 uT, noise 0.3 uT, around a hard iron of (120, -80, 300) uT: three values each. */

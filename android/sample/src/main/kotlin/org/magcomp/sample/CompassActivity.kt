@@ -38,7 +38,7 @@ class CompassActivity : Activity(), CompassListener {
         super.onPause()
     }
 
-    override fun onReading(reading: CompensatedReading) = view.show(reading.reading)
+    override fun onReading(reading: CompensatedReading) = view.show(reading)
 
     override fun onEnd(error: Exception?) {
         view.explain(if (error is SensorException) error.message else error?.toString())

@@ -6,9 +6,14 @@ import android.graphics.Color
 import android.graphics.Paint
 import android.view.View
 import java.util.Locale
+import org.magcomp.CompensatedReading
 import org.magcomp.Reading
+import org.magcomp.Vector3
 
-/** The rose, the heading with its uncertainty, the total field, the status in words, and how much of the sphere was seen. */
+/**
+ * The rose, the heading with its uncertainty, the total field, the status in words, and the sphere of directions: turn the
+ * phone until its dots, where the field has not pointed yet, are gone.
+ */
 class CompassView(context: Context) : View(context) {
     private val line = Paint(Paint.ANTI_ALIAS_FLAG).apply {
         style = Paint.Style.STROKE
@@ -21,19 +26,22 @@ class CompassView(context: Context) : View(context) {
         color = Color.RED
     }
     private val doubt = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(60, 255, 0, 0) }
-    private val seen = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(160, 0, 120, 0) }
+    private val unseenInFront = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(255, 0, 120, 0) }
+    private val unseenBehind = Paint(Paint.ANTI_ALIAS_FLAG).apply { color = Color.argb(80, 0, 120, 0) }
     private val text = Paint(Paint.ANTI_ALIAS_FLAG).apply {
         textSize = 48f
         textAlign = Paint.Align.CENTER
         color = Color.BLACK
     }
     private var reading: Reading? = null
+    private var unseen = emptyList<Vector3>()
     private var words = "starting"
 
     /** Shows a reading. The words cost a call into the library, so only a changed kind of status asks for them. */
-    fun show(next: Reading) {
-        if (next.status != reading?.status) words = next.status.text()
-        reading = next
+    fun show(next: CompensatedReading) {
+        if (next.reading.status != reading?.status) words = next.reading.status.text()
+        reading = next.reading
+        unseen = next.unseenDirections
         invalidate()
     }
 
@@ -70,8 +78,16 @@ class CompassView(context: Context) : View(context) {
             "directions seen: " + String.format(Locale.ROOT, "%.0f %%", 100 * (reading?.coverage ?: 0.0)),
         )
         for ((k, words) in lines.withIndex()) canvas.drawText(words, x, y + radius + 80f + 60f * k, text)
-        val bar = y + radius + 80f + 60f * lines.size
-        canvas.drawRect(0f, bar, (width * (reading?.coverage ?: 0.0)).toFloat(), bar + 30f, seen)
+        drawSphere(canvas, x, y + radius + 200f + 60f * lines.size, radius / 3)
+    }
+
+    /** The sphere seen along the screen's normal; the directions that are missing, those behind it pale. */
+    private fun drawSphere(canvas: Canvas, x: Float, y: Float, radius: Float) {
+        canvas.drawCircle(x, y, radius, line)
+        for (direction in unseen) {
+            val paint = if (direction.z < 0) unseenBehind else unseenInFront
+            canvas.drawCircle(x + radius * direction.x.toFloat(), y - radius * direction.y.toFloat(), radius / 12, paint)
+        }
     }
 
     private fun degrees(value: Double) = String.format(Locale.ROOT, "%.0f\u00b0", value)

@@ -1,0 +1,58 @@
+package org.magcomp
+
+/**
+ * One calibration from a set of orientations: collects them, shows which directions are missing, and fits. For apps that
+ * ask their user to turn the phone about once; [Compensator] calibrates without being asked.
+ *
+ * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
+ * of the library calls throw [MagcompException.Panicked] until [reset].
+ *
+ * @property samplesPerOrientation samples in a row that are averaged into one orientation; above 1 the phone must be
+ *   held still meanwhile, 1 (the default, and what less counts as) is for a phone that is turned about
+ */
+public class ConstantField @JvmOverloads constructor(public val samplesPerOrientation: Int = 1) : AutoCloseable {
+    private val native = NativeConstantField(samplesPerOrientation)
+
+    /**
+     * One raw sample, microtesla, device frame.
+     *
+     * @throws MagcompException.Rejected when it is not finite; nothing has changed then
+     */
+    public fun add(rawUt: Vector3): Unit = unlessClosed { native.add(rawUt) }
+
+    /** Orientations so far. */
+    public fun orientations(): Int = unlessClosed { native.orientations() }
+
+    /** Which directions were seen and which were not, about the best centre known so far. Costs a fit. */
+    public fun coverage(): Coverage = unlessClosed { native.coverage() }
+
+    /**
+     * The calibration with its covariance; `Config.initial` takes it.
+     *
+     * @param options what was left out is the library's default
+     * @throws MagcompException.Fit says what the orientations lack; the session can go on
+     */
+    @JvmOverloads
+    public fun finish(options: FitOptions? = null): Fit = unlessClosed { native.finish(options) }
+
+    /** Forgets the orientations, and makes it usable again after [MagcompException.Panicked]. */
+    public fun reset(): Unit = unlessClosed { native.reset() }
+
+    /** Frees the native state now. May be called twice, and while another thread adds. */
+    override fun close() {
+        try {
+            unlessClosed { native.shutDown() }
+        } catch (_: MagcompException.Closed) {
+            return
+        }
+        native.close()
+    }
+}
+
+/** The generated classes say IllegalStateException for a closed object. */
+internal inline fun <T> unlessClosed(call: () -> T): T =
+    try {
+        call()
+    } catch (_: IllegalStateException) {
+        throw MagcompException.Closed()
+    }
