@@ -74,6 +74,8 @@ pub(crate) struct Trial {
     device: Hypothesis,
     place: Hypothesis,
     pub(crate) recalled: bool,
+    /// `device` has failed since the onset: it is no clean step of the device.
+    pub(crate) unclean: bool,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
@@ -109,6 +111,7 @@ impl Trial {
             device: Hypothesis::zero(),
             place: Hypothesis::zero(),
             recalled: false,
+            unclean: false,
             log_ratio: 0.0,
             device_misfit: 0.0,
             place_misfit: 0.0,
@@ -212,6 +215,7 @@ impl Trial {
     ) -> Verdict {
         let device_fits = self.device_misfit < config.fit_share;
         let place_fits = self.place_misfit < config.fit_share;
+        self.unclean |= !device_fits;
         if self.phase == Phase::Place {
             if place_fits {
                 self.place_s += step.dt_s;
