@@ -74,6 +74,8 @@ pub(crate) struct Trial {
     device: Hypothesis,
     place: Hypothesis,
     pub(crate) recalled: bool,
+    /// Began when the calibration was young: no step is told then, only relearned.
+    pub(crate) young: bool,
     /// `device` has failed since the onset: it is no clean step of the device.
     pub(crate) unclean: bool,
     log_ratio: f64,
@@ -111,6 +113,7 @@ impl Trial {
             device: Hypothesis::zero(),
             place: Hypothesis::zero(),
             recalled: false,
+            young: false,
             unclean: false,
             log_ratio: 0.0,
             device_misfit: 0.0,
