@@ -31,10 +31,10 @@ const LARGEST_STEP_UT: f64 = 500.0;
 const IRON_STEP: f64 = 0.05;
 const NIS_CAP: f64 = 25.0;
 const LARGEST_LOG_RATIO: f64 = 30.0;
-/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second.
-/// Else `device`, the freer one, would win by following the ramp.
+/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second,
+/// and are not compared. Else `device`, the freer one, would win by following the ramp.
 const RAMP_S: f64 = 0.4;
-const RAMP_WALK_UT: f64 = 2.0;
+const RAMP_WALK_UT: f64 = 4.0;
 const FIT_TIME_S: f64 = 0.25;
 /// Share of misfits allowed to a hypothesis that wins within an erratic field.
 const STRICT_MISFIT: f64 = 0.15;
@@ -197,7 +197,7 @@ impl Trial {
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, config: &AidedConfig) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(NIS_CAP) + i.ln_det);
-        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0);
+        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= RAMP_S);
         self.log_ratio =
             (self.log_ratio + weight * (log(device) - log(place))).clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO);
         let gain = 1.0 - (-step.dt_s / FIT_TIME_S).exp();
