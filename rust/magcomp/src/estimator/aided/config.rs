@@ -159,8 +159,8 @@ config! {
     erratic_correlation_s = 2.0, 0.1, 100.0;
     /// Deviation of |c| from its running median, as a share, from which the field counts as disturbed. Default 0.15.
     strength_share = 0.15, 0.02, 1.0;
-    /// Time constant of that deviation, s. Default 0.15.
-    strength_time_s = 0.15, 0.0, 10.0;
+    /// Time constant of that deviation, s. Default 0.05.
+    strength_time_s = 0.05, 0.0, 10.0;
     /// Pace of the running median of |c|, uT/s. Default 0.2.
     strength_pace_ut_s = 0.2, 0.0, 10.0;
     /// Standard deviation of the hard iron up to which a calibration counts as found, uT (root of the trace).

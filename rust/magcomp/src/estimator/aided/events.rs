@@ -31,10 +31,10 @@ const LARGEST_STEP_UT: f64 = 500.0;
 const IRON_STEP: f64 = 0.05;
 const NIS_CAP: f64 = 25.0;
 const LARGEST_LOG_RATIO: f64 = 30.0;
-/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second.
-/// Else `device`, the freer one, would win by following the ramp.
+/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second,
+/// and are not compared. Else `device`, the freer one, would win by following the ramp.
 const RAMP_S: f64 = 0.4;
-const RAMP_WALK_UT: f64 = 2.0;
+const RAMP_WALK_UT: f64 = 4.0;
 const FIT_TIME_S: f64 = 0.25;
 /// Share of misfits allowed to a hypothesis that wins within an erratic field.
 const STRICT_MISFIT: f64 = 0.15;
@@ -74,6 +74,10 @@ pub(crate) struct Trial {
     device: Hypothesis,
     place: Hypothesis,
     pub(crate) recalled: bool,
+    /// Began when the calibration was young: no step is told then, only relearned.
+    pub(crate) young: bool,
+    /// `device` has failed since the onset: it is no clean step of the device.
+    pub(crate) unclean: bool,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
@@ -109,6 +113,8 @@ impl Trial {
             device: Hypothesis::zero(),
             place: Hypothesis::zero(),
             recalled: false,
+            young: false,
+            unclean: false,
             log_ratio: 0.0,
             device_misfit: 0.0,
             place_misfit: 0.0,
@@ -191,7 +197,7 @@ impl Trial {
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, config: &AidedConfig) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(NIS_CAP) + i.ln_det);
-        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0);
+        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= RAMP_S);
         self.log_ratio =
             (self.log_ratio + weight * (log(device) - log(place))).clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO);
         let gain = 1.0 - (-step.dt_s / FIT_TIME_S).exp();
@@ -212,6 +218,7 @@ impl Trial {
     ) -> Verdict {
         let device_fits = self.device_misfit < config.fit_share;
         let place_fits = self.place_misfit < config.fit_share;
+        self.unclean |= !device_fits;
         if self.phase == Phase::Place {
             if place_fits {
                 self.place_s += step.dt_s;

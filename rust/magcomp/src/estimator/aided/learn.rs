@@ -43,6 +43,8 @@ const UNADOPTED_SHARE: f64 = 0.451;
 const UNADOPTED_STEP_UT: f64 = 8.0;
 /// NIS beyond which a sample is a spike and says nothing about the local field.
 const SPIKE_NIS: f64 = 200.0;
+/// Seconds of motion for which the calibration still holds after a disturbance: what bends a field bends it around too.
+const HOLD_S: f64 = 3.0;
 /// NIS from which a sample is used with a noise as large as what it does not explain: the onset of a change grows slowly.
 const DOUBT_NIS: f64 = 9.0;
 
@@ -139,7 +141,9 @@ impl Aided {
         if self.adopted {
             if self.watch.share > self.config.suspect_share {
                 filter.keep(dense);
-                self.trial = Some(Trial::start(filter, &self.watch, self.former.as_ref(), &self.config));
+                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.config);
+                trial.young = self.strength.young();
+                self.trial = Some(trial);
             }
         } else if self.watch.share > UNADOPTED_SHARE && self.watch.rotation_rad > self.config.decide_rotation_rad {
             dense.add_variance(OFFSET, self.watch.misfit_ut.max(UNADOPTED_STEP_UT).powi(2));
@@ -155,16 +159,23 @@ impl Aided {
         let doubt_ut2 =
             if self.adopted { innovation.v.norm_squared() * (1.0 - DOUBT_NIS / innovation.nis) / 3.0 } else { 0.0 };
         let weaker = excess_ut * excess_ut + doubt_ut2.max(0.0);
+        if excess_ut > 0.0 {
+            self.hold_s = HOLD_S;
+        }
+        self.hold_s = (self.hold_s - step.dt_s * step.motion).max(0.0);
+        let correct = if self.hold_s > 0.0 { Correct::FieldAndBias } else { Correct::All };
         if weaker > 0.0 {
             let sd = (step.sigma_ut.powi(2) + weaker).sqrt();
             if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
-                dense.update(&weak, Correct::All);
+                dense.update(&weak, correct);
             }
         } else {
-            dense.update(innovation, Correct::All);
+            dense.update(innovation, correct);
             self.watch_unevenness(step, dense);
         }
-        if self.adopted {
+        if correct != Correct::All {
+            self.adaptation.restart_walk();
+        } else if self.adopted {
             let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
             self.adaptation.walk(&(dense.vector(OFFSET) - before), variance, step.dt_s, &self.config);
         }
@@ -189,9 +200,12 @@ impl Aided {
                 return;
             }
             Verdict::Device => {
-                let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-                self.event = event(kind);
-                self.former = Some(Former::of(filter));
+                if !trial.young {
+                    let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+                    self.event = event(kind);
+                    self.former = Some(Former::of(filter));
+                }
+                self.hold_s = 0.0;
                 self.strength.clear();
                 return self.go_on_with(trial.device(filter), dense);
             }
@@ -209,6 +223,7 @@ impl Aided {
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.config.local_max_ut;
+                self.hold_s = HOLD_S;
             }
             return; // nothing happened, or it is over
         }

@@ -67,6 +67,8 @@ pub(crate) struct Aided {
     magnitude: Magnitude,
     event: Option<Event>,
     strength: Strength,
+    /// Seconds of motion for which the calibration still holds.
+    hold_s: f64,
     /// Time since the prior on |m| was applied, s.
     prior_age_s: f64,
     /// |m| before the chain of rotations broke.
@@ -90,6 +92,7 @@ impl Aided {
             magnitude: Magnitude::new(),
             event: None,
             strength: Strength::default(),
+            hold_s: 0.0,
             prior_age_s: 0.0,
             lost_strength_ut: None,
             mode: SensorMode::default(),

@@ -82,9 +82,11 @@ impl Aided {
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
+            let strange = self.strength.since_ns.is_some();
             return match trial.phase {
-                Phase::Undecided => Status::Suspect { since_ns },
-                Phase::Place | Phase::Erratic => Status::Disturbed { since_ns },
+                Phase::Place => Status::Disturbed { since_ns },
+                Phase::Undecided | Phase::Erratic if strange && trial.unclean => Status::Disturbed { since_ns },
+                Phase::Undecided | Phase::Erratic => Status::Suspect { since_ns },
             };
         }
         if let Some(since_ns) = self.strength.since_ns {

@@ -12,11 +12,15 @@ use serde::{Deserialize, Serialize};
 use super::config::AidedConfig;
 
 /// Hysteresis: the share of the limit below which the disturbance is over.
-const OVER: f64 = 0.8;
+const OVER: f64 = 0.9;
 /// The running median is faster before this age, in inverse proportion to it, s.
 const LEARNED_S: f64 = 30.0;
 /// A single sample counts as no more than this, so that a spike is no disturbance.
 const LARGEST: f64 = 0.4;
+/// Nor does any single one weigh more than this, however far apart they are.
+const LARGEST_GAIN: f64 = 0.33;
+/// Seconds of motion after the first calibration until the median, and the calibration itself, count as known.
+const YOUNG_S: f64 = 5.0;
 const SIGMAS: f64 = 3.0;
 
 /// What one sample says: |c|, |m|, the standard deviation of |c|, all uT.
@@ -49,15 +53,20 @@ impl Strength {
             let most = config.strength_pace_ut_s * dt_s * (LEARNED_S / self.age_s.max(1.0));
             self.median_ut = (self.median_ut + (size_ut - self.median_ut).clamp(-most, most)).max(1.0);
         }
-        let gain = (dt_s / config.strength_time_s.max(dt_s)).min(1.0);
+        let gain = (dt_s / config.strength_time_s.max(dt_s)).min(LARGEST_GAIN);
         let off = (size_ut / self.median_ut - 1.0).clamp(-LARGEST, LARGEST);
         self.deviation += gain * (off - self.deviation);
         self.limit = config.strength_share.max(SIGMAS * sd_ut / self.median_ut);
-        if self.deviation.abs() > self.limit {
+        if self.deviation.abs() > self.limit && !self.young() {
             self.since_ns.get_or_insert(time_ns);
         } else if self.deviation.abs() < OVER * self.limit {
             self.since_ns = None;
         }
+    }
+
+    /// What does not fit now is likelier the first calibration's own error than a change.
+    pub(crate) fn young(&self) -> bool {
+        self.age_s < YOUNG_S
     }
 
     /// How far |c| is off, while it is, uT.
