@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs the first three parts, `tests/run.sh rust` one of them. A part that can't run fails.
-# `tests/run.sh mobile aar` checks the mobile targets and the Android package; it installs a second compiler.
+# Every test. `tests/run.sh` runs the first four parts, `tests/run.sh rust` one of them. A part that can't run fails.
+# `tests/run.sh mobile aar xcframework` checks the mobile targets and the Android and iOS packages; it installs a second
+# compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust bindings kotlin mobile aar)
-defaults=(rust bindings kotlin)
+parts=(rust bindings kotlin swift mobile aar xcframework)
+defaults=(rust bindings kotlin swift)
 
 rust() {
     command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
@@ -17,8 +18,10 @@ rust() {
 
 bindings() { bindings/generate.sh --check; }
 kotlin() { tests/kotlin.sh; }
+swift() { tests/swift.sh; }
 mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }
+xcframework() { tests/xcframework.sh; }
 
 part=
 trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT
