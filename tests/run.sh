@@ -3,7 +3,7 @@
 # is missing. `mobile` installs a second compiler where it may.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust bindings kotlin mobile aar)
+parts=(rust bindings kotlin swift mobile aar xcframework)
 
 rust() {
     command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
@@ -19,8 +19,10 @@ rust() {
 
 bindings() { bindings/generate.sh --check; }
 kotlin() { tests/kotlin.sh; }
+swift() { tests/swift.sh; }
 mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }
+xcframework() { tests/xcframework.sh; }
 
 part=
 trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT

@@ -16,7 +16,7 @@ swift_tool() {
             mkdir -p "$swift_root$folder"
             mount --bind "$folder" "$swift_root$folder"
         done
-        exec chroot "$swift_root" env HOME=/root LANG=C.UTF-8 sh -c "cd \"\$0\" && exec \"\$@\"" "$swift_source" "$@"
+        exec chroot "$swift_root" env HOME=/root LANG=C.UTF-8 PATH=/usr/libexec/swift/bin:/usr/bin:/bin sh -c "cd \"\$0\" && exec \"\$@\"" "$swift_source" "$@"
     ' swift "$@"
 }
 

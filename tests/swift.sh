@@ -18,12 +18,20 @@ gzip -dc $recording >"$target/swift/recording.csv"
 
 export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$target/ship MAGCOMP_EXPECTED=$target/swift
 # the package's own warnings are errors, and what it builds stays out of its folder
+mkdir -p "$target/swift/symbols/Magcomp"
 options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
+options+=(-Xswiftc -emit-symbol-graph -Xswiftc -emit-symbol-graph-dir -Xswiftc "$target/swift/symbols")
 case "${1:-}" in
     "")
         swift_run build "${options[@]}"
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel
+        # the documentation's links lead somewhere
+        cp "$target/swift/symbols/"Magcomp.symbols.json "$target/swift/symbols/Magcomp/"
+        swift_tool docc convert ios/Sources/Magcomp/Magcomp.docc --warnings-as-errors \
+            --additional-symbol-graph-dir "$target/swift/symbols/Magcomp" --output-path "$target/swift/documentation"
+        # the sample needs Apple's frameworks: its grammar at least
+        swift_tool swiftc -frontend -parse ios/Sample/Compass.swiftpm/*.swift
         ;;
     benchmark) swift_run run -c release "${options[@]}" Benchmark "$target/swift/recording.csv" ;;
     *) swift_run "$1" "${options[@]}" "${@:2}" ;;

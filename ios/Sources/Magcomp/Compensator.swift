@@ -3,7 +3,7 @@ import MagcompFFI
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
 /// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.Closed`. After a defect of
-/// the library calls throw `MagcompError.Panicked` until ``reset()``. No push allocates.
+/// the library calls throw `MagcompError.Panicked` until ``reset()``.
 public final class Compensator: Sendable {
     /// What it was made with; what was left out is the library's default.
     public let config: Config

@@ -1,0 +1,14 @@
+import Magcomp
+import SwiftUI
+
+@main
+struct CompassApp: App {
+    // the system's own field too, to show it beside ours
+    @State private var model = CompassModel(
+        compass: Compass(
+            source: CoreMotionSource(options: SensorOptions(systemField: true)), store: UserDefaultsStore()))
+
+    var body: some Scene {
+        WindowGroup { CompassView(model: model) }
+    }
+}

@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# Builds the XCFramework without a Mac (ios/build-xcframework.sh) and checks its parts: property list against folders,
+# architecture, platform and minimum version of every object, headers and what they declare against what the libraries
+# define, the interfaces Apple wants a reason for against the privacy manifest. Links the device's slice as an app would and
+# prints what is left after dead-stripping. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3.
+# Not for shipping, and not tried in Xcode.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+packages=(rustc-web cargo-web rust-web-src llvm-19 lld-19 python3)
+if ! { [ -d /usr/src/rustc-*/library ] && command -v llvm-nm-19 ld64.lld-19 python3; } >/dev/null 2>&1; then
+    [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null || {
+        echo "xcframework: needs the Debian packages ${packages[*]}, or root to install them" >&2
+        exit 1
+    }
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null
+fi
+fail() { echo "xcframework: $*" >&2; exit 1; }
+
+ios/build-xcframework.sh
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+framework=$target/ios/MagcompFFI.xcframework
+work=$target/ios/check
+mkdir -p "$work"
+
+# the property list names what is there, and nothing else is there
+python3 - "$framework" >"$work/slices" <<'PYTHON'
+import pathlib, plistlib, sys
+
+framework = pathlib.Path(sys.argv[1])
+info = plistlib.loads((framework / "Info.plist").read_bytes())
+assert info["CFBundlePackageType"] == "XFWK" and info["XCFrameworkFormatVersion"] == "1.0", info
+known = {framework / "Info.plist"}
+for library in info["AvailableLibraries"]:
+    folder = framework / library["LibraryIdentifier"]
+    variant = library.get("SupportedPlatformVariant", "")
+    architectures = "_".join(library["SupportedArchitectures"])
+    name = "-".join(filter(None, [library["SupportedPlatform"], architectures, variant]))
+    assert folder.name == name, f"{folder.name}, expected {name}"
+    assert library["LibraryPath"] == library["BinaryPath"], library
+    headers = folder / library["HeadersPath"]
+    known |= {folder / library["LibraryPath"], headers / "module.modulemap"}
+    known |= {headers / "MagcompFFI.h", headers / "magcomp.h"}
+    print(folder.name, "iossimulator" if variant else "ios")
+there = {path for path in framework.rglob("*") if path.is_file()}
+assert there == known, there ^ known
+PYTHON
+[ "$(cut -d' ' -f1 "$work/slices" | tr '\n' ' ')" = "ios-arm64 ios-arm64-simulator " ] || fail "slices: $(cat "$work/slices")"
+
+# names the headers declare, as symbols
+cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\b(uniffi_magcomp_ffi|ffi_magcomp_ffi|magcomp)_[a-z0-9_]+ *\(' |
+    sed 's/ *($//; s/^/_/' | sort -u >"$work/declared"
+[ "$(wc -l <"$work/declared")" -gt 60 ] || fail "the headers declare $(wc -l <"$work/declared") functions only"
+
+while read -r slice platform; do
+    library=$framework/$slice/libmagcomp_ffi.a
+    for header in bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h; do
+        cmp "$header" "$framework/$slice/Headers/${header##*/}"
+    done
+    # one line for every kind of object
+    llvm-objdump-19 --macho --private-headers "$library" >"$work/objects"
+    kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" || $1 == "minos" { print $1, $2 }' "$work/objects" | sort -u)
+    [ "$kinds" = "$(printf 'arch ARM64\nminos 15.0\nplatform %s' "$platform")" ] || fail "$slice: objects are $kinds"
+    llvm-nm-19 --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null | sort -u >"$work/defined"
+    missing=$(comm -23 "$work/declared" "$work/defined")
+    [ -z "$missing" ] || fail "$slice: declared and not defined: $missing"
+    if grep -q '^_magcomp_test_' "$work/defined"; then fail "$slice: holds test hooks"; fi
+    printf 'xcframework: %-20s %9d bytes, arm64, %s, all %d functions\n' "$slice" "$(stat -c %s "$library")" \
+        "$platform 15.0" "$(wc -l <"$work/declared")"
+done <"$work/slices"
+
+# what an app gets of it: all that Swift may call, and what that needs
+ld64.lld-19 -arch arm64 -platform_version ios 15.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
+    -undefined dynamic_lookup -o "$work/linked" "$framework/ios-arm64/libmagcomp_ffi.a"
+printf 'xcframework: %d bytes of arm64 after dead-stripping: %s\n' "$(stat -c %s "$work/linked")" \
+    "$(llvm-size-19 -m "$work/linked" | sed -n 's/^Segment \(.*\): \([0-9]*\).*/\1 \2/p' | tr '\n' ' ')"
+
+# Apple's list of required-reason interfaces, as far as C has them
+llvm-nm-19 --undefined-only --format=just-symbols "$work/linked" | sort -u >"$work/imports"
+manifest=ios/Sources/Magcomp/PrivacyInfo.xcprivacy
+reason() { # CATEGORY PATTERN: declared if and only if it is imported
+    local imported declared
+    imported=$(grep -E "^_($2)\$" "$work/imports" | tr '\n' ' ' || true)
+    declared=$(grep -c "NSPrivacyAccessedAPICategory$1<" $manifest || true)
+    [ -z "$imported" ] || [ "$declared" = 1 ] || fail "$manifest lacks $1: the library imports $imported"
+    [ -n "$imported" ] || [ "$declared" = 0 ] || fail "$manifest declares $1, which the library does not import"
+    [ -z "$imported" ] || echo "xcframework: the privacy manifest gives a reason for $imported"
+}
+reason FileTimestamp 'stat|fstat|lstat|fstatat|getattrlist|getattrlistbulk|fgetattrlist|getattrlistat'
+reason SystemBootTime 'mach_absolute_time|mach_continuous_time|clock_gettime_nsec_np'
+reason DiskSpace 'statfs|statvfs|fstatfs|fstatvfs'
+(cd "$framework/.." && find MagcompFFI.xcframework -type f | sort)
+echo "xcframework: all parts are there"
