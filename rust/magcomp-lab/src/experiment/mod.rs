@@ -4,6 +4,7 @@ pub mod aided;
 pub mod aided_score;
 mod aided_view;
 pub mod bound;
+pub mod compare;
 pub mod step;
 mod step_score;
 mod step_view;

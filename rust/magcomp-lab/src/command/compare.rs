@@ -1,0 +1,74 @@
+//! `magcomp compare`.
+
+use super::{Common, finite};
+use crate::baseline::{Baseline, Ours};
+use crate::error::LabError;
+use crate::experiment::compare::{MethodScore, run_case};
+use crate::report::Report;
+use crate::scenario::Case;
+use crate::table::{Table, number};
+use clap::{Args, ValueEnum, value_parser};
+use magcomp::{Config, Method};
+use serde::Serialize;
+
+/// Methods side by side on the same samples.
+#[derive(Debug, Args)]
+pub(super) struct Compare {
+    /// Scenarios; all when none is named
+    #[arg(long, value_enum, value_delimiter = ',')]
+    scenario: Vec<Case>,
+    /// Runs
+    #[arg(long, default_value_t = 50, value_parser = value_parser!(u32).range(1..))]
+    runs: u32,
+    /// Signal-to-noise ratio, dB; 30, or 40 for the phones
+    #[arg(long, value_parser = finite)]
+    snr: Option<f64>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Serialize)]
+struct Compared {
+    scenario: String,
+    methods: Vec<MethodScore>,
+}
+
+impl Compare {
+    pub fn run(self) -> Result<(), LabError> {
+        let cases = if self.scenario.is_empty() { Case::value_variants().to_vec() } else { self.scenario.clone() };
+        let mut all = Vec::new();
+        let mut tables = Vec::new();
+        for case in cases {
+            let seeds = self.common.seed..self.common.seed + u64::from(self.runs);
+            let config = Config { method: Method::Adaptive, ..Config::default() };
+            let (before, runs) = run_case(case, seeds, self.snr, |_, _| {
+                Box::new(Ours::new(config.clone()).expect("default config")) as Box<dyn Baseline>
+            });
+            let methods = vec![MethodScore::of("adaptive", before, &runs)];
+            tables.push(table(case, &methods));
+            eprintln!("{}", tables[tables.len() - 1]);
+            all.push(Compared { scenario: case.name(), methods });
+        }
+        self.common.finish(&tables, &all, || Ok(Report::new("Methods side by side", "")))
+    }
+}
+
+fn table(case: Case, methods: &[MethodScore]) -> Table {
+    let mut table = Table::new(
+        &case.name(),
+        &["", "before", "after", "steady", "100", "300", "700", "1500", "3000", "<5", "<2", "<1", "/held", "p99", "us", "p99.9", "max"],
+    );
+    for m in methods {
+        let mut cells = vec![m.name.clone()];
+        cells.extend([m.before_deg, m.after_deg, m.steady_deg].map(|v| number(Some(v), 2)));
+        cells.extend(m.told_deg.iter().map(|v| number(Some(*v), 2)));
+        cells.extend(m.settled.map(|s| s.map_or_else(|| "never".to_owned(), |s| s.to_string())));
+        cells.extend([m.worst_over_held, m.p99_over_held].map(|v| number(Some(v), 2)));
+        cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
+        table.row(cells);
+        if let Some(bound) = &m.over_bound {
+            table.note(&format!("over bound {}: {}", m.name, bound.iter().map(|b| format!("{:.2}/{:.2}/{:.2}", b[0], b[1], b[2])).collect::<Vec<_>>().join("  ")));
+        }
+    }
+    table
+}

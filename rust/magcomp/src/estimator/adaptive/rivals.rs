@@ -1,0 +1,190 @@
+//! The hypotheses that compete on the samples of one segment, weighed by their evidence: weight_i ~ exp(log evidence_i).
+//!
+//! What is not decided yet is counted as uncertainty: about any tau the mixture has the second moment
+//!     sum weight_i (P_i + (tau_i - tau)(tau_i - tau)^T).
+
+use super::hypothesis::Hypothesis;
+use super::likelihood::Likelihood;
+use super::noise::Noise;
+use super::parameters::{Matrix9, Vector9, radius_gradient, see};
+use super::starts::starts;
+use crate::ellipsoid::Moments;
+use crate::reading::ModelOrder;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Most hypotheses at a time.
+pub(super) const MOST: usize = 16;
+/// Hypotheses whose log evidence lies this far below the best one's are given up ...
+const HOPELESS: f64 = 30.0;
+/// ... but not before so many samples: the first ones fit many.
+const PATIENCE: usize = 96;
+/// Weights below this are left out of the mixture.
+const NEGLIGIBLE: f64 = 1e-4;
+/// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
+const MARGIN: f64 = 0.5;
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Rivals {
+    all: [Option<Hypothesis>; MOST],
+    weights: [f64; MOST],
+    best: usize,
+    turn: usize,
+}
+
+/// What a sample is expected to read as: its radius, and the innovation's variance through the parameters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prediction {
+    /// Radius expected less 1.
+    pub excess: f64,
+    /// Variance of it, from the parameters alone.
+    pub variance: f64,
+    /// |dr/du|.
+    pub slope: f64,
+}
+
+impl Rivals {
+    pub fn new(hypotheses: impl IntoIterator<Item = Hypothesis>) -> Self {
+        let mut all = [None; MOST];
+        for (slot, hypothesis) in all.iter_mut().zip(hypotheses) {
+            *slot = Some(hypothesis);
+        }
+        let mut rivals = Self { all, weights: [0.0; MOST], best: 0, turn: 0 };
+        rivals.weigh();
+        rivals
+    }
+
+    fn weigh(&mut self) {
+        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        let logs = self.all.each_ref().map(log);
+        let mut best = self.best;
+        for (k, value) in logs.iter().enumerate() {
+            if *value > logs[best] || self.all[best].is_none() {
+                best = k;
+            }
+        }
+        self.best = best;
+        let largest = logs[best];
+        let weights = logs.map(|log| if log.is_finite() { (log - largest).exp() } else { 0.0 });
+        let sum: f64 = weights.iter().sum();
+        self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
+    }
+
+    /// The one with the most evidence.
+    pub fn best(&self) -> Option<&Hypothesis> {
+        self.all[self.best].as_ref()
+    }
+
+    /// Its weight among all, 0 to 1.
+    pub fn best_weight(&self) -> f64 {
+        self.weights[self.best]
+    }
+
+    fn weighty(&self) -> impl Iterator<Item = (&Hypothesis, f64)> {
+        let known = self.all.iter().zip(self.weights).filter_map(|(slot, weight)| Some((slot.as_ref()?, weight)));
+        known.filter(|(_, weight)| *weight > NEGLIGIBLE)
+    }
+
+    /// How much weight hypotheses of an order have together.
+    pub fn weight_of(&self, order: ModelOrder) -> f64 {
+        self.weighty().filter(|(h, _)| h.order == order).map(|(_, weight)| weight).sum()
+    }
+
+    /// Second moment of the mixture about tau.
+    pub fn spread_about(&self, tau: &Vector9) -> Matrix9 {
+        let mut sum = Matrix9::zeros();
+        for (hypothesis, weight) in self.weighty() {
+            let off = hypothesis.posterior.mean - tau;
+            sum += (hypothesis.posterior.covariance + off * off.transpose()) * weight;
+        }
+        sum
+    }
+
+    /// What is expected of a sample, by all of them.
+    pub fn predict(&self, u: &Vector3<f64>) -> Option<Prediction> {
+        let (mut sum, mut squares, mut slope, mut total) = (0.0, 0.0, 0.0, 0.0);
+        for (hypothesis, weight) in self.weighty() {
+            let tau = &hypothesis.posterior.mean;
+            let Some(seen) = see(tau, u) else { continue };
+            let g = radius_gradient(tau, &seen);
+            let excess = seen.radius - 1.0;
+            sum += weight * excess;
+            squares += weight * (excess * excess + g.dot(&(hypothesis.posterior.covariance * g)));
+            slope += weight * seen.slope;
+            total += weight;
+        }
+        if total <= 0.0 {
+            return None;
+        }
+        let excess = sum / total;
+        let variance = (squares / total - excess * excess).max(0.0);
+        Some(Prediction { excess, variance, slope: slope / total })
+    }
+
+    /// The samples have become more: the best and `turns` others iterate, all are weighed.
+    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
+        let best = self.best;
+        for slot in self.all.iter_mut().flatten() {
+            slot.rescore(likelihood);
+        }
+        if let Some(hypothesis) = &mut self.all[best] {
+            hypothesis.refine(likelihood, iterations);
+        }
+        let mut done = 0;
+        for _ in 0..MOST {
+            self.turn = (self.turn + 1) % MOST;
+            if self.turn == best {
+                continue;
+            }
+            if let Some(hypothesis) = &mut self.all[self.turn] {
+                if done == turns {
+                    self.turn = (self.turn + MOST - 1) % MOST;
+                    break;
+                }
+                hypothesis.refine(likelihood, iterations);
+                done += 1;
+            }
+        }
+        self.weigh();
+        let best = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        if samples >= PATIENCE {
+            for slot in &mut self.all {
+                if slot.is_some_and(|h| h.log_evidence < best - HOPELESS) {
+                    *slot = None;
+                }
+            }
+        }
+    }
+
+    /// Other places to iterate from, for the hypotheses that may go there; one of them at a time, so that no sample costs much.
+    pub fn look_elsewhere(&mut self, likelihood: &Likelihood, segment: &Moments, turn: usize) {
+        let (mean, covariance) = segment.cloud();
+        let Some(hypothesis) = &mut self.all[turn % MOST] else { return };
+        for start in starts(&hypothesis.posterior.mean, &mean, &covariance) {
+            hypothesis.consider(likelihood, &start, MARGIN);
+        }
+    }
+
+    /// Whether every hypothesis but the best is gone.
+    pub fn is_decided(&self) -> bool {
+        self.all.iter().flatten().count() <= 1
+    }
+
+    /// The coordinates move.
+    pub fn shift(&mut self, by: &Vector3<f64>) {
+        self.all.iter_mut().flatten().for_each(|h| h.shift(by));
+    }
+
+    /// z^2 of a sample under the best alone.
+    pub fn fits(&self, u: &Vector3<f64>, noise: &Noise) -> f64 {
+        let fit = || {
+            let best = self.best()?;
+            let seen = see(&best.posterior.mean, u)?;
+            let g = radius_gradient(&best.posterior.mean, &seen);
+            let variance = noise.variance * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
+            Some((seen.radius - 1.0).powi(2) / variance)
+        };
+        fit().unwrap_or(f64::INFINITY)
+    }
+}
