@@ -7,7 +7,7 @@
 
 use super::hypothesis::Gaussian;
 use super::likelihood::Likelihood;
-use super::parameters::{Matrix9, Vector9};
+use super::parameters::{Matrix9, Vector9, is_bounded};
 
 /// Standard deviations of the jumps looked for: T's diagonal, off-diagonal, beta.
 const JUMPS: [[f64; 3]; 4] = [[1e-3, 1e-3, 0.05], [1e-3, 1e-3, 0.3], [0.06, 0.04, 0.1], [0.4, 0.15, 0.6]];
@@ -44,7 +44,7 @@ pub(super) fn without(posterior: &Gaussian, likelihood: &Likelihood) -> Gaussian
         let mean = tau + cholesky.solve(&gradient);
         // taking off nearly everything leaves rounding: then what is left is known about half as well as before
         let sane = (0..9).all(|i| covariance[(i, i)] < 4.0 * posterior.covariance[(i, i)]);
-        sane.then_some(Gaussian { mean, covariance })
+        (sane && is_bounded(&mean)).then_some(Gaussian { mean, covariance })
     };
     before().unwrap_or(Gaussian { mean: tau, covariance: posterior.covariance * 2.0 })
 }

@@ -22,6 +22,7 @@ mod publish;
 mod rivals;
 mod samples;
 mod starts;
+mod steadiness;
 
 use crate::calibration::Calibration;
 use crate::config::ConfigError;
@@ -39,6 +40,7 @@ use publish::{Published, compare, directions, may_compare};
 use rivals::Rivals;
 use samples::{SPANS, Samples, span_length};
 use serde::{Deserialize, Serialize};
+use steadiness::Steadiness;
 
 /// The few numbers of the adaptive estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -127,6 +129,7 @@ pub(crate) struct Adaptive {
     trial: Option<Trial>,
     former: [Option<Gaussian>; FORMER],
     noise: Noise,
+    steadiness: Steadiness,
     drift: Drift,
     late: [Option<Late>; RECENT],
     published: Option<Published>,
@@ -155,6 +158,7 @@ impl Adaptive {
             trial: None,
             former: [None; FORMER],
             noise: Noise::new(config.noise_ut / unit_ut, LEAST_NOISE_UT / unit_ut),
+            steadiness: Steadiness::new(),
             drift: Drift::default(),
             late: [None; RECENT],
             published: None,
@@ -169,11 +173,15 @@ impl Adaptive {
 
     /// A raw sample, finite, times in order.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
+        let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
         if !self.started {
+            if leaps || !self.steadiness.is_known() {
+                return self.output(raw_ut);
+            }
             self.begin(time_ns, raw_ut);
         }
         self.count += 1;
-        let gated = self.is_gated(raw_ut);
+        let gated = leaps || self.is_gated(raw_ut);
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated });
         if self.late.iter().flatten().filter(|late| late.gated).count() >= GATED {
@@ -192,6 +200,11 @@ impl Adaptive {
         }
         self.judge();
         self.publish(time_ns);
+        // DEBUG
+        if std::env::var("MD").is_ok() && (self.count % 50 == 0 || self.samples.age < 30 && self.count > 50) {
+            let b = self.rivals.best();
+            eprintln!("{} age {} seg {} sigma {:.4} kappa {:.1} best {:?} w {:.2} d2/v {:.2} cost {:.1} dirs {:.2} trial {:?} pub {} gated {} beta {:?}", self.count, self.samples.age, self.samples.segment().count(), self.noise.variance.sqrt(), self.noise.correlation(), b.map(|b| b.order), self.rivals.best_weight(), b.map_or(0.0, |b| b.distance_squared / self.noise.variance), b.map_or(0.0, |b| b.cost), self.direction_sigma_deg, self.trial.map(|t| (t.released, t.misfit, t.base.is_some())), self.published.is_some(), gated, b.map(|b| b.posterior.mean.fixed_rows::<3>(6).transpose().data));
+        }
         self.output(raw_ut)
     }
 
@@ -247,6 +260,7 @@ impl Adaptive {
         self.noise.forget_block();
         self.drift.reset();
         self.late.iter_mut().for_each(|late| *late = None);
+        self.steadiness.accept();
     }
 
     /// Whether a sample is too far from where it is expected; the noise learns from it.
@@ -424,6 +438,13 @@ impl Adaptive {
     /// Whether the samples of the segment lie on any ellipsoid.
     fn judge(&mut self) {
         let Some(best) = self.rivals.best() else { return };
+        if !best.log_evidence.is_finite() {
+            // no hypothesis is near these samples: as at the start
+            let Some(latest) = self.late[RECENT - 1] else { return };
+            self.move_centre(&latest.raw_ut);
+            self.compete(latest.time_ns, None);
+            return;
+        }
         let misfit = best.distance_squared > MISFIT * self.noise.variance && self.samples.age >= JUDGED_FROM;
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;

@@ -1,7 +1,8 @@
 //! The noise of the samples, learned from the innovations: how far a sample lies off the ellipsoid predicted for it.
 //!
-//! Level: v <- v + g w (min(e^2, 9 (v + rho)) - (v + rho)), e the innovation as a distance, rho the variance that the
-//! parameters' own uncertainty gives it, w = v / (v + rho) the share that is noise. Clipped, so that spikes hardly count.
+//! Level: v <- v + g w (min(e^2, 4 V) / 0.92 - V), V = v + rho, e the innovation as a distance, rho the variance that the
+//! parameters' own uncertainty gives it, w = v / V the share that is noise. Clipped, so that spikes hardly count; 0.92 is
+//! what the clipped square of a normal comes to on average.
 //!
 //! Colour: the field of a room is uneven over some tens of centimetres, so that residuals of neighbouring samples agree.
 //! kappa = mean of (sum of z over a block)^2 / length is 1 for white noise; n correlated samples are worth n / kappa.
@@ -9,11 +10,13 @@
 use serde::{Deserialize, Serialize};
 
 /// Samples that the sensor's own figure is worth at the start.
-const START_SAMPLES: f64 = 10.0;
+const START_SAMPLES: f64 = 20.0;
 /// Memory of the level, samples: 3 % of scatter.
 const MEMORY: f64 = 1000.0;
 /// Larger innovations count as this many standard deviations.
-const CLIP: f64 = 3.0;
+const CLIP: f64 = 2.0;
+/// Mean of min(z^2, CLIP^2) for a standard normal z.
+const CLIPPED_MEAN: f64 = 0.9205;
 /// Length of a block, samples: the unevenness of rooms lasts about half a second while walking.
 const BLOCK: u32 = 32;
 /// Memory of kappa, blocks, and blocks that the start value 1 is worth.
@@ -60,14 +63,14 @@ impl Noise {
     pub fn learn(&mut self, innovation: f64, rho: f64) {
         let expected = self.variance + rho;
         let share = self.variance / expected;
-        let square = (innovation * innovation).min(CLIP * CLIP * expected);
+        let square = (innovation * innovation).min(CLIP * CLIP * expected) / CLIPPED_MEAN;
         self.samples = (self.samples + share).min(MEMORY);
         self.variance = (self.variance + share * (square - expected) / self.samples).max(self.least);
     }
 
     /// A normalised innovation of the calibration in force.
     pub fn learn_colour(&mut self, z: f64) {
-        self.sum += z.clamp(-CLIP, CLIP);
+        self.sum += z.clamp(-4.0, 4.0);
         self.in_block += 1;
         if self.in_block == BLOCK {
             let square = (self.sum * self.sum / f64::from(BLOCK)).min(LARGEST_BLOCK);
