@@ -79,6 +79,9 @@ pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, fie
             found.map_or(NO_ANSWER_DEG, |found| found.angle(&truth.field_ut).to_degrees()) as f32
         };
         run.errors_deg.push(error(method.correct(&truth.clean_ut)));
+        if std::env::var("MD").is_ok() && k >= before && ((k - before) % 20 < 1 || std::env::var("MA").is_ok()) {
+            eprintln!("ERR k {} err {:.2} held {:.2}", k - before, run.errors_deg[k], held.as_ref().map_or(0.0, |held| error(held(&truth.clean_ut))));
+        }
         run.held_deg.push(held.as_ref().map_or(0.0, |held| error(held(&truth.clean_ut))));
         if k >= before && BOUND_AT.contains(&(k + 1 - before)) {
             run.bound.extend(bound(stream, before, k, method.calibration(), field_ut));

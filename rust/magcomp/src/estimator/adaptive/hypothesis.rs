@@ -110,8 +110,8 @@ impl Hypothesis {
         (0..3).for_each(|i| self.prior_mean[6 + i] += by[i]);
     }
 
-    /// So many iterations, then covariance and evidence.
-    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) {
+    /// So many iterations, then the evidence, and the covariance where the evidence exceeds `worth`.
+    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize, worth: f64) {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
             self.posterior.mean = self.prior_mean;
@@ -150,10 +150,12 @@ impl Hypothesis {
         // poor coverage can leave the samples' own share of it indefinite: then they say nothing new
         let cholesky = information.cholesky().or_else(|| self.prior_information.cholesky());
         if let Some(cholesky) = cholesky {
-            let inverse = cholesky.inverse();
-            self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
-            self.log_evidence =
-                self.log_prior - 0.5 * cost + 0.5 * (self.log_det_prior - log_det(&cholesky.l()));
+            let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
+            self.log_evidence = self.log_prior - 0.5 * cost + 0.5 * self.log_det_prior - volume;
+            if self.log_evidence > worth {
+                let inverse = cholesky.inverse();
+                self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
+            }
         }
     }
 }

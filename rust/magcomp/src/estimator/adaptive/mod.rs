@@ -71,10 +71,14 @@ impl AdaptiveConfig {
 const LEAST_NOISE_UT: f64 = 0.03;
 /// A sample whose innovation exceeds this many standard deviations is not used: 1 in 150 000 by chance.
 const GATE: f64 = 4.5;
+/// The first samples of a segment fit many ellipsoids: gated is what lies further from the first of them than any field
+/// strength reaches (units); the review drops what else was wrong.
+const UNGATED: usize = 9;
+const FARTHEST: f64 = 4.0;
 /// So many of the latest samples decide about a large change ...
-const RECENT: usize = 6;
+const RECENT: usize = 5;
 /// ... when so many of them are gated.
-const GATED: usize = 4;
+const GATED: usize = 3;
 /// log B of a small change: e^-14 is one in 1.2 million.
 const SMALL_CHANGE: f64 = 14.0;
 /// Samples of a segment before small changes in it are looked for.
@@ -87,13 +91,17 @@ const BLOCK_SPAN: usize = 3;
 const ABSORBED_BELOW_DEG: f64 = 1.5;
 /// Samples from which a segment is absorbed nevertheless.
 const LONGEST: usize = 1024;
-/// Samples of a segment from which the fit's own residual is judged, and the share of the noise it may reach (variance).
+/// Samples before a first answer is tried.
 const JUDGED_FROM: usize = 16;
-const MISFIT: f64 = 4.0;
+/// Standard deviations of chi-squared above which the samples fit no ellipsoid.
+const UNLIKELY: f64 = 4.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 4] = [24, 48, 96, 192];
 /// Share of its samples that must fit for a segment to be one.
 const FITTING_SHARE: f64 = 0.9;
+
+/// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
+const DOUBT: f64 = 1.5;
 
 /// What competes since the latest change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -201,7 +209,7 @@ impl Adaptive {
         self.judge();
         self.publish(time_ns);
         // DEBUG
-        if std::env::var("MD").is_ok() && (self.count % 50 == 0 || self.samples.age < 30 && self.count > 50) {
+        if std::env::var("MD").is_ok() && self.count % 20 == 0 || std::env::var("MA").is_ok() {
             let b = self.rivals.best();
             eprintln!("{} age {} seg {} sigma {:.4} kappa {:.1} best {:?} w {:.2} d2/v {:.2} cost {:.1} dirs {:.2} trial {:?} pub {} gated {} beta {:?}", self.count, self.samples.age, self.samples.segment().count(), self.noise.variance.sqrt(), self.noise.correlation(), b.map(|b| b.order), self.rivals.best_weight(), b.map_or(0.0, |b| b.distance_squared / self.noise.variance), b.map_or(0.0, |b| b.cost), self.direction_sigma_deg, self.trial.map(|t| (t.released, t.misfit, t.base.is_some())), self.published.is_some(), gated, b.map(|b| b.posterior.mean.fixed_rows::<3>(6).transpose().data));
         }
@@ -220,7 +228,7 @@ impl Adaptive {
         let given = self.given.map(|calibration| self.tau_of(&calibration));
         if let Some(tau) = given {
             let [first, ..] = ladder::cold(raw_ut, self.unit_ut, true, Some(&tau));
-            self.published = first.map(|(_, prior, _)| Published { tau, covariance: prior.covariance });
+            self.published = first.map(|(_, prior, _)| Published { tau, covariance: prior.covariance, expected: 0.0 });
         }
         self.compete(time_ns, None);
     }
@@ -273,6 +281,9 @@ impl Adaptive {
         if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
             self.noise.learn_colour(z);
         }
+        if self.trial.is_some() && self.samples.age < UNGATED {
+            return self.unit(raw_ut).norm() > FARTHEST;
+        }
         z.abs() > GATE
     }
 
@@ -288,7 +299,7 @@ impl Adaptive {
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        let (turns, iterations) = if age < 16 { (8, 2) } else { (4, 1) };
+        let (turns, iterations) = if age < 12 { (rivals::MOST, 2) } else if age < 32 { (8, 1) } else { (4, 1) };
         self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
     }
 
@@ -354,7 +365,7 @@ impl Adaptive {
         let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
         let count = self.samples.age.min(64);
         let all = (0..count).filter(|back| fits(self.samples.latest(*back))).count();
-        let good = latest > RECENT - 2 && all as f64 >= FITTING_SHARE * count as f64;
+        let good = latest + 2 > RECENT && all as f64 >= FITTING_SHARE * count as f64;
         if good {
             self.late.iter_mut().flatten().for_each(|late| late.gated = false);
         }
@@ -426,7 +437,7 @@ impl Adaptive {
         let known = self.drift.walk(&known, self.unit_ut, seconds);
         if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
             next.posterior.mean = tau;
-            next.refine(&rest, 2);
+            next.refine(&rest, 2, f64::NEG_INFINITY);
             self.rivals = Rivals::new([next]);
             if let Some(trial) = self.trial.filter(|trial| trial.released) {
                 self.remember(trial.base);
@@ -445,7 +456,10 @@ impl Adaptive {
             self.compete(latest.time_ns, None);
             return;
         }
-        let misfit = best.distance_squared > MISFIT * self.noise.variance && self.samples.age >= JUDGED_FROM;
+        // F is about chi-squared: n +- sqrt(2 n)
+        let count = self.samples.segment().count() as f64 / self.noise.correlation();
+        let expected = count + UNLIKELY * (2.0 * count).sqrt() + UNLIKELY * UNLIKELY;
+        let misfit = best.cost > expected;
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }
@@ -456,7 +470,7 @@ impl Adaptive {
         let Some(best) = self.rivals.best().copied() else { return };
         let tau = best.posterior.mean;
         match self.trial {
-            None => self.published = Some(Published { tau, covariance: best.posterior.covariance }),
+            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
             Some(trial) => {
                 let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
                 let likelihood = self.likelihood_of(self.samples.segment());
@@ -464,11 +478,16 @@ impl Adaptive {
                 let Some(compared) = compared.filter(|_| may_compare(&self.samples)) else { return };
                 let limit = self.release_below_deg.to_radians();
                 let better = match &self.published {
+                    // once released, it may become better, not worse: a doubt that comes up later is waited for
+                    Some(published) if trial.released => compared.new < DOUBT * published.expected,
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
-                if !trial.misfit && (better || trial.released) {
-                    self.release(time_ns, trial, &best);
+                if std::env::var("MD").is_ok() && (self.samples.age % 5 == 0 || std::env::var("MA").is_ok()) {
+                    eprintln!("   GATE age {} new {:.2} held {:.2} best {:?} w {:.2} T {:?}", self.samples.age, compared.new.sqrt().to_degrees(), compared.held.sqrt().to_degrees(), best.order, self.rivals.best_weight(), tau.data);
+                }
+                if !trial.misfit && better {
+                    self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
                     published.covariance = self.rivals.spread_about(&published.tau);
                 }
@@ -479,9 +498,9 @@ impl Adaptive {
         }
     }
 
-    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis) {
+    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
         let tau = best.posterior.mean;
-        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau) });
+        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
         self.order = best.order;
         if !trial.released {
             let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };

@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Published {
     pub tau: Vector9,
     pub covariance: Matrix9,
+    /// Mean square direction error expected when they were released, radians^2.
+    pub expected: f64,
 }
 
 /// Samples of late whose directions count, and how far apart they are.

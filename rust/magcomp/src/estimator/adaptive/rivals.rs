@@ -19,6 +19,8 @@ pub(super) const MOST: usize = 16;
 const HOPELESS: f64 = 30.0;
 /// ... but not before so many samples: the first ones fit many.
 const PATIENCE: usize = 96;
+/// The covariance of hypotheses whose log evidence lies this far below is not needed.
+const UNCOUNTED: f64 = 12.0;
 /// Weights below this are left out of the mixture.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
@@ -129,8 +131,9 @@ impl Rivals {
             slot.rescore(likelihood);
         }
         if let Some(hypothesis) = &mut self.all[best] {
-            hypothesis.refine(likelihood, iterations);
+            hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
         }
+        let worth = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence) - UNCOUNTED;
         let mut done = 0;
         for _ in 0..MOST {
             self.turn = (self.turn + 1) % MOST;
@@ -142,7 +145,7 @@ impl Rivals {
                     self.turn = (self.turn + MOST - 1) % MOST;
                     break;
                 }
-                hypothesis.refine(likelihood, iterations);
+                hypothesis.refine(likelihood, iterations, worth);
                 done += 1;
             }
         }
