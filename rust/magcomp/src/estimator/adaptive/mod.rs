@@ -456,10 +456,10 @@ impl Adaptive {
             self.compete(latest.time_ns, None);
             return;
         }
-        // F is about chi-squared: n +- sqrt(2 n)
+        // L is about chi-squared: n +- sqrt(2 n)
         let count = self.samples.segment().count() as f64 / self.noise.correlation();
         let expected = count + UNLIKELY * (2.0 * count).sqrt() + UNLIKELY * UNLIKELY;
-        let misfit = best.cost > expected;
+        let misfit = best.distance_squared / self.noise.variance * count > expected;
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }

@@ -133,6 +133,8 @@ impl Rivals {
         if let Some(hypothesis) = &mut self.all[best] {
             hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
         }
+        // where the best one stands may be the better place for another, too
+        let place = self.best().map(|h| h.posterior.mean);
         let worth = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence) - UNCOUNTED;
         let mut done = 0;
         for _ in 0..MOST {
@@ -144,6 +146,9 @@ impl Rivals {
                 if done == turns {
                     self.turn = (self.turn + MOST - 1) % MOST;
                     break;
+                }
+                if let Some(place) = &place {
+                    hypothesis.consider(likelihood, place, MARGIN);
                 }
                 hypothesis.refine(likelihood, iterations, worth);
                 done += 1;
