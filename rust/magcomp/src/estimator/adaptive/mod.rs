@@ -100,6 +100,10 @@ const REVIEWS: [usize; 4] = [24, 48, 96, 192];
 /// Share of its samples that must fit for a segment to be one.
 const FITTING_SHARE: f64 = 0.9;
 
+/// Above this expected error (degrees) the linearised covariance is not taken at its word: new parameters must be better
+/// by a margin (in squares).
+const CLOSE_DEG: f64 = 5.0;
+const MARGIN: f64 = 4.0;
 /// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
 const DOUBT: f64 = 1.5;
 
@@ -480,6 +484,7 @@ impl Adaptive {
                 let better = match &self.published {
                     // once released, it may become better, not worse: a doubt that comes up later is waited for
                     Some(published) if trial.released => compared.new < DOUBT * published.expected,
+                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
