@@ -127,9 +127,7 @@ impl Case {
                 let mut draw = || Parameters::from_theta(start.theta().map(|v| v * (1.0 + random.uniform(-0.5, 0.5))));
                 many(start, at_s, duration_s, |_| draw())
             }
-            Self::Covers => {
-                many(start, at_s, duration_s, |k| if k % 2 == 0 { start.times(FACTOR) } else { start })
-            }
+            Self::Covers => many(start, at_s, duration_s, |k| if k % 2 == 0 { start.times(FACTOR) } else { start }),
             Self::Pulse => Schedule::pulse(start, at_s, 0.5, offset([0.6, -0.4, 0.3])),
             _ => Schedule::step(start, at_s, offset([0.06, -0.06, 0.05])),
         };
@@ -158,7 +156,6 @@ impl Case {
 /// Steps from `at_s` on, one every period.
 fn many(start: Parameters, at_s: f64, until_s: f64, mut to: impl FnMut(usize) -> Parameters) -> Schedule<Parameters> {
     let count = ((until_s - at_s) / PERIOD_S).ceil() as usize;
-    let change =
-        |k: usize| crate::schedule::Change { at_s: at_s + PERIOD_S * k as f64, over_s: 0.0, to: to(k) };
+    let change = |k: usize| crate::schedule::Change { at_s: at_s + PERIOD_S * k as f64, over_s: 0.0, to: to(k) };
     Schedule { start, changes: (0..count).map(change).collect() }
 }

@@ -104,7 +104,7 @@ impl Compensator {
         Ok(Self {
             pairing: InertialPairing::new(config.pairing),
             aided: Aided::new(config.aided),
-            adaptive: Adaptive::new(&config.adaptive, &config.fit, config.initial),
+            adaptive: Adaptive::new(&config, config.initial),
             windowed: Windowed::new(&config),
             inputs: Inputs::default(),
             config,
@@ -201,7 +201,7 @@ impl Compensator {
     fn adaptive_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
         if self.inputs.aided {
             self.inputs.aided = false;
-            self.adaptive = Adaptive::new(&self.config.adaptive, &self.config.fit, self.aided.calibration());
+            self.adaptive = Adaptive::new(&self.config, self.aided.calibration());
         }
         let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
         let known = if self.windowed.wants_calibration() { self.adaptive.calibration() } else { None };

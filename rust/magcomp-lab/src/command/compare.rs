@@ -8,7 +8,7 @@ use crate::report::Report;
 use crate::scenario::Case;
 use crate::table::{Table, number};
 use clap::{Args, ValueEnum, value_parser};
-use magcomp::{Config, Method};
+use magcomp::Method;
 use serde::Serialize;
 
 /// Methods side by side on the same samples.
@@ -40,7 +40,7 @@ impl Compare {
         let mut tables = Vec::new();
         for case in cases {
             let seeds = self.common.seed..self.common.seed + u64::from(self.runs);
-            let config = Config { method: Method::Adaptive, ..Config::default() };
+            let config = crate::experiment::aided::config(Method::Adaptive);
             let (before, runs) = run_case(case, seeds, self.snr, |_, _| {
                 Box::new(Ours::new(config.clone()).expect("default config")) as Box<dyn Baseline>
             });
@@ -56,7 +56,10 @@ impl Compare {
 fn table(case: Case, methods: &[MethodScore]) -> Table {
     let mut table = Table::new(
         &case.name(),
-        &["", "before", "after", "steady", "100", "300", "700", "1500", "3000", "<5", "<2", "<1", "/held", "p99", "us", "p99.9", "max"],
+        &[
+            "", "before", "after", "steady", "100", "300", "700", "1500", "3000", "<5", "<2", "<1", "/held", "p99",
+            "us", "p99.9", "max",
+        ],
     );
     for m in methods {
         let mut cells = vec![m.name.clone()];
@@ -67,7 +70,11 @@ fn table(case: Case, methods: &[MethodScore]) -> Table {
         cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
         table.row(cells);
         if let Some(bound) = &m.over_bound {
-            table.note(&format!("over bound {}: {}", m.name, bound.iter().map(|b| format!("{:.2}/{:.2}/{:.2}", b[0], b[1], b[2])).collect::<Vec<_>>().join("  ")));
+            table.note(&format!(
+                "over bound {}: {}",
+                m.name,
+                bound.iter().map(|b| format!("{:.2}/{:.2}/{:.2}", b[0], b[1], b[2])).collect::<Vec<_>>().join("  ")
+            ));
         }
     }
     table

@@ -79,9 +79,6 @@ pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, fie
             found.map_or(NO_ANSWER_DEG, |found| found.angle(&truth.field_ut).to_degrees()) as f32
         };
         run.errors_deg.push(error(method.correct(&truth.clean_ut)));
-        if std::env::var("MD").is_ok() && k >= before && ((k - before) % 20 < 1 || std::env::var("MA").is_ok()) {
-            eprintln!("ERR k {} err {:.2} held {:.2}", k - before, run.errors_deg[k], held.as_ref().map_or(0.0, |held| error(held(&truth.clean_ut))));
-        }
         run.held_deg.push(held.as_ref().map_or(0.0, |held| error(held(&truth.clean_ut))));
         if k >= before && BOUND_AT.contains(&(k + 1 - before)) {
             run.bound.extend(bound(stream, before, k, method.calibration(), field_ut));
@@ -146,7 +143,10 @@ fn rms<'a>(errors: impl Iterator<Item = &'a f32>) -> f64 {
 
 fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+    values
+        .get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or(f64::NAN)
 }
 
 impl MethodScore {
@@ -169,7 +169,8 @@ impl MethodScore {
             ratio(over(k..k + COMPARED), held)
         });
         let single = runs.iter().flat_map(|run| {
-            windows().map(|k| ratio(rms(run.errors_deg[k..k + COMPARED].iter()), rms(run.held_deg[k..k + COMPARED].iter())))
+            windows()
+                .map(|k| ratio(rms(run.errors_deg[k..k + COMPARED].iter()), rms(run.held_deg[k..k + COMPARED].iter())))
         });
         let over_bound = (0..BOUND_AT.len()).map(|n| {
             let at: Vec<_> = runs.iter().filter_map(|run| run.bound.get(n)).collect();

@@ -25,8 +25,7 @@ mod starts;
 mod steadiness;
 
 use crate::calibration::Calibration;
-use crate::config::ConfigError;
-use crate::ellipsoid::FitOptions;
+use crate::config::{Config, ConfigError};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
@@ -155,7 +154,8 @@ pub(crate) struct Adaptive {
 
 impl Adaptive {
     /// Knows nothing but, perhaps, a calibration to begin with.
-    pub fn new(config: &AdaptiveConfig, fit: &FitOptions, initial: Option<Calibration>) -> Self {
+    pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
+        let fit = &config.fit;
         let middle = (fit.field_range_ut.0 * fit.field_range_ut.1).sqrt();
         let unit_ut = fit.field_strength_ut.unwrap_or(middle);
         Self {
@@ -169,7 +169,11 @@ impl Adaptive {
             rivals: Rivals::new([]),
             trial: None,
             former: [None; FORMER],
-            noise: Noise::new(config.noise_ut / unit_ut, LEAST_NOISE_UT / unit_ut),
+            noise: Noise::new(
+                config.adaptive.noise_ut / unit_ut,
+                LEAST_NOISE_UT / unit_ut,
+                config.heading.field_sigma_ut / unit_ut,
+            ),
             steadiness: Steadiness::new(),
             drift: Drift::default(),
             late: [None; RECENT],
@@ -194,6 +198,9 @@ impl Adaptive {
         }
         self.count += 1;
         let gated = leaps || self.is_gated(raw_ut);
+        if let Some(before) = self.late[RECENT - 1] {
+            self.noise.learn_period((time_ns - before.time_ns) as f64 * 1e-9);
+        }
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated });
         if self.late.iter().flatten().filter(|late| late.gated).count() >= GATED {
@@ -212,11 +219,6 @@ impl Adaptive {
         }
         self.judge();
         self.publish(time_ns);
-        // DEBUG
-        if std::env::var("MD").is_ok() && self.count % 20 == 0 || std::env::var("MA").is_ok() {
-            let b = self.rivals.best();
-            eprintln!("{} age {} seg {} sigma {:.4} kappa {:.1} best {:?} w {:.2} d2/v {:.2} cost {:.1} dirs {:.2} trial {:?} pub {} gated {} beta {:?}", self.count, self.samples.age, self.samples.segment().count(), self.noise.variance.sqrt(), self.noise.correlation(), b.map(|b| b.order), self.rivals.best_weight(), b.map_or(0.0, |b| b.distance_squared / self.noise.variance), b.map_or(0.0, |b| b.cost), self.direction_sigma_deg, self.trial.map(|t| (t.released, t.misfit, t.base.is_some())), self.published.is_some(), gated, b.map(|b| b.posterior.mean.fixed_rows::<3>(6).transpose().data));
-        }
         self.output(raw_ut)
     }
 
@@ -279,7 +281,7 @@ impl Adaptive {
     fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
         let Some(expected) = self.rivals.predict(&self.unit(raw_ut)) else { return false };
         let slope_squared = expected.slope * expected.slope;
-        let variance = self.noise.variance * slope_squared + expected.variance;
+        let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
         self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
         if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
@@ -303,7 +305,13 @@ impl Adaptive {
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        let (turns, iterations) = if age < 12 { (rivals::MOST, 2) } else if age < 32 { (8, 1) } else { (4, 1) };
+        let (turns, iterations) = if age < 12 {
+            (rivals::MOST, 2)
+        } else if age < 32 {
+            (8, 1)
+        } else {
+            (4, 1)
+        };
         self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
     }
 
@@ -488,9 +496,6 @@ impl Adaptive {
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
-                if std::env::var("MD").is_ok() && (self.samples.age % 5 == 0 || std::env::var("MA").is_ok()) {
-                    eprintln!("   GATE age {} new {:.2} held {:.2} best {:?} w {:.2} T {:?}", self.samples.age, compared.new.sqrt().to_degrees(), compared.held.sqrt().to_degrees(), best.order, self.rivals.best_weight(), tau.data);
-                }
                 if !trial.misfit && better {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
@@ -535,9 +540,7 @@ impl Adaptive {
                 Missing::Directions
             }),
             (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
-            (Some(trial), _) if !trial.released && trial.base.is_some() => {
-                Status::Suspect { since_ns: trial.since_ns }
-            }
+            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
             _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
             _ => Status::Tracking,
         }

@@ -6,6 +6,8 @@
 //!
 //! Colour: the field of a room is uneven over some tens of centimetres, so that residuals of neighbouring samples agree.
 //! kappa = mean of (sum of z over a block)^2 / length is 1 for white noise; n correlated samples are worth n / kappa.
+//! What a fit absorbs does not show in its innovations; so a room's own unevenness s_u (config) comes on top, as errors
+//! that last for half a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +24,8 @@ const BLOCK: u32 = 32;
 /// Memory of kappa, blocks, and blocks that the start value 1 is worth.
 const BLOCKS: f64 = 30.0;
 const START_BLOCKS: f64 = 4.0;
+/// How long a room's unevenness lasts, s: the aided method's local field has about as much.
+const UNEVEN_S: f64 = 0.5;
 /// Largest contribution of a block.
 const LARGEST_BLOCK: f64 = 32.0;
 /// White noise stays below this with the memory above (4 sigma): up to here kappa counts as 1.
@@ -38,11 +42,15 @@ pub(super) struct Noise {
     in_block: u32,
     blocks: f64,
     mean_block: f64,
+    /// s_u^2, units^2.
+    uneven: f64,
+    /// Time between samples, s.
+    period_s: f64,
 }
 
 impl Noise {
-    /// From a standard deviation in units, and the least that is believed.
-    pub fn new(sigma: f64, least: f64) -> Self {
+    /// From a standard deviation in units, the least that is believed, and the unevenness of rooms.
+    pub fn new(sigma: f64, least: f64, uneven: f64) -> Self {
         Self {
             variance: sigma * sigma,
             least: least * least,
@@ -51,12 +59,29 @@ impl Noise {
             in_block: 0,
             blocks: START_BLOCKS,
             mean_block: 1.0,
+            uneven: uneven * uneven,
+            period_s: 0.0,
         }
     }
 
-    /// kappa: so many samples are worth one.
+    /// The time between two samples, s.
+    pub fn learn_period(&mut self, seconds: f64) {
+        if seconds > 0.0 && seconds < 1.0 {
+            let known = if self.period_s > 0.0 { 0.02 } else { 1.0 };
+            self.period_s += known * (seconds - self.period_s);
+        }
+    }
+
+    /// V / v: so many samples are worth one of white noise.
     pub fn correlation(&self) -> f64 {
-        if self.mean_block < WHITE { 1.0 } else { self.mean_block }
+        let kappa = if self.mean_block < WHITE { 1.0 } else { self.mean_block };
+        let samples = if self.period_s > 0.0 { (UNEVEN_S / self.period_s).max(1.0) } else { 1.0 };
+        kappa + samples * self.uneven / self.variance
+    }
+
+    /// Variance of one sample about its prediction, the parameters' own share aside.
+    pub fn total(&self) -> f64 {
+        self.variance + self.uneven
     }
 
     /// An innovation (distance, units) and the variance rho of its prediction.

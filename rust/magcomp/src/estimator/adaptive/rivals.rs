@@ -190,7 +190,7 @@ impl Rivals {
             let best = self.best()?;
             let seen = see(&best.posterior.mean, u)?;
             let g = radius_gradient(&best.posterior.mean, &seen);
-            let variance = noise.variance * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
+            let variance = noise.total() * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
             Some((seen.radius - 1.0).powi(2) / variance)
         };
         fit().unwrap_or(f64::INFINITY)
