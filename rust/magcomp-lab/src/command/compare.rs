@@ -44,6 +44,15 @@ impl Compare {
             let (before, runs) = run_case(case, seeds, self.snr, |_, _| {
                 Box::new(Ours::new(config.clone()).expect("default config")) as Box<dyn Baseline>
             });
+            if let Ok(range) = std::env::var("MDP") { // DBG
+                let v: Vec<usize> = range.split(',').map(|x| x.parse().unwrap()).collect(); // DBG
+                for k in (v[0]..v[1]).step_by(v[2]) { // DBG
+                    let r = |f: &dyn Fn(&crate::experiment::compare::Run) -> f32| { let s: f32 = runs.iter().map(|x| f(x).powi(2)).sum(); (s / runs.len() as f32).sqrt() }; // DBG
+                    let mut all: Vec<f32> = runs.iter().map(|x| x.errors_deg[before + k]).collect(); all.sort_by(f32::total_cmp); // DBG
+                    eprintln!("{k}: {:.2} held {:.2} median {:.2} max {:.2}", r(&|x| x.errors_deg[before + k]), r(&|x| x.held_deg[before + k]), all[all.len() / 2], all[all.len() - 1]); // DBG
+                } // DBG
+                for (i, x) in runs.iter().enumerate() { let s: f32 = x.errors_deg[before..].iter().map(|e| e * e).sum(); eprint!("{i}:{:.2}/{:.2} ", (s / (x.errors_deg.len() - before) as f32).sqrt(), {let s: f32 = x.errors_deg[before-1000..before].iter().map(|e| e * e).sum(); (s/1000.0).sqrt()}); } eprintln!(); // DBG
+            } // DBG
             let methods = vec![MethodScore::of("adaptive", before, &runs)];
             tables.push(table(case, &methods));
             eprintln!("{}", tables[tables.len() - 1]);

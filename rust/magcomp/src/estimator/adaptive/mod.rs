@@ -93,7 +93,7 @@ const LONGEST: usize = 1024;
 /// Samples before a first answer is tried.
 const JUDGED_FROM: usize = 16;
 /// Standard deviations of chi-squared above which the samples fit no ellipsoid.
-const UNLIKELY: f64 = 4.0;
+const UNLIKELY: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 4] = [24, 48, 96, 192];
 /// Share of its samples that must fit for a segment to be one.
@@ -470,7 +470,7 @@ impl Adaptive {
         }
         // L is about chi-squared: n +- sqrt(2 n)
         let count = self.samples.segment().count() as f64 / self.noise.correlation();
-        let expected = count + UNLIKELY * (2.0 * count).sqrt() + UNLIKELY * UNLIKELY;
+        let expected = count + UNLIKELY * (2.0 * count).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
         let misfit = best.distance_squared / self.noise.variance * count > expected;
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
@@ -487,7 +487,7 @@ impl Adaptive {
                 let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
                 let likelihood = self.likelihood_of(self.samples.segment());
                 let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
-                let Some(compared) = compared.filter(|_| may_compare(&self.samples)) else { return };
+                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
                 let limit = self.release_below_deg.to_radians();
                 let better = match &self.published {
                     // once released, it may become better, not worse: a doubt that comes up later is waited for

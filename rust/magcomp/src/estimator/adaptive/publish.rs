@@ -11,6 +11,7 @@ use super::noise::Noise;
 use super::parameters::{Matrix9, Vector9, see, shape, vector_gradient};
 use super::rivals::Rivals;
 use super::samples::Samples;
+use crate::reading::ModelOrder;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -25,8 +26,9 @@ pub(super) struct Published {
 
 /// Samples of late whose directions count, and how far apart they are.
 const DIRECTIONS: usize = 12;
-/// Fewest samples of a segment before anything is released.
-const FEWEST: usize = 5;
+/// Fewest samples of a segment before what was known already is released again, and before something new is.
+const FEWEST_KNOWN: usize = 3;
+const FEWEST: usize = 6;
 
 /// Directions of the latest samples, and the sphere.
 pub(super) fn directions(samples: &Samples, centre_ut: &Vector3<f64>, unit_ut: f64, tau: &Vector9) -> AngularWeight {
@@ -64,8 +66,9 @@ pub(super) fn compare(
 }
 
 /// Whether there are samples enough to compare at all.
-pub(super) fn may_compare(samples: &Samples) -> bool {
-    samples.age >= FEWEST
+pub(super) fn may_compare(samples: &Samples, order: ModelOrder) -> bool {
+    let known = matches!(order, ModelOrder::Nothing | ModelOrder::Former);
+    samples.age >= if known { FEWEST_KNOWN } else { FEWEST }
 }
 
 impl Published {
