@@ -93,6 +93,13 @@ impl Hypothesis {
         }
     }
 
+    /// Iterates from elsewhere.
+    pub fn move_to(&mut self, tau: &Vector9) {
+        self.posterior.mean = *tau;
+        self.damping = FIRST_DAMPING;
+        self.cost = f64::INFINITY;
+    }
+
     /// F on more samples, where it stands: keeps the evidence comparable between iterations.
     pub fn rescore(&mut self, likelihood: &Likelihood) {
         let before = self.cost;

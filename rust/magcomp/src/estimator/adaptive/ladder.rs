@@ -40,6 +40,8 @@ pub(super) const JUMPS: [Jump; 12] = [
     jump(ModelOrder::All, [0.0, 0.4, 0.15, 0.6], -7.0),
     jump(ModelOrder::All, [0.0, 0.4, 0.15, 3.0], -9.0),
 ];
+/// Those of them that are wide enough for a flat arc of samples to leave two places for b.
+pub(super) const TWINNED: [usize; 4] = [3, 4, 6, 8];
 /// Log prior of the return of a former calibration.
 pub(super) const LOG_PRIOR_FORMER: f64 = -1.0;
 /// Standard deviations of the deviation of M from a multiple of I before anything is known, and their log priors.

@@ -29,7 +29,7 @@ use crate::config::{Config, ConfigError};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
-use ladder::{JUMPS, LOG_PRIOR_FORMER};
+use ladder::{JUMPS, LOG_PRIOR_FORMER, TWINNED};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
@@ -166,7 +166,7 @@ impl Adaptive {
             started: false,
             given: initial,
             samples: Samples::new(Vector3::zeros(), unit_ut),
-            rivals: Rivals::new([]),
+            rivals: Rivals::new([], &[]),
             trial: None,
             former: [None; FORMER],
             noise: Noise::new(
@@ -269,7 +269,7 @@ impl Adaptive {
             }
         };
         let cold = cold.iter().flatten().filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log));
-        self.rivals = Rivals::new(jumps.chain(former).chain(cold));
+        self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &[] });
         self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
         self.noise.forget_block();
         self.drift.reset();
@@ -450,7 +450,7 @@ impl Adaptive {
         if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
             next.posterior.mean = tau;
             next.refine(&rest, 2, f64::NEG_INFINITY);
-            self.rivals = Rivals::new([next]);
+            self.rivals = Rivals::new([next], &[]);
             if let Some(trial) = self.trial.filter(|trial| trial.released) {
                 self.remember(trial.base);
                 self.trial = None;
@@ -491,11 +491,16 @@ impl Adaptive {
                 let limit = self.release_below_deg.to_radians();
                 let better = match &self.published {
                     // once released, it may become better, not worse: a doubt that comes up later is waited for
-                    Some(published) if trial.released => compared.new < DOUBT * published.expected,
+                    Some(published) if trial.released => {
+                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
+                    }
                     Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
+                if std::env::var("MD").is_ok() { // DBG
+                    eprintln!("{} age {} new {:.2} held {:.2} best {:?} w {:.2} cost {:.1} d2/v {:.2} misfit {} rel {} better {} T {:.2?}", self.count, self.samples.age, compared.new.sqrt().to_degrees(), compared.held.sqrt().to_degrees(), best.order, self.rivals.best_weight(), best.cost, best.distance_squared / self.noise.variance, trial.misfit, trial.released, better, tau.as_slice()); // DBG
+                } // DBG
                 if !trial.misfit && better {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {

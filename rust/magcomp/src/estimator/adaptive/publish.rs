@@ -44,7 +44,9 @@ pub(super) fn directions(samples: &Samples, centre_ut: &Vector3<f64>, unit_ut: f
 /// Predicted mean square direction errors (radians^2): of the best hypothesis, and of what is in force.
 pub(super) struct Comparison {
     pub new: f64,
+    /// By what the samples miss it, and by the mixture.
     pub held: f64,
+    pub held_by_mixture: f64,
 }
 
 pub(super) fn compare(
@@ -56,13 +58,14 @@ pub(super) fn compare(
 ) -> Option<Comparison> {
     let best = rivals.best()?;
     let new = weight.expected(&rivals.spread_about(&best.posterior.mean));
+    let held_by_mixture =
+        held.map_or(f64::INFINITY, |published| weight.expected(&rivals.spread_about(&published.tau)));
     let held = held.map_or(f64::INFINITY, |published| {
-        let by_mixture = weight.expected(&rivals.spread_about(&published.tau));
         let missed = likelihood.at(&published.tau).map_or(f64::INFINITY, |point| point.distance_squared);
         let scale = shape(&published.tau).norm_squared() / 3.0;
-        by_mixture.min(2.0 * (missed - noise.variance).max(0.0) * scale)
+        held_by_mixture.min(2.0 * (missed - noise.variance).max(0.0) * scale)
     });
-    Some(Comparison { new, held })
+    Some(Comparison { new, held, held_by_mixture })
 }
 
 /// Whether there are samples enough to compare at all.

@@ -2,19 +2,23 @@
 //!
 //! What is not decided yet is counted as uncertainty: about any tau the mixture has the second moment
 //!     sum weight_i (P_i + (tau_i - tau)(tau_i - tau)^T).
+//! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
+//! that the doubt is in the mixture.
 
 use super::hypothesis::Hypothesis;
 use super::likelihood::Likelihood;
 use super::noise::Noise;
 use super::parameters::{Matrix9, Vector9, radius_gradient, see};
-use super::starts::starts;
+use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
 use crate::reading::ModelOrder;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Most hypotheses at a time.
-pub(super) const MOST: usize = 16;
+pub(super) const MOST: usize = 20;
+/// A twin closer than this to its sibling (units) has lost its own place.
+const SAME_PLACE: f64 = 0.1;
 /// Hypotheses whose log evidence lies this far below the best one's are given up ...
 const HOPELESS: f64 = 30.0;
 /// ... but not before so many samples: the first ones fit many.
@@ -30,6 +34,8 @@ const MARGIN: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Rivals {
     all: [Option<Hypothesis>; MOST],
+    /// Whose twin each is.
+    sibling: [Option<usize>; MOST],
     weights: [f64; MOST],
     best: usize,
     turn: usize,
@@ -47,12 +53,18 @@ pub(super) struct Prediction {
 }
 
 impl Rivals {
-    pub fn new(hypotheses: impl IntoIterator<Item = Hypothesis>) -> Self {
+    pub fn new(hypotheses: impl IntoIterator<Item = Hypothesis>, twinned: &[usize]) -> Self {
         let mut all = [None; MOST];
+        let mut count = 0;
         for (slot, hypothesis) in all.iter_mut().zip(hypotheses) {
             *slot = Some(hypothesis);
+            count += 1;
         }
-        let mut rivals = Self { all, weights: [0.0; MOST], best: 0, turn: 0 };
+        let mut sibling = [None; MOST];
+        for (k, other) in (count..MOST).zip(twinned) {
+            (all[k], sibling[k]) = (all[*other], Some(*other));
+        }
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
         rivals.weigh();
         rivals
     }
@@ -147,7 +159,7 @@ impl Rivals {
                     self.turn = (self.turn + MOST - 1) % MOST;
                     break;
                 }
-                if let Some(place) = &place {
+                if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
                     hypothesis.consider(likelihood, place, MARGIN);
                 }
                 hypothesis.refine(likelihood, iterations, worth);
@@ -168,6 +180,20 @@ impl Rivals {
     /// Other places to iterate from, for the hypotheses that may go there; one of them at a time, so that no sample costs much.
     pub fn look_elsewhere(&mut self, likelihood: &Likelihood, segment: &Moments, turn: usize) {
         let (mean, covariance) = segment.cloud();
+        for k in (turn % 2..MOST).step_by(2) {
+            let Some(place) = self.sibling[k].and_then(|other| self.all[other].as_ref()).map(|h| h.posterior.mean)
+            else {
+                continue;
+            };
+            if let Some(twin) = &mut self.all[k]
+                && (twin.posterior.mean - place).norm() < SAME_PLACE
+            {
+                twin.move_to(&mirrored(&place, &mean, &covariance));
+            }
+        }
+        if self.sibling[turn % MOST].is_some() {
+            return;
+        }
         let Some(hypothesis) = &mut self.all[turn % MOST] else { return };
         for start in starts(&hypothesis.posterior.mean, &mean, &covariance) {
             hypothesis.consider(likelihood, &start, MARGIN);

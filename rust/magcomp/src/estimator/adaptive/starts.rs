@@ -19,10 +19,14 @@ pub(super) fn starts(tau: &Vector9, mean: &Vector3<f64>, covariance: &Matrix3<f6
         starts[2 * k] = tau_of(&t, &(mean + reach));
         starts[2 * k + 1] = tau_of(&t, &(mean - reach));
     }
-    // the mirror image of where it stands, on the other side of the plane of the samples
+    starts[6] = mirrored(tau, mean, covariance);
+    starts
+}
+
+/// The mirror image of tau on the other side of the plane of the samples: the other minimum of a flat arc.
+pub(super) fn mirrored(tau: &Vector9, mean: &Vector3<f64>, covariance: &Matrix3<f64>) -> Vector9 {
     let flat = covariance.symmetric_eigen();
     let normal = flat.eigenvectors.column(flat.eigenvalues.imin()).into_owned();
     let beta = centre(tau);
-    starts[6] = tau_of(&t, &(beta - normal * (2.0 * normal.dot(&(beta - mean)))));
-    starts
+    tau_of(&shape(tau), &(beta - normal * (2.0 * normal.dot(&(beta - mean)))))
 }
