@@ -92,6 +92,8 @@ const ABSORBED_BELOW_DEG: f64 = 1.5;
 const LONGEST: usize = 1024;
 /// Samples before a first answer is tried.
 const JUDGED_FROM: usize = 16;
+/// Age of a segment up to which a prior that is strained counts as misfit too.
+const UNSURE: usize = 24;
 /// Standard deviations of chi-squared above which the samples fit no ellipsoid.
 const UNLIKELY: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
@@ -468,10 +470,13 @@ impl Adaptive {
             self.compete(latest.time_ns, None);
             return;
         }
-        // L is about chi-squared: n +- sqrt(2 n)
+        // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
+        let unlikely = |value: f64, freedom: f64| {
+            value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY
+        };
         let count = self.samples.segment().count() as f64 / self.noise.correlation();
-        let expected = count + UNLIKELY * (2.0 * count).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
-        let misfit = best.distance_squared / self.noise.variance * count > expected;
+        let samples = best.distance_squared / self.noise.variance * count;
+        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }
@@ -498,9 +503,6 @@ impl Adaptive {
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
-                if std::env::var("MD").is_ok() { // DBG
-                    eprintln!("{} age {} new {:.2} held {:.2} best {:?} w {:.2} cost {:.1} d2/v {:.2} misfit {} rel {} better {} T {:.2?}", self.count, self.samples.age, compared.new.sqrt().to_degrees(), compared.held.sqrt().to_degrees(), best.order, self.rivals.best_weight(), best.cost, best.distance_squared / self.noise.variance, trial.misfit, trial.released, better, tau.as_slice()); // DBG
-                } // DBG
                 if !trial.misfit && better {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
