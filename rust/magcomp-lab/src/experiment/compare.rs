@@ -3,8 +3,9 @@
 //! Direction error: the angle between the true field and what the method makes of the noise-free raw sample, so that it is
 //! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method itself had before the change.
 
-use crate::baseline::Baseline;
+use crate::baseline::{Baseline, Contestant, Known};
 use crate::crb::FisherInformation;
+use crate::error::LabError;
 use crate::parameters::{GROUPS, Parameters};
 use crate::scenario::{Case, Plan};
 use crate::simulate::Simulation;
@@ -21,8 +22,14 @@ const STEADY: usize = 1000;
 pub const BOUND_AT: [usize; 5] = [30, 100, 300, 1000, 3000];
 /// Samples after the change at which the rms over the runs is told.
 pub const TOLD_AT: [usize; 5] = [100, 300, 700, 1500, 3000];
+/// Seeds for tuning lie so far from those that are judged, and are so many.
+const TUNING_SEEDS: u64 = 1_000_000;
+const TUNING_RUNS: u64 = 6;
 /// Samples over which errors are averaged before they are compared with holding.
 const COMPARED: usize = 50;
+/// Samples before the change that the picture shows, and samples a point.
+const SHOWN_BEFORE: usize = 500;
+const SHOWN_STRIDE: usize = 10;
 /// Errors below this do not count as harm, degrees.
 const HARMLESS_DEG: f64 = 0.5;
 
@@ -43,6 +50,8 @@ pub struct Run {
 pub struct MethodScore {
     /// Its name.
     pub name: String,
+    /// The value of its free number, tuned on other seeds; none without one.
+    pub tuned: Option<f64>,
     /// Direction error rms over the last 1000 samples before the change, degrees.
     pub before_deg: f64,
     /// Over all samples after it.
@@ -61,6 +70,9 @@ pub struct MethodScore {
     pub over_bound: Option<Vec<[f64; 3]>>,
     /// Mean, 99.9th percentile and maximum of the time for a sample, ns.
     pub push_ns: [f64; 3],
+    /// Rms over the runs and ten samples, from 500 samples before the change on: for the picture.
+    #[serde(skip)]
+    pub course_deg: Vec<(f64, f64)>,
 }
 
 /// Follows a stream.
@@ -113,23 +125,62 @@ fn bound(
     Some((std::array::from_fn(|i| (found[i] - truth[i]).powi(2)), variances))
 }
 
-/// Runs a method over seeds.
+/// A stream of a case, what happens to it and what a method may know of it.
+fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Known) {
+    let plan = case.plan(seed, snr_db);
+    let stream = plan.scenario.run();
+    let field_ut = plan.scenario.world_ut.start.norm();
+    let known = Known {
+        seed,
+        noise_ut: plan.scenario.noise.sigma_ut(field_ut),
+        field_ut,
+        parameters: Some(plan.scenario.parameters.start),
+        reference: stream.truth[..plan.before].iter().map(|truth| truth.field_ut.normalize()).collect(),
+        real: false,
+    };
+    (stream, plan, known)
+}
+
+/// Runs a method over seeds; none where it cannot take part.
+///
+/// # Errors
+/// [`LabError::Config`].
 pub fn run_case(
     case: Case,
     seeds: std::ops::Range<u64>,
     snr_db: Option<f64>,
-    mut make: impl FnMut(&Plan, &Simulation) -> Box<dyn Baseline>,
-) -> (usize, Vec<Run>) {
+    contestant: Contestant,
+    value: f64,
+) -> Result<Option<(usize, Vec<Run>)>, LabError> {
     let mut before = 0;
-    let runs = seeds.map(|seed| {
-        let plan = case.plan(seed, snr_db);
+    let mut runs = Vec::new();
+    for seed in seeds {
+        let (stream, plan, known) = prepare(case, seed, snr_db);
         before = plan.before;
-        let stream = plan.scenario.run();
-        let mut method = make(&plan, &stream);
-        follow(&stream, plan.before, method.as_mut(), plan.scenario.world_ut.start.norm())
-    });
-    let runs: Vec<Run> = runs.collect();
-    (before, runs)
+        let Some(mut method) = contestant.make(value, &known)? else { return Ok(None) };
+        runs.push(follow(&stream, plan.before, method.as_mut(), known.field_ut));
+    }
+    Ok(Some((before, runs)))
+}
+
+/// The value of its free number with which a method does best after the change, on seeds that are not judged.
+///
+/// # Errors
+/// [`LabError::Config`].
+pub fn tune(case: Case, seed: u64, snr_db: Option<f64>, contestant: Contestant) -> Result<f64, LabError> {
+    let grid = contestant.grid();
+    let mut best = (f64::INFINITY, grid[0]);
+    for value in grid.iter().filter(|_| grid.len() > 1) {
+        let first = seed.wrapping_add(TUNING_SEEDS);
+        let Some((before, runs)) = run_case(case, first..first + TUNING_RUNS, snr_db, contestant, *value)? else {
+            break;
+        };
+        let after = rms(runs.iter().flat_map(|run| &run.errors_deg[before..]));
+        if after < best.0 {
+            best = (after, *value);
+        }
+    }
+    Ok(best.1)
 }
 
 fn rms<'a>(errors: impl Iterator<Item = &'a f32>) -> f64 {
@@ -152,7 +203,7 @@ fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
 impl MethodScore {
     /// Many runs in a line.
     #[must_use]
-    pub fn of(name: &str, before: usize, runs: &[Run]) -> Self {
+    pub fn of(name: &str, tuned: Option<f64>, before: usize, runs: &[Run]) -> Self {
         let over = |range: std::ops::Range<usize>| rms(runs.iter().flat_map(|run| &run.errors_deg[range.clone()]));
         let end = runs.first().map_or(0, |run| run.errors_deg.len());
         let p95 = |k: usize| percentile(runs.iter().map(|run| f64::from(run.errors_deg[k])).collect(), 0.95);
@@ -188,6 +239,7 @@ impl MethodScore {
         let mean = times.iter().sum::<f64>() / times.len().max(1) as f64;
         Self {
             name: name.to_owned(),
+            tuned,
             before_deg: over(before - STEADY..before),
             after_deg: over(before..end),
             steady_deg: over(before + STEADY..end),
@@ -197,6 +249,10 @@ impl MethodScore {
             p99_over_held: percentile(single.collect(), 0.99),
             over_bound: has_bound.then(|| over_bound.collect()),
             push_ns: [mean, percentile(times.clone(), 0.999), percentile(times, 1.0)],
+            course_deg: (before.saturating_sub(SHOWN_BEFORE)..end.saturating_sub(SHOWN_STRIDE))
+                .step_by(SHOWN_STRIDE)
+                .map(|k| (k as f64 - before as f64, over(k..k + SHOWN_STRIDE)))
+                .collect(),
         }
     }
 }

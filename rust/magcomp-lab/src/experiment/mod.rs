@@ -5,6 +5,8 @@ pub mod aided_score;
 mod aided_view;
 pub mod bound;
 pub mod compare;
+pub mod compare_recording;
+pub mod compare_view;
 pub mod step;
 mod step_score;
 mod step_view;

@@ -6,7 +6,7 @@ mod output;
 mod view;
 
 pub use figures::figures;
-pub use judge::{HeadingError, Judgement, judge};
+pub use judge::{HeadingError, Judgement, Vectors, judge, judge_vectors};
 pub use output::write;
 pub use view::table;
 

@@ -471,9 +471,8 @@ impl Adaptive {
             return;
         }
         // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
-        let unlikely = |value: f64, freedom: f64| {
-            value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY
-        };
+        let unlikely =
+            |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
         let count = self.samples.segment().count() as f64 / self.noise.correlation();
         let samples = best.distance_squared / self.noise.variance * count;
         let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));

@@ -58,8 +58,7 @@ pub(super) fn compare(
 ) -> Option<Comparison> {
     let best = rivals.best()?;
     let new = weight.expected(&rivals.spread_about(&best.posterior.mean));
-    let held_by_mixture =
-        held.map_or(f64::INFINITY, |published| weight.expected(&rivals.spread_about(&published.tau)));
+    let held_by_mixture = held.map_or(f64::INFINITY, |published| weight.expected(&rivals.spread_about(&published.tau)));
     let held = held.map_or(f64::INFINITY, |published| {
         let missed = likelihood.at(&published.tau).map_or(f64::INFINITY, |point| point.distance_squared);
         let scale = shape(&published.tau).norm_squared() / 3.0;
