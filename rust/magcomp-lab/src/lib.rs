@@ -4,6 +4,7 @@
 //! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual streams; `crb` and
 //! `simulate` feed `experiment`; `recording` feeds `replay`; `table`, `plot` and `report` show what came out.
 
+pub mod baseline;
 pub mod command;
 pub mod crb;
 pub mod error;
@@ -19,6 +20,7 @@ pub mod random;
 pub mod recording;
 pub mod replay;
 pub mod report;
+pub mod scenario;
 pub mod schedule;
 pub mod simulate;
 pub mod table;

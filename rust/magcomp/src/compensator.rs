@@ -5,11 +5,12 @@ use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError, HeadingConfig, Method};
 use crate::coverage::Coverage;
 use crate::ellipsoid::EllipsoidFit;
+use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::Aided;
 use crate::estimator::windowed::{Windowed, WindowedState};
 use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
-use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
+use crate::reading::{Event, ModelOrder, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::snapshot::{Restored, SnapshotError, open, seal};
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -46,6 +47,7 @@ pub struct Compensator {
     config: Config,
     pairing: InertialPairing,
     aided: Aided,
+    adaptive: Adaptive,
     windowed: Windowed,
     inputs: Inputs,
 }
@@ -58,7 +60,7 @@ struct Inputs {
     repeats: usize,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
-    /// The aided estimator answered the latest sample, not the windowed one.
+    /// The aided estimator answered the latest sample, not one with the magnetometer alone.
     aided: bool,
     mode: SensorMode,
     event: Option<Event>,
@@ -71,6 +73,7 @@ struct State {
     inputs: Inputs,
     pairing: InertialPairing,
     aided: Aided,
+    adaptive: Adaptive,
     windowed: WindowedState,
 }
 
@@ -82,6 +85,9 @@ struct Answer {
     filtered_covariance_ut2: Option<Matrix3<f64>>,
     up: Option<Vector3<f64>>,
     sigma_t: Option<f64>,
+    direction_sigma_deg: Option<f64>,
+    worst_sigma_deg: Option<f64>,
+    model_order: Option<ModelOrder>,
     mode: SensorMode,
     event: Option<Event>,
     status: Status,
@@ -97,6 +103,7 @@ impl Compensator {
         Ok(Self {
             pairing: InertialPairing::new(config.pairing),
             aided: Aided::new(config.aided),
+            adaptive: Adaptive::new(&config, config.initial),
             windowed: Windowed::new(&config),
             inputs: Inputs::default(),
             config,
@@ -124,6 +131,7 @@ impl Compensator {
     pub fn adopt(&mut self, calibration: Calibration) {
         self.windowed.adopt(calibration);
         self.aided.begin_from(&calibration);
+        self.adaptive = Adaptive::new(&self.config, Some(calibration));
         // it does not know yet where the field points: the next sample goes in as one after a pause
         self.inputs.aided = false;
     }
@@ -164,9 +172,13 @@ impl Compensator {
                 .inputs
                 .rotated_ns
                 .is_some_and(|at| sample.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS || Some(at) == previous_ns),
-            Method::Windowed | Method::Constant => false,
+            Method::Adaptive | Method::Windowed | Method::Constant => false,
         };
-        let answer = if aided { self.aided_answer(&sample, &paired) } else { self.windowed_answer(&sample, &paired) };
+        let answer = match self.config.method {
+            _ if aided => self.aided_answer(&sample, &paired),
+            Method::Windowed | Method::Constant => self.windowed_answer(&sample, &paired),
+            _ => self.adaptive_answer(&sample, &paired),
+        };
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
         self.reading(sample.time_ns, answer)
@@ -177,7 +189,7 @@ impl Compensator {
             self.aided.push(sample.time_ns, sample.field_ut, paired)
         } else {
             self.inputs.aided = true;
-            let found = self.windowed.fit().map(|fit| fit.calibration);
+            let found = self.adaptive.calibration().or(self.windowed.fit().map(|fit| fit.calibration));
             if let Some(calibration) =
                 found.or(self.windowed.calibration().filter(|_| self.aided.calibration().is_none()))
             {
@@ -196,9 +208,37 @@ impl Compensator {
             filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
             up: output.up,
             sigma_t: None,
+            direction_sigma_deg: None,
+            worst_sigma_deg: None,
+            model_order: None,
             mode: output.mode,
             event: output.event,
             status: output.status,
+        }
+    }
+
+    fn adaptive_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
+        if self.inputs.aided {
+            self.inputs.aided = false;
+            self.adaptive = Adaptive::new(&self.config, self.aided.calibration());
+        }
+        let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
+        let known = if self.windowed.wants_calibration() { self.adaptive.calibration() } else { None };
+        self.windowed.note(&sample.field_ut, known);
+        let floor = Matrix3::identity() * self.config.heading.field_sigma_ut.powi(2);
+        Answer {
+            field_ut: output.corrected_ut.map(|(field, _)| field),
+            field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + floor),
+            up: paired.up_m_s2,
+            sigma_t: self.windowed.sigma_t(),
+            direction_sigma_deg: output.direction_sigma_deg,
+            worst_sigma_deg: output.worst_sigma_deg,
+            model_order: output.corrected_ut.map(|_| output.order),
+            event: output.event,
+            ..Answer::none(
+                if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly },
+                output.status,
+            )
         }
     }
 
@@ -222,6 +262,7 @@ impl Compensator {
             field_covariance_ut2: covariance,
             up: paired.up_m_s2,
             sigma_t: step.sigma_t,
+            direction_sigma_deg: self.windowed.fit().map(|fit| fit.direction_sigma_deg),
             ..Answer::none(
                 if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly },
                 step.status,
@@ -240,7 +281,10 @@ impl Compensator {
             total_field_ut: answer.field_ut.map(|field| field.norm()),
             heading: pointing.zip(answer.up).and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref())),
             sigma_t: answer.sigma_t,
-            window: self.windowed.window(),
+            direction_sigma_deg: answer.direction_sigma_deg,
+            worst_sigma_deg: answer.worst_sigma_deg,
+            model_order: answer.model_order,
+            window: if self.is_adaptive() { self.adaptive.window() } else { self.windowed.window() },
             coverage: self.windowed.coverage().share(),
             mode: answer.mode,
             event: self.inputs.event,
@@ -261,13 +305,26 @@ impl Compensator {
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        if self.inputs.aided { self.aided.calibration() } else { self.windowed.calibration() }
+        match self.is_adaptive() {
+            true => self.adaptive.calibration(),
+            false if self.inputs.aided => self.aided.calibration(),
+            false => self.windowed.calibration(),
+        }
+    }
+
+    /// Whether the adaptive estimator answers.
+    fn is_adaptive(&self) -> bool {
+        !self.inputs.aided && matches!(self.config.method, Method::Adaptive | Method::Auto)
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
     #[must_use]
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        if self.inputs.aided { self.aided.covariance() } else { self.windowed.fit().map(|fit| fit.covariance) }
+        match self.is_adaptive() {
+            true => self.adaptive.covariance(),
+            false if self.inputs.aided => self.aided.covariance(),
+            false => self.windowed.fit().map(|fit| fit.covariance),
+        }
     }
 
     /// The latest ellipsoid fit that was accepted. None for the aided method, which makes none.
@@ -298,6 +355,7 @@ impl Compensator {
             inputs: self.inputs,
             pairing: self.pairing.clone(),
             aided: self.aided.clone(),
+            adaptive: self.adaptive.clone(),
             windowed: self.windowed.state(),
         };
         seal(self.calibration(), &state)
@@ -314,8 +372,8 @@ impl Compensator {
             let same = Config { heading: self.config.heading, ..state.config } == self.config;
             if same {
                 let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
-                (self.windowed, self.aided, self.pairing, self.inputs) =
-                    (windowed, state.aided, state.pairing, state.inputs);
+                (self.windowed, self.aided, self.adaptive, self.pairing, self.inputs) =
+                    (windowed, state.aided, state.adaptive, state.pairing, state.inputs);
                 return Ok(Restored::Everything);
             }
         }
@@ -378,6 +436,9 @@ impl Answer {
             filtered_covariance_ut2: None,
             up: None,
             sigma_t: None,
+            direction_sigma_deg: None,
+            worst_sigma_deg: None,
+            model_order: None,
             mode,
             event: None,
             status,

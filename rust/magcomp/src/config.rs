@@ -2,6 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::ellipsoid::{FitOptions, SMALLEST_SAMPLE_COUNT};
+use crate::estimator::adaptive::AdaptiveConfig;
 use crate::estimator::aided::AidedConfig;
 use crate::heading::{ReferenceAxis, ScreenRotation};
 use crate::pairing::PairingConfig;
@@ -11,11 +12,13 @@ use serde::{Deserialize, Serialize};
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Method {
-    /// `Aided` while rotation rates arrive, else `Windowed`. The default.
+    /// `Aided` while rotation rates arrive, else `Adaptive`. The default.
     #[default]
     Auto,
     /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
     Aided,
+    /// The magnetometer alone: a fit of everything since the latest change, changes noticed by themselves.
+    Adaptive,
     /// The paper's: an ellipsoid fit over the latest N samples, N following sigma_T (fig. 3).
     Windowed,
     /// Its first step alone: one fit of the first well spread samples, then kept (section III).
@@ -36,6 +39,8 @@ pub struct Config {
     pub fit: FitOptions,
     /// The method with gyroscope and gravity.
     pub aided: AidedConfig,
+    /// The method with the magnetometer alone.
+    pub adaptive: AdaptiveConfig,
     /// How events of several sensors are brought together.
     pub pairing: PairingConfig,
     /// The paper's method.
@@ -188,7 +193,8 @@ impl Config {
         ];
         first_failed(&checks)?;
         self.heading.validate()?;
-        self.aided.validate()
+        self.aided.validate()?;
+        self.adaptive.validate()
     }
 }
 

@@ -37,10 +37,11 @@ pub use ellipsoid::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
 };
+pub use estimator::adaptive::AdaptiveConfig;
 pub use estimator::aided::AidedConfig;
 pub use heading::{Heading, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg};
 pub use pairing::{EventRejection, PairingConfig};
-pub use reading::{Event, EventKind, HoldReason, Missing, Reading, RejectReason, SensorMode, Status};
+pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 pub use uniformity::{Normalisation, uniformity};

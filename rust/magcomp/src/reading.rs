@@ -26,6 +26,15 @@ pub struct Reading {
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
     pub coverage: f64,
+    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None
+    /// without a calibration or a known covariance.
+    pub direction_sigma_deg: Option<f64>,
+    /// The same for the one combination of parameters that is known worst: the root of the inverse of the information
+    /// matrix's smallest eigenvalue, as an angle, degrees. Large where the directions seen leave something open, also
+    /// where sigma_T does not show it. Adaptive method only.
+    pub worst_sigma_deg: Option<f64>,
+    /// Which parameters the latest change set free. Adaptive method only.
+    pub model_order: Option<ModelOrder>,
     /// The sensors the estimator runs on.
     pub mode: SensorMode,
     /// The latest change that was decided, kept until the next. None before the first.
@@ -46,6 +55,22 @@ pub enum SensorMode {
     /// Neither: as `GravityOnly`, and there is no heading.
     #[default]
     MagnetometerOnly,
+}
+
+/// Which parameters were free to change at the latest change, as the evidence had it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ModelOrder {
+    /// None: they are what they were.
+    #[default]
+    Nothing,
+    /// b alone.
+    HardIron,
+    /// b and the diagonal of M.
+    Diagonal,
+    /// All nine.
+    All,
+    /// Back to a calibration from before.
+    Former,
 }
 
 /// A change that was decided.

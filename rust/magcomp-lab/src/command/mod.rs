@@ -1,5 +1,6 @@
 //! The verbs of the command and what all of them share.
 
+mod compare;
 mod crb;
 mod demo;
 mod replay;
@@ -37,6 +38,8 @@ enum Verb {
     Step(step::Step),
     /// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound
     Crb(crb::Crb),
+    /// Methods side by side on the same samples
+    Compare(compare::Compare),
     /// Write a simulated recording with its reference orientation
     Simulate(simulate::Simulate),
 }
@@ -52,6 +55,7 @@ impl Cli {
             Verb::Replay(verb) => verb.run(),
             Verb::Step(verb) => verb.run(),
             Verb::Crb(verb) => verb.run(),
+            Verb::Compare(verb) => verb.run(),
             Verb::Simulate(verb) => verb.run(),
         }
     }

@@ -61,6 +61,8 @@ enum MethodChoice {
     Auto,
     /// Gyroscope and gravity beside the magnetometer
     Aided,
+    /// The magnetometer alone, changes noticed by themselves
+    Adaptive,
     /// The paper's: an ellipsoid over the latest N samples
     Windowed,
     /// The paper's first step alone: one calibration, then kept
@@ -90,6 +92,7 @@ impl MethodChoice {
     fn method(self) -> Method {
         match self {
             Self::Auto => Method::Auto,
+            Self::Adaptive => Method::Adaptive,
             Self::Windowed => Method::Windowed,
             Self::Constant => Method::Constant,
             Self::Aided => Method::Aided,

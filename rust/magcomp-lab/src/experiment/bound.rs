@@ -134,7 +134,7 @@ fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64))
 }
 
 /// |h| is known, as the paper has it; nothing is refused for its size.
-pub(super) fn fit_options(residual: Residual) -> FitOptions {
+pub(crate) fn fit_options(residual: Residual) -> FitOptions {
     FitOptions { residual, field_strength_ut: Some(FIELD_UT), field_range_ut: (1.0, 1000.0), ..FitOptions::default() }
 }
 

@@ -187,6 +187,30 @@ fn disturbance<'a>(rows: impl Iterator<Item = (&'a Row, &'a Step)>) -> Option<Di
     Some(Disturbance { share: is / rows.len() as f64, precision: share(called), recall: share(is) })
 }
 
+/// What the vectors of a method on a recording came to, without the first seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Vectors {
+    /// Share of the rows with a vector, 0 to 1.
+    pub answered: f64,
+    /// Standard deviation of the length over its mean, percent.
+    pub spread_percent: Option<f64>,
+    /// Heading error; none without a reference.
+    pub heading: Option<HeadingError>,
+}
+
+/// Judges the vectors of a method, one for each row where it has one.
+#[must_use]
+pub fn judge_vectors(recording: &Recording, vectors: &[Option<Vector3<f64>>]) -> Vectors {
+    let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
+    let warm_up_s = WARM_UP_S.min(recording.duration_s() / 2.0);
+    let answered = vectors.iter().flatten().count() as f64 / vectors.len().max(1) as f64;
+    let live: Vec<Found> = (recording.rows.iter().zip(vectors))
+        .filter_map(|(row, vector)| Some((*row, (*vector)?, None)))
+        .filter(|(row, ..)| row.time_s - start_s > warm_up_s)
+        .collect();
+    Vectors { answered, spread_percent: spread_percent(&live, |_| true), heading: heading_error(&live, |_| true) }
+}
+
 fn spread_percent(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<f64> {
     let rows = rows.iter().filter(|(row, ..)| inside(row));
     let strengths: Vec<f64> = rows.map(|(_, h, _)| h.norm()).filter(|strength| strength.is_finite()).collect();

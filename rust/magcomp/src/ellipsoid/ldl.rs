@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// x with H x = g. Only the lower triangle of `h` is read. None unless H is positive definite.
 #[inline]
-pub(super) fn solve<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+pub(crate) fn solve<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> Option<SVector<f64, N>> {
     let mut l = [[0.0; N]; N];
     let mut inverse = [0.0; N];
     let mut x = [0.0; N];

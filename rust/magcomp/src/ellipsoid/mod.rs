@@ -1,7 +1,7 @@
 //! The least-squares ellipsoid of eq. (9) and (10): moments, closed-form start, iteration, report.
 
 mod fit;
-mod ldl;
+pub(crate) mod ldl;
 mod moments;
 mod report;
 mod start;

@@ -11,6 +11,7 @@
 //! bit as it was, and the moments of a window depend on its content alone, not on how it came about.
 
 use nalgebra::{SMatrix, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Exponents of x, y, z for each entry of d.
 const EXPONENTS: [(usize, usize, usize); 10] =
@@ -82,7 +83,8 @@ impl ExactSum {
 }
 
 /// Exact sums of the monomials of a set of raw samples.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "MomentsParts", into = "MomentsParts")]
 pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,
@@ -90,6 +92,36 @@ pub struct Moments {
     /// Samples among them with a NaN or infinite component: while there are any, nothing can be fitted.
     not_finite: usize,
     sums: [ExactSum; MONOMIALS],
+}
+
+/// [`Moments`] as they are written down: the sums as (2^-20, 2^-60) units.
+#[derive(Serialize, Deserialize)]
+struct MomentsParts {
+    centre_ut: Vector3<f64>,
+    scale_ut: f64,
+    count: usize,
+    not_finite: usize,
+    sums: Vec<(i64, i64)>,
+}
+
+impl From<Moments> for MomentsParts {
+    fn from(m: Moments) -> Self {
+        let sums = m.sums.iter().map(|sum| (sum.high, sum.low)).collect();
+        Self { centre_ut: m.centre_ut, scale_ut: m.scale_ut, count: m.count, not_finite: m.not_finite, sums }
+    }
+}
+
+impl TryFrom<MomentsParts> for Moments {
+    type Error = &'static str;
+    fn try_from(parts: MomentsParts) -> Result<Self, Self::Error> {
+        let MomentsParts { centre_ut, scale_ut, count, not_finite, sums } = parts;
+        let sums: [(i64, i64); MONOMIALS] = sums.try_into().map_err(|_| "34 moments expected")?;
+        let sums = sums.map(|(high, low)| ExactSum { high, low: low & LOW_MASK });
+        if !(is_finite(&centre_ut) && scale_ut > 0.0 && scale_ut.is_finite()) {
+            return Err("centre and scale must be finite");
+        }
+        Ok(Self { centre_ut, scale_ut, count, not_finite, sums })
+    }
 }
 
 impl Moments {
@@ -157,6 +189,23 @@ impl Moments {
             let (high, low) = ExactSum::split(value);
             sum.add((-high, -low));
         }
+    }
+
+    /// This set without a part of it: both about the same centre.
+    pub(crate) fn without(&self, part: &Self) -> Self {
+        let mut rest = self.clone();
+        rest.count = self.count.saturating_sub(part.count);
+        rest.not_finite = self.not_finite.saturating_sub(part.not_finite);
+        for (sum, other) in rest.sums.iter_mut().zip(&part.sums) {
+            sum.add((other.high.wrapping_neg(), -other.low));
+        }
+        rest
+    }
+
+    /// Mean of the samples, in centred and scaled coordinates, and their covariance.
+    pub(crate) fn cloud(&self) -> (Vector3<f64>, nalgebra::Matrix3<f64>) {
+        let [_, x, y, z, ..] = *self.means().first_chunk::<10>().expect("35 means");
+        (Vector3::new(x, y, z), self.cloud_covariance_ut2() / (self.scale_ut * self.scale_ut))
     }
 
     /// The monomials of one sample, in the order of [`place`].

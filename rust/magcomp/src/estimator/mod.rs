@@ -1,4 +1,5 @@
 //! The estimators behind one `push`.
 
+pub(crate) mod adaptive;
 pub(crate) mod aided;
 pub(crate) mod windowed;

@@ -119,6 +119,11 @@ impl Windowed {
         &self.cells
     }
 
+    /// (15) over the latest N_min samples, seen through the calibration noted last.
+    pub fn sigma_t(&self) -> Option<f64> {
+        self.variability().0
+    }
+
     /// One step of fig. 3.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> WindowedStep {
         self.enter(raw_ut);

@@ -1,0 +1,154 @@
+//! Methods to compare with: one small file each, behind one trait, and the list of all with what can be tuned.
+
+mod algebraic;
+mod enclosing;
+mod helmholtz;
+mod kalman;
+mod network;
+mod none;
+mod ours;
+mod window;
+
+pub use helmholtz::Helmholtz;
+pub use kalman::Kalman;
+pub use network::Network;
+pub use none::Nothing;
+pub use ours::Ours;
+pub use window::{Surface, Windowed};
+
+use crate::experiment::aided::config;
+use crate::experiment::bound::fit_options;
+use crate::parameters::Parameters;
+use clap::ValueEnum;
+use magcomp::nalgebra::Vector3;
+use magcomp::{
+    Calibration, Config, ConfigError, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Residual,
+    WindowedConfig,
+};
+
+/// Something that corrects a magnetometer, sample by sample, with nothing later than its own sample.
+pub trait Baseline {
+    /// One raw sample.
+    fn push(&mut self, sample: &MagneticSample);
+
+    /// What it would make of a raw vector now, uT; None while it knows nothing.
+    fn correct(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>>;
+
+    /// Its M, b and field strength, where it has such.
+    fn calibration(&self) -> Option<Calibration> {
+        None
+    }
+}
+
+/// A method by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Contestant {
+    /// Ours, from the magnetometer alone
+    Adaptive,
+    /// The raw sample
+    None,
+    /// One ellipsoid fit, then kept
+    Constant,
+    /// The paper's, sigma_T by half ranges, residual as written
+    PaperHalfRange,
+    /// The paper's, sigma_T 1 for an even sphere, residual as written
+    PaperEvenSphere,
+    /// The paper's with the corrected residual and our checks, half ranges
+    WindowedHalfRange,
+    /// The same, even sphere
+    WindowedEvenSphere,
+    /// Linear ellipsoid fit over a window
+    Linear,
+    /// Ellipsoid of least volume around a window
+    Enclosing,
+    /// Sphere through a window
+    Sphere,
+    /// Extended Kalman filter over nine parameters
+    Extended,
+    /// Unscented Kalman filter over nine parameters
+    Unscented,
+    /// Neural network, trained on true directions until the change
+    Network,
+    /// Calibrated in a Helmholtz coil before, then kept
+    Helmholtz,
+}
+
+/// What a method may know before a stream.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// Names its random numbers.
+    pub seed: u64,
+    /// Noise of the samples, uT per axis: for those that ask for it.
+    pub noise_ut: f64,
+    /// Field strength, uT.
+    pub field_ut: f64,
+    /// Parameters before the change; None for a recording.
+    pub parameters: Option<Parameters>,
+    /// True directions of the samples before the change, or as far as there is a reference to learn from.
+    pub reference: Vec<Vector3<f64>>,
+    /// Not simulated: rooms are uneven.
+    pub real: bool,
+}
+
+impl Contestant {
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    /// The values of its one free number that are tried on other seeds; the first where there is nothing to tune.
+    #[must_use]
+    pub fn grid(self) -> &'static [f64] {
+        match self {
+            Self::Linear | Self::Enclosing | Self::Sphere => &[150.0, 300.0, 600.0, 1200.0, 2000.0],
+            Self::Extended | Self::Unscented => &[1e-9, 1e-8, 1e-7, 1e-6, 1e-5],
+            Self::PaperHalfRange | Self::PaperEvenSphere | Self::WindowedHalfRange | Self::WindowedEvenSphere => {
+                &[0.1, 0.3, 0.5, 0.65]
+            }
+            Self::Network => &[1e-4, 1e-3, 5e-3],
+            _ => &[0.0],
+        }
+    }
+
+    /// A fresh one; None where it cannot take part.
+    ///
+    /// # Errors
+    /// [`ConfigError`].
+    pub fn make(self, value: f64, known: &Known) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
+        let length = value as usize;
+        let ours = |config: Config| Ours::new(config).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
+        let allowances = |config: Config| {
+            let heading = if known.real { HeadingConfig::default() } else { config.heading };
+            Config { heading, ..config }
+        };
+        let windowed = |normalisation, residual: Residual| {
+            let fit = if known.real { FitOptions { residual, ..FitOptions::default() } } else { fit_options(residual) };
+            let literal = residual == Residual::Algebraic;
+            let max_residual_share = if literal { f64::MAX } else { fit.max_residual_share };
+            let fit = FitOptions { max_residual_share, field_strength_ut: None, ..fit };
+            let windowed = WindowedConfig { sigma_th: value, normalisation, ..WindowedConfig::default() };
+            allowances(Config { fit, windowed, ..config(Method::Windowed) })
+        };
+        Ok(match self {
+            Self::Adaptive => return ours(allowances(config(Method::Adaptive))),
+            Self::Constant => return ours(allowances(config(Method::Constant))),
+            Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),
+            Self::PaperEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Algebraic)),
+            Self::WindowedHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Corrected)),
+            Self::WindowedEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Corrected)),
+            Self::None => Some(Box::new(Nothing)),
+            Self::Linear => Some(Box::new(Windowed::new(Surface::Linear, length))),
+            Self::Enclosing => Some(Box::new(Windowed::new(Surface::Enclosing, length))),
+            Self::Sphere => Some(Box::new(Windowed::new(Surface::Sphere, length))),
+            Self::Extended => Some(Box::new(Kalman::new(false, value, known.noise_ut))),
+            Self::Unscented => Some(Box::new(Kalman::new(true, value, known.noise_ut))),
+            Self::Network if known.reference.is_empty() => None,
+            Self::Network => Some(Box::new(Network::new(value, known.seed, known.reference.clone()))),
+            Self::Helmholtz => {
+                let coil = |parameters| Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed);
+                known.parameters.as_ref().map(|parameters| Box::new(coil(parameters)) as Box<dyn Baseline>)
+            }
+        })
+    }
+}

@@ -1,0 +1,72 @@
+//! Methods side by side on a recording: spread of the total field, and heading against the reference orientation up to one
+//! constant, as `replay` judges them. The network may learn from the reference over the first 40 %.
+
+use crate::baseline::{Contestant, Known};
+use crate::error::LabError;
+use crate::recording::Recording;
+use crate::replay::{Vectors, judge_vectors};
+use magcomp::MagneticSample;
+use magcomp::nalgebra::Vector3;
+use serde::Serialize;
+
+/// Share of a recording with a reference to learn from.
+const LEARNED: f64 = 0.4;
+/// Noise given to the Kalman filters, uT: what phones' magnetometers have.
+const NOISE_UT: f64 = 0.5;
+/// Field strength they start from, uT.
+const FIELD_UT: f64 = 50.0;
+/// Dip of the directions the network learns, degrees: that of central Europe. North is the reference's.
+const DIP_DEG: f64 = 65.0;
+
+/// Value of a method's one free number: the middle of its grid, since there are no other seeds of a recording.
+fn middle(contestant: Contestant) -> f64 {
+    let grid = contestant.grid();
+    grid[grid.len() / 2]
+}
+
+/// A method on a recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordingScore {
+    /// Its name.
+    pub name: String,
+    /// Value of its free number; none without one.
+    pub value: Option<f64>,
+    /// What it came to.
+    pub vectors: Vectors,
+}
+
+/// Runs methods on a recording.
+///
+/// # Errors
+/// [`LabError::Config`].
+pub fn compare_recording(
+    recording: &Recording,
+    methods: &[Contestant],
+    seed: u64,
+) -> Result<Vec<RecordingScore>, LabError> {
+    let taught = (recording.rows.len() as f64 * LEARNED) as usize;
+    let (down, north) = DIP_DEG.to_radians().sin_cos();
+    let field = Vector3::new(0.0, north, -down);
+    let directions = recording.rows[..taught].iter().map_while(|row| Some(row.attitude?.inverse() * field));
+    let reference = directions.collect();
+    let known = Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, reference, real: true };
+    let mut scores = Vec::new();
+    for contestant in methods {
+        let value = middle(*contestant);
+        let Some(mut method) = contestant.make(value, &known)? else { continue };
+        let found = recording.rows.iter().map(|row| {
+            if !row.field_ut.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            method.push(&MagneticSample { time_ns: row.time_ns, field_ut: row.field_ut });
+            method.correct(&row.field_ut)
+        });
+        let found: Vec<_> = found.collect();
+        scores.push(RecordingScore {
+            name: contestant.name(),
+            value: (contestant.grid().len() > 1).then_some(value),
+            vectors: judge_vectors(recording, &found),
+        });
+    }
+    Ok(scores)
+}

@@ -1,0 +1,108 @@
+//! The comparison as tables and as a picture.
+
+use super::compare::{BOUND_AT, MethodScore, TOLD_AT};
+use super::compare_recording::RecordingScore;
+use crate::error::LabError;
+use crate::plot::{Colour, Panel, Series, draw};
+use crate::report::Report;
+use crate::table::{Table, number};
+
+/// Methods drawn, and how.
+const DRAWN: [(&str, Colour); 6] = [
+    ("adaptive", Colour::Blue),
+    ("paper-half-range", Colour::Orange),
+    ("extended", Colour::Green),
+    ("unscented", Colour::Purple),
+    ("linear", Colour::Red),
+    ("constant", Colour::Grey),
+];
+/// Largest error shown, degrees.
+const SHOWN_DEG: f64 = 40.0;
+
+/// A line for each method, the best of a column marked; and their error over the bound.
+#[must_use]
+pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore]) -> Vec<Table> {
+    let told = TOLD_AT.map(|k| format!("at {k}"));
+    let mut columns = vec!["", "tuned", "before", "after", "steady"];
+    columns.extend(told.iter().map(String::as_str));
+    columns.extend(["< 5 deg", "< 2 deg", "< 1 deg", "/ held", "us", "99.9 %", "max"]);
+    let mut table = Table::new(&format!("{scenario}: direction error rms, deg ({runs} runs)"), &columns);
+    let best = |value: &dyn Fn(&MethodScore) -> f64| methods.iter().map(value).fold(f64::INFINITY, f64::min);
+    let (best_after, best_steady) = (best(&|m| m.after_deg), best(&|m| m.steady_deg));
+    let marked = |value: f64, best: f64| {
+        let text = number(Some(value), 2);
+        if value <= best { format!("*{text}") } else { text }
+    };
+    for m in methods {
+        let mut cells = vec![m.name.clone(), m.tuned.map_or_else(String::new, |value| format!("{value}"))];
+        cells.push(number(Some(m.before_deg), 2));
+        cells.extend([marked(m.after_deg, best_after), marked(m.steady_deg, best_steady)]);
+        cells.extend(m.told_deg.iter().map(|v| number(Some(*v), 2)));
+        cells.extend(m.settled.map(|s| s.map_or_else(|| "never".to_owned(), |s| s.to_string())));
+        cells.push(number(Some(m.worst_over_held), 2));
+        cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
+        table.row(cells);
+    }
+    table.note("before: last 1000 samples before the change; after: all after it; steady: from 1000 after it; * the best of all");
+    table.note("< 5 deg: samples after the change until the 95th percentile over the runs stays below for good; / held: largest ratio,");
+    table.note("over 50 samples, to holding the method's own parameters from before; us: time for a sample, mean, 99.9th percentile, maximum");
+    let mut tables = vec![table];
+    if methods.iter().any(|m| m.over_bound.is_some()) {
+        let columns: Vec<String> = std::iter::once(String::new()).chain(BOUND_AT.map(|n| format!("n = {n}"))).collect();
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let mut bound = Table::new(&format!("{scenario}: error over the bound, n samples after the change"), &columns);
+        for m in methods {
+            if let Some(ratios) = &m.over_bound {
+                let cells = ratios.iter().map(|[diagonal, off, b]| format!("{diagonal:.2} / {off:.2} / {b:.2}"));
+                bound.row(std::iter::once(m.name.clone()).chain(cells).collect());
+            }
+        }
+        bound.note("rms over runs of M's diagonal / M's off-diagonal / b over the Cramer-Rao bound of the samples since the change");
+        tables.push(bound);
+    }
+    tables
+}
+
+/// A section with the picture and the tables.
+///
+/// # Errors
+/// [`LabError::Plot`].
+pub fn add_case(report: &mut Report, scenario: &str, runs: u32, methods: &[MethodScore]) -> Result<(), LabError> {
+    report.section(scenario, "Error rms over the runs; the change is at 0.");
+    let series = DRAWN.iter().filter_map(|(name, colour)| {
+        let method = methods.iter().find(|m| m.name == *name)?;
+        Some(Series::new(name, *colour, method.course_deg.iter().map(|(k, error)| (*k, error.min(SHOWN_DEG)))))
+    });
+    let panel = Panel {
+        title: "direction error".to_owned(),
+        x_label: "samples after the change".to_owned(),
+        y_label: "deg".to_owned(),
+        series: series.collect(),
+        ..Panel::default()
+    };
+    let name = format!("compare_{}", scenario.replace('-', "_"));
+    report.figure(&name, draw(&[panel], 1, (1100, 300))?, scenario);
+    case_table(scenario, runs, methods).iter().for_each(|table| report.table(table));
+    Ok(())
+}
+
+/// A line for each method on a recording.
+#[must_use]
+pub fn recording_table(recording: &str, methods: &[RecordingScore]) -> Table {
+    let columns = ["", "value", "answered %", "spread of |h| %", "heading rms deg", "p95 deg"];
+    let mut table = Table::new(recording, &columns);
+    for m in methods {
+        let v = &m.vectors;
+        table.row(vec![
+            m.name.clone(),
+            m.value.map_or_else(String::new, |value| format!("{value}")),
+            number(Some(100.0 * v.answered), 1),
+            number(v.spread_percent, 2),
+            number(v.heading.map(|heading| heading.rms_deg), 2),
+            number(v.heading.map(|heading| heading.p95_deg), 2),
+        ]);
+    }
+    table.note("without the first 20 s; heading against the reference orientation, up to one constant; the network has learned from");
+    table.note("that reference over the first 40 %");
+    table
+}

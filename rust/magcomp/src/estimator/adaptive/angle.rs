@@ -1,0 +1,96 @@
+//! Errors of parameters as errors of directions. An error dtau turns the corrected unit vector n by (1 - n n^T) G dtau / r,
+//! G = d(T (u - beta))/dtau; over a set of directions its mean square is dtau^T W dtau, and its expectation tr(W P), with
+//!     W = mean of G^T (1 - n n^T) G / r^2      (radians^2)
+
+use super::parameters::{Matrix9, Vector9, centre, shape, vector_gradient};
+use nalgebra::Vector3;
+
+/// W over some directions.
+#[derive(Clone, Debug)]
+pub(super) struct AngularWeight {
+    sum: Matrix9,
+    count: f64,
+}
+
+/// An icosahedron's corners: their mean is that of the sphere for everything up to the fifth degree.
+fn corners() -> [Vector3<f64>; 12] {
+    let (a, b) = (0.525_731_112_119_133_6, 0.850_650_808_352_039_9);
+    let mut corners = [Vector3::zeros(); 12];
+    for k in 0..12 {
+        let (x, y) = (if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b });
+        corners[k] = match k / 4 {
+            0 => Vector3::new(x, y, 0.0),
+            1 => Vector3::new(0.0, x, y),
+            _ => Vector3::new(y, 0.0, x),
+        };
+    }
+    corners
+}
+
+impl AngularWeight {
+    pub fn new() -> Self {
+        Self { sum: Matrix9::zeros(), count: 0.0 }
+    }
+
+    /// Over the whole sphere.
+    pub fn sphere(tau: &Vector9) -> Self {
+        let mut weight = Self::new();
+        if let Some(inverse) = shape(tau).try_inverse() {
+            for n in corners() {
+                weight.add(tau, &(centre(tau) + inverse * n));
+            }
+        }
+        weight
+    }
+
+    /// One more sample u whose direction counts.
+    pub fn add(&mut self, tau: &Vector9, u: &Vector3<f64>) {
+        let offset = u - centre(tau);
+        let v = shape(tau) * offset;
+        let Some(n) = v.try_normalize(1e-9) else { return };
+        let g = vector_gradient(tau, &offset) / v.norm();
+        let across = g - n * (n.transpose() * g);
+        self.sum += across.tr_mul(&across);
+        self.count += 1.0;
+    }
+
+    /// Both, each for half.
+    pub fn and(&self, other: &Self) -> Self {
+        let half = |one: &Self| one.sum / one.count.max(1.0);
+        Self { sum: half(self) + half(other), count: 2.0 }
+    }
+
+    /// Expected mean square of the angle, radians^2.
+    pub fn expected(&self, covariance: &Matrix9) -> f64 {
+        self.sum.dot(covariance).max(0.0) / self.count.max(1.0)
+    }
+
+    /// Mean square of the angle between two sets of parameters, radians^2.
+    pub fn between(&self, a: &Vector9, b: &Vector9) -> f64 {
+        let d = a - b;
+        d.dot(&(self.sum * d)).max(0.0) / self.count.max(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Calibration;
+    use crate::ellipsoid::direction_sigma_deg;
+    use nalgebra::Matrix3;
+
+    /// With T = I, dM = -dT, and the sphere's mean of the ellipsoid's report must come out.
+    #[test]
+    fn the_sphere_agrees_with_the_closed_form() {
+        let tau = super::super::parameters::tau_of(&Matrix3::identity(), &Vector3::new(0.3, -0.2, 0.1));
+        let root = Matrix9::from_fn(|i, j| ((i * 5 + j * 3) as f64).sin() * 0.01);
+        let p = root * root.transpose();
+        // order b, M of the report
+        let swap = [6, 7, 8, 0, 1, 2, 3, 4, 5];
+        let sign = |i: usize| if i < 6 { -1.0 } else { 1.0 };
+        let other = Matrix9::from_fn(|i, j| p[(swap[i], swap[j])] * sign(swap[i]) * sign(swap[j]));
+        let closed = direction_sigma_deg(&Calibration::identity(1.0), &other);
+        let found = AngularWeight::sphere(&tau).expected(&p).sqrt().to_degrees();
+        assert!((found / closed - 1.0).abs() < 1e-12, "{found} against {closed}");
+    }
+}

@@ -1,0 +1,78 @@
+//! The likelihood of a set of samples, from their moments alone, in constant time:
+//!     L(tau) = w C / D,   C = p^T S p,  D = p^T N p  (means over the samples),   w = n / (kappa s^2)
+//! twice the negative logarithm, up to a constant, for white noise of variance s^2 (kappa: see `noise`). C / D is the mean
+//! square of the residual over its own gradient: a distance, free of the noise bias up to s^4 (`ellipsoid/fit`).
+//! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J; information w/D J^T (S - s^2 N) J, the noise's own
+//! share taken off, so that poor coverage is not taken for knowledge.
+
+use super::parameters::{Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric};
+use crate::ellipsoid::Moments;
+use nalgebra::SMatrix;
+
+/// L of a set of samples.
+#[derive(Clone, Debug)]
+pub(super) struct Likelihood {
+    s: Matrix10,
+    n: Matrix10,
+    weight: f64,
+    variance: f64,
+}
+
+/// L at one tau.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// L.
+    pub cost: f64,
+    /// C / D, units^2.
+    pub distance_squared: f64,
+    d: f64,
+    sp: Vector10,
+    np: Vector10,
+}
+
+impl Likelihood {
+    /// Of samples with noise of `variance` (units^2); `samples` of them count, n / kappa.
+    pub fn new(moments: &Moments, variance: f64, samples: f64) -> Self {
+        let (s, n) = moments.scatter();
+        Self { s, n, weight: samples / variance, variance }
+    }
+
+    /// None where tau is no ellipsoid near the samples.
+    pub fn at(&self, tau: &Vector9) -> Option<Point> {
+        let p = quadric(tau);
+        let (sp, np) = (self.s * p, self.n * p);
+        let d = p.dot(&np);
+        let distance_squared = p.dot(&sp).max(0.0) / d;
+        (d > 1e-6 && distance_squared.is_finite()).then_some(Point {
+            cost: self.weight * distance_squared,
+            distance_squared,
+            d,
+            sp,
+            np,
+        })
+    }
+
+    /// Half the gradient of L, and the Gauss-Newton Hessian.
+    pub fn derivatives(&self, tau: &Vector9, point: &Point) -> (Vector9, Matrix9) {
+        let j = jacobian(tau);
+        let scale = self.weight / point.d;
+        let gradient = j.tr_mul(&(point.sp - point.np * point.distance_squared)) * scale;
+        (gradient, self.form(&j, &self.s, scale))
+    }
+
+    /// Half the score of white noise of the known variance: w/D J^T (S - s^2 N) p; zero on average at the truth.
+    pub fn score(&self, tau: &Vector9, point: &Point) -> Vector9 {
+        jacobian(tau).tr_mul(&(point.sp - point.np * self.variance)) * (self.weight / point.d)
+    }
+
+    /// What these samples say about tau.
+    pub fn information(&self, tau: &Vector9, point: &Point) -> Matrix9 {
+        let q = self.s - self.n * self.variance;
+        self.form(&jacobian(tau), &q, self.weight / point.d)
+    }
+
+    fn form(&self, j: &SMatrix<f64, 10, 9>, q: &Matrix10, scale: f64) -> Matrix9 {
+        let qj = q * j * scale;
+        j.tr_mul(&qj)
+    }
+}

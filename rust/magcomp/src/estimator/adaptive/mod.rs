@@ -1,0 +1,563 @@
+//! The adaptive estimator: M and b from the magnetometer alone, at the speed the information in the samples allows.
+//!
+//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; what was known before is a Gaussian prior.
+//! The estimate is the maximum a posteriori, in constant time from the moments of the samples. A change is noticed from
+//! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
+//! what they lead to is released when it is predicted to be better than what is in force.
+//! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
+//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
+//! `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) · `output`.
+//! The derivation is in docs/METHOD.md.
+
+mod angle;
+mod change;
+mod drift;
+mod hypothesis;
+mod ladder;
+mod likelihood;
+mod noise;
+mod output;
+mod parameters;
+mod publish;
+mod rivals;
+mod samples;
+mod starts;
+mod steadiness;
+
+use crate::calibration::Calibration;
+use crate::config::{Config, ConfigError};
+use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
+use drift::Drift;
+use hypothesis::{Gaussian, Hypothesis};
+use ladder::{JUMPS, LOG_PRIOR_FORMER, TWINNED};
+use likelihood::Likelihood;
+use nalgebra::{Matrix3, Vector3};
+use noise::Noise;
+pub(crate) use output::AdaptiveOutput;
+use parameters::Vector9;
+use publish::{Published, compare, directions, may_compare};
+use rivals::Rivals;
+use samples::{SPANS, Samples, span_length};
+use serde::{Deserialize, Serialize};
+use steadiness::Steadiness;
+
+/// The few numbers of the adaptive estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AdaptiveConfig {
+    /// Magnetometer noise to start from, uT per axis. Default 0.5 (a Nexus 5: 0.48; iPhones 0.7 to 1.1). It is learned: a
+    /// factor of 3 wrong does not matter after 300 samples.
+    pub noise_ut: f64,
+}
+
+impl Default for AdaptiveConfig {
+    fn default() -> Self {
+        Self { noise_ut: 0.5 }
+    }
+}
+
+impl AdaptiveConfig {
+    /// Checks every field against its range.
+    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
+        if (0.01..=20.0).contains(&self.noise_ut) {
+            return Ok(());
+        }
+        Err(ConfigError { field: "adaptive.noise_ut", value: self.noise_ut.to_string(), expected: "0.01 to 20" })
+    }
+}
+
+/// Least noise that is believed, uT: quantisation of phones' magnetometers is 0.05 to 0.15.
+const LEAST_NOISE_UT: f64 = 0.03;
+/// A sample whose innovation exceeds this many standard deviations is not used: 1 in 150 000 by chance.
+const GATE: f64 = 4.5;
+/// The first samples of a segment fit many ellipsoids: gated is what lies further from the first of them than any field
+/// strength reaches (units); the review drops what else was wrong.
+const UNGATED: usize = 9;
+const FARTHEST: f64 = 4.0;
+/// So many of the latest samples decide about a large change ...
+const RECENT: usize = 5;
+/// ... when so many of them are gated.
+const GATED: usize = 3;
+/// log B of a small change: e^-14 is one in 1.2 million.
+const SMALL_CHANGE: f64 = 14.0;
+/// Samples of a segment before small changes in it are looked for.
+const SCANNED_FROM: usize = 32;
+/// Former calibrations that are remembered.
+const FORMER: usize = 4;
+/// Samples in a block that is absorbed into the prior: the span of that length stays.
+const BLOCK_SPAN: usize = 3;
+/// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
+const ABSORBED_BELOW_DEG: f64 = 1.5;
+/// Samples from which a segment is absorbed nevertheless.
+const LONGEST: usize = 1024;
+/// Samples before a first answer is tried.
+const JUDGED_FROM: usize = 16;
+/// Age of a segment up to which a prior that is strained counts as misfit too.
+const UNSURE: usize = 24;
+/// Standard deviations of chi-squared above which the samples fit no ellipsoid.
+const UNLIKELY: f64 = 3.0;
+/// Ages of a segment at which its samples are gated anew and other starts are tried.
+const REVIEWS: [usize; 4] = [24, 48, 96, 192];
+/// Share of its samples that must fit for a segment to be one.
+const FITTING_SHARE: f64 = 0.9;
+
+/// Above this expected error (degrees) the linearised covariance is not taken at its word: new parameters must be better
+/// by a margin (in squares).
+const CLOSE_DEG: f64 = 5.0;
+const MARGIN: f64 = 4.0;
+/// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
+const DOUBT: f64 = 1.5;
+
+/// What competes since the latest change.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Trial {
+    since_ns: i64,
+    /// What was known before; None at the start.
+    base: Option<Gaussian>,
+    /// Its result has been released.
+    released: bool,
+    /// The samples fit no ellipsoid.
+    misfit: bool,
+}
+
+/// A sample of late, and whether it was gated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Late {
+    time_ns: i64,
+    raw_ut: Vector3<f64>,
+    gated: bool,
+}
+
+/// The estimator. All state is plain numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Adaptive {
+    unit_ut: f64,
+    strength_ut: Option<f64>,
+    release_below_deg: f64,
+    centre_ut: Vector3<f64>,
+    started: bool,
+    given: Option<Calibration>,
+    samples: Samples,
+    rivals: Rivals,
+    trial: Option<Trial>,
+    former: [Option<Gaussian>; FORMER],
+    noise: Noise,
+    steadiness: Steadiness,
+    drift: Drift,
+    late: [Option<Late>; RECENT],
+    published: Option<Published>,
+    order: ModelOrder,
+    event: Option<Event>,
+    count: u64,
+    absorbed_ns: i64,
+    direction_sigma_deg: f64,
+    worst_sigma_deg: f64,
+}
+
+impl Adaptive {
+    /// Knows nothing but, perhaps, a calibration to begin with.
+    pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
+        let fit = &config.fit;
+        let middle = (fit.field_range_ut.0 * fit.field_range_ut.1).sqrt();
+        let unit_ut = fit.field_strength_ut.unwrap_or(middle);
+        Self {
+            unit_ut,
+            strength_ut: fit.field_strength_ut,
+            release_below_deg: fit.max_direction_sigma_deg,
+            centre_ut: Vector3::zeros(),
+            started: false,
+            given: initial,
+            samples: Samples::new(Vector3::zeros(), unit_ut),
+            rivals: Rivals::new([], &[]),
+            trial: None,
+            former: [None; FORMER],
+            noise: Noise::new(
+                config.adaptive.noise_ut / unit_ut,
+                LEAST_NOISE_UT / unit_ut,
+                config.heading.field_sigma_ut / unit_ut,
+            ),
+            steadiness: Steadiness::new(),
+            drift: Drift::default(),
+            late: [None; RECENT],
+            published: None,
+            order: ModelOrder::Nothing,
+            event: None,
+            count: 0,
+            absorbed_ns: 0,
+            direction_sigma_deg: 180.0,
+            worst_sigma_deg: 180.0,
+        }
+    }
+
+    /// A raw sample, finite, times in order.
+    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
+        let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
+        if !self.started {
+            if leaps || !self.steadiness.is_known() {
+                return self.output(raw_ut);
+            }
+            self.begin(time_ns, raw_ut);
+        }
+        self.count += 1;
+        let gated = leaps || self.is_gated(raw_ut);
+        if let Some(before) = self.late[RECENT - 1] {
+            self.noise.learn_period((time_ns - before.time_ns) as f64 * 1e-9);
+        }
+        self.late.rotate_left(1);
+        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated });
+        if self.late.iter().flatten().filter(|late| late.gated).count() >= GATED {
+            self.large_change();
+        } else if !gated {
+            self.samples.add(raw_ut);
+            self.fit();
+            if self.trial.is_some() && REVIEWS.contains(&self.samples.age) {
+                self.review();
+            }
+            if self.count.is_multiple_of(2) {
+                self.look_for_small_change(time_ns);
+            } else {
+                self.absorb(time_ns);
+            }
+        }
+        self.judge();
+        self.publish(time_ns);
+        self.output(raw_ut)
+    }
+
+    fn unit(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
+        (raw_ut - self.centre_ut) / self.unit_ut
+    }
+
+    /// The first sample.
+    fn begin(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) {
+        self.started = true;
+        self.absorbed_ns = time_ns;
+        self.move_centre(raw_ut);
+        let given = self.given.map(|calibration| self.tau_of(&calibration));
+        if let Some(tau) = given {
+            let [first, ..] = ladder::cold(raw_ut, self.unit_ut, true, Some(&tau));
+            self.published = first.map(|(_, prior, _)| Published { tau, covariance: prior.covariance, expected: 0.0 });
+        }
+        self.compete(time_ns, None);
+    }
+
+    /// Coordinates about another sample; the segment starts anew there.
+    fn move_centre(&mut self, raw_ut: &Vector3<f64>) {
+        let by = (self.centre_ut - raw_ut) / self.unit_ut;
+        self.centre_ut = *raw_ut;
+        self.rivals.shift(&by);
+        self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
+        if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
+            base.shift(&by);
+        }
+        if let Some(published) = &mut self.published {
+            (0..3).for_each(|i| published.tau[6 + i] += by[i]);
+        }
+        self.samples.clear(self.centre_ut);
+    }
+
+    /// Hypotheses of what may have happened since what was known, `base`.
+    fn compete(&mut self, since_ns: i64, base: Option<Gaussian>) {
+        let jumps = JUMPS.iter().filter_map(|jump| Hypothesis::new(jump.order, &jump.after(&base?), jump.log_prior));
+        let former = self.former.iter().flatten().filter_map(|former| {
+            let prior = JUMPS[0].after(former);
+            base.and_then(|_| Hypothesis::new(ModelOrder::Former, &prior, LOG_PRIOR_FORMER))
+        });
+        let cold = match base {
+            Some(_) => [None; 5],
+            None => {
+                let given = self.published.map(|published| published.tau);
+                ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some(), given.as_ref())
+            }
+        };
+        let cold = cold.iter().flatten().filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log));
+        self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &[] });
+        self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
+        self.noise.forget_block();
+        self.drift.reset();
+        self.late.iter_mut().for_each(|late| *late = None);
+        self.steadiness.accept();
+    }
+
+    /// Whether a sample is too far from where it is expected; the noise learns from it.
+    fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
+        let Some(expected) = self.rivals.predict(&self.unit(raw_ut)) else { return false };
+        let slope_squared = expected.slope * expected.slope;
+        let variance = self.noise.total() * slope_squared + expected.variance;
+        let z = expected.excess / variance.sqrt();
+        self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
+        if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
+            self.noise.learn_colour(z);
+        }
+        if self.trial.is_some() && self.samples.age < UNGATED {
+            return self.unit(raw_ut).norm() > FARTHEST;
+        }
+        z.abs() > GATE
+    }
+
+    fn likelihood_of(&self, moments: &crate::ellipsoid::Moments) -> Likelihood {
+        Likelihood::new(moments, self.noise.variance, moments.count() as f64 / self.noise.correlation())
+    }
+
+    /// The hypotheses take in what has come.
+    fn fit(&mut self) {
+        let likelihood = self.likelihood_of(self.samples.segment());
+        let age = self.samples.age;
+        let in_trial = self.trial.is_some();
+        if in_trial && (age < 64 || age.is_multiple_of(8)) {
+            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
+        }
+        let (turns, iterations) = if age < 12 {
+            (rivals::MOST, 2)
+        } else if age < 32 {
+            (8, 1)
+        } else {
+            (4, 1)
+        };
+        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
+    }
+
+    /// Spikes that came in before the fit was good enough to see them leave again.
+    fn review(&mut self) {
+        let (centre_ut, unit_ut) = (self.centre_ut, self.unit_ut);
+        let (rivals, noise) = (&self.rivals, &self.noise);
+        let dropped = self.samples.review(|raw_ut| rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE);
+        if dropped > 0 {
+            self.fit();
+        }
+    }
+
+    /// Most of the latest samples are gated.
+    fn large_change(&mut self) {
+        let late = self.late;
+        let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
+        let Some(start) = late.iter().flatten().nth(first).copied() else { return };
+        let base = match self.trial {
+            Some(trial) if !trial.released => {
+                if self.reconsider() {
+                    return;
+                }
+                trial.base
+            }
+            _ => self.rivals.best().map(|best| best.posterior),
+        };
+        if let Some(trial) = self.trial.filter(|trial| trial.released) {
+            self.remember(trial.base);
+        }
+        if self.trial.is_none_or(|trial| trial.released) {
+            self.remember(base);
+        }
+        let mut base = base;
+        let by = (self.centre_ut - start.raw_ut) / self.unit_ut;
+        self.move_centre(&start.raw_ut);
+        if let Some(base) = &mut base {
+            base.shift(&by);
+        }
+        let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
+        self.compete(since_ns, base);
+        for late in late.iter().flatten().skip(first) {
+            self.samples.add(&late.raw_ut);
+        }
+        self.fit();
+    }
+
+    /// A young segment that suddenly fits no more may have been fitted wrongly: with all its samples, once more. Whether that helped.
+    fn reconsider(&mut self) -> bool {
+        let late = self.late;
+        for late in late.iter().flatten().filter(|late| late.gated) {
+            self.samples.add(&late.raw_ut);
+        }
+        for turn in 0..rivals::MOST {
+            let likelihood = self.likelihood_of(self.samples.segment());
+            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), turn);
+        }
+        for _ in 0..2 {
+            let likelihood = self.likelihood_of(self.samples.segment());
+            self.rivals.refine(&likelihood, 0, rivals::MOST, 1);
+        }
+        let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
+        let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
+        let count = self.samples.age.min(64);
+        let all = (0..count).filter(|back| fits(self.samples.latest(*back))).count();
+        let good = latest + 2 > RECENT && all as f64 >= FITTING_SHARE * count as f64;
+        if good {
+            self.late.iter_mut().flatten().for_each(|late| late.gated = false);
+        }
+        good
+    }
+
+    /// A calibration that held for a while may come back.
+    fn remember(&mut self, known: Option<Gaussian>) {
+        let Some(known) = known else { return };
+        let near = |former: &Gaussian| (former.mean - known.mean).norm() < 0.02;
+        let place = self.former.iter().position(|former| former.as_ref().is_some_and(near)).unwrap_or(FORMER - 1);
+        self.former[..=place].rotate_right(1);
+        self.former[0] = Some(known);
+    }
+
+    /// One span a time, each as often as it is renewed by a quarter.
+    fn look_for_small_change(&mut self, time_ns: i64) {
+        let span = ((self.count / 2).trailing_zeros() as usize).min(SPANS - 1);
+        let length = span_length(span);
+        let age = self.samples.age;
+        let too_young = age < SCANNED_FROM || age < 2 * length;
+        if too_young || self.trial.is_some_and(|trial| !trial.released) || (self.drift.is_on() && span > BLOCK_SPAN) {
+            return;
+        }
+        let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
+        let likelihood = self.likelihood_of(self.samples.span(span));
+        if change::log_evidence_of_jump(&likelihood, &posterior.mean) < SMALL_CHANGE {
+            return;
+        }
+        let base = change::without(&posterior, &likelihood);
+        self.remember(self.trial.and_then(|trial| trial.base));
+        self.remember(Some(base));
+        self.samples.cut(span);
+        self.compete(time_ns, Some(base));
+        self.fit();
+        self.fit();
+    }
+
+    /// Blocks of samples are absorbed into what was known before them once that is nearly linear.
+    fn absorb(&mut self, time_ns: i64) {
+        let block = span_length(BLOCK_SPAN);
+        let count = self.samples.segment().count();
+        let decided = self.trial.is_none_or(|trial| trial.released)
+            && self.rivals.best_weight() > 0.95
+            && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
+        if count < 2 * block || !(decided || count >= LONGEST) {
+            return;
+        }
+        let Some(best) = self.rivals.best().copied() else { return };
+        let older = self.samples.absorb(BLOCK_SPAN);
+        let seconds = (time_ns.saturating_sub(self.absorbed_ns) as f64 * 1e-9).clamp(0.0, 86_400.0);
+        self.absorbed_ns = time_ns;
+        let likelihood = self.likelihood_of(&older);
+        let tau = best.posterior.mean;
+        let Some(point) = likelihood.at(&tau) else { return };
+        let (prior, prior_mean) = best.prior();
+        let information = prior + likelihood.information(&tau, &point);
+        let (gradient, _) = likelihood.derivatives(&tau, &point);
+        let gradient = gradient + prior * (tau - prior_mean);
+        let known = match information.cholesky() {
+            Some(cholesky) => {
+                let inverse = cholesky.inverse();
+                Gaussian { mean: tau - cholesky.solve(&gradient), covariance: (inverse + inverse.transpose()) * 0.5 }
+            }
+            None => best.posterior,
+        };
+        let rest = self.likelihood_of(self.samples.segment());
+        self.drift.learn(&known, &rest, self.unit_ut, seconds);
+        let known = self.drift.walk(&known, self.unit_ut, seconds);
+        if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
+            next.posterior.mean = tau;
+            next.refine(&rest, 2, f64::NEG_INFINITY);
+            self.rivals = Rivals::new([next], &[]);
+            if let Some(trial) = self.trial.filter(|trial| trial.released) {
+                self.remember(trial.base);
+                self.trial = None;
+            }
+        }
+    }
+
+    /// Whether the samples of the segment lie on any ellipsoid.
+    fn judge(&mut self) {
+        let Some(best) = self.rivals.best() else { return };
+        if !best.log_evidence.is_finite() {
+            // no hypothesis is near these samples: as at the start
+            let Some(latest) = self.late[RECENT - 1] else { return };
+            self.move_centre(&latest.raw_ut);
+            self.compete(latest.time_ns, None);
+            return;
+        }
+        // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
+        let unlikely =
+            |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
+        let count = self.samples.segment().count() as f64 / self.noise.correlation();
+        let samples = best.distance_squared / self.noise.variance * count;
+        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
+        if let Some(trial) = &mut self.trial {
+            trial.misfit = misfit;
+        }
+    }
+
+    /// The gate.
+    fn publish(&mut self, time_ns: i64) {
+        let Some(best) = self.rivals.best().copied() else { return };
+        let tau = best.posterior.mean;
+        match self.trial {
+            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
+            Some(trial) => {
+                let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
+                let likelihood = self.likelihood_of(self.samples.segment());
+                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
+                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
+                let limit = self.release_below_deg.to_radians();
+                let better = match &self.published {
+                    // once released, it may become better, not worse: a doubt that comes up later is waited for
+                    Some(published) if trial.released => {
+                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
+                    }
+                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
+                    Some(_) => compared.new < compared.held,
+                    None => compared.new < limit * limit,
+                };
+                if !trial.misfit && better {
+                    self.release(time_ns, trial, &best, compared.new);
+                } else if let Some(published) = &mut self.published {
+                    published.covariance = self.rivals.spread_about(&published.tau);
+                }
+            }
+        }
+        if self.count.is_multiple_of(16) || self.trial.is_some() {
+            self.summarise();
+        }
+    }
+
+    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
+        let tau = best.posterior.mean;
+        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
+        self.order = best.order;
+        if !trial.released {
+            let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+            if trial.base.is_some() && best.order != ModelOrder::Nothing {
+                self.event = Some(Event { kind, since_ns: trial.since_ns, decided_ns: time_ns });
+            }
+            self.trial = Some(Trial { released: true, ..trial });
+        }
+    }
+
+    /// Expected errors over the sphere, degrees.
+    fn summarise(&mut self) {
+        let Some(published) = &self.published else { return };
+        let expected = angle::AngularWeight::sphere(&published.tau).expected(&published.covariance);
+        self.direction_sigma_deg = expected.sqrt().to_degrees().min(180.0);
+        if self.count.is_multiple_of(16) {
+            let largest = published.covariance.symmetric_eigenvalues().max();
+            self.worst_sigma_deg = largest.max(0.0).sqrt().to_degrees().min(180.0);
+        }
+    }
+
+    fn status(&self) -> Status {
+        match (self.trial, self.published) {
+            (_, None) => Status::Collecting(if self.samples.age < JUDGED_FROM {
+                Missing::Samples { have: self.samples.age, need: JUDGED_FROM }
+            } else {
+                Missing::Directions
+            }),
+            (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
+            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
+            _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
+            _ => Status::Tracking,
+        }
+    }
+
+    fn tau_of(&self, calibration: &Calibration) -> Vector9 {
+        let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
+        parameters::tau_of(&t, &self.unit(calibration.hard_iron_ut()))
+    }
+
+    fn strength_of(&self, t: &Matrix3<f64>) -> f64 {
+        self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
+    }
+}

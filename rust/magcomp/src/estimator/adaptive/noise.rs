@@ -1,0 +1,112 @@
+//! The noise of the samples, learned from the innovations: how far a sample lies off the ellipsoid predicted for it.
+//!
+//! Level: v <- v + g w (min(e^2, 4 V) / 0.92 - V), V = v + rho, e the innovation as a distance, rho the variance that the
+//! parameters' own uncertainty gives it, w = v / V the share that is noise. Clipped, so that spikes hardly count; 0.92 is
+//! what the clipped square of a normal comes to on average.
+//!
+//! Colour: the field of a room is uneven over some tens of centimetres, so that residuals of neighbouring samples agree.
+//! kappa = mean of (sum of z over a block)^2 / length is 1 for white noise; n correlated samples are worth n / kappa.
+//! What a fit absorbs does not show in its innovations; so a room's own unevenness s_u (config) comes on top, as errors
+//! that last for half a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
+
+use serde::{Deserialize, Serialize};
+
+/// Samples that the sensor's own figure is worth at the start.
+const START_SAMPLES: f64 = 20.0;
+/// Memory of the level, samples: 3 % of scatter.
+const MEMORY: f64 = 1000.0;
+/// Larger innovations count as this many standard deviations.
+const CLIP: f64 = 2.0;
+/// Mean of min(z^2, CLIP^2) for a standard normal z.
+const CLIPPED_MEAN: f64 = 0.9205;
+/// Length of a block, samples: the unevenness of rooms lasts about half a second while walking.
+const BLOCK: u32 = 32;
+/// Memory of kappa, blocks, and blocks that the start value 1 is worth.
+const BLOCKS: f64 = 30.0;
+const START_BLOCKS: f64 = 4.0;
+/// How long a room's unevenness lasts, s: the aided method's local field has about as much.
+const UNEVEN_S: f64 = 0.5;
+/// Largest contribution of a block.
+const LARGEST_BLOCK: f64 = 32.0;
+/// White noise stays below this with the memory above (4 sigma): up to here kappa counts as 1.
+const WHITE: f64 = 2.0;
+
+/// Level and colour of the noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Noise {
+    /// v, units^2 per axis.
+    pub variance: f64,
+    least: f64,
+    samples: f64,
+    sum: f64,
+    in_block: u32,
+    blocks: f64,
+    mean_block: f64,
+    /// s_u^2, units^2.
+    uneven: f64,
+    /// Time between samples, s.
+    period_s: f64,
+}
+
+impl Noise {
+    /// From a standard deviation in units, the least that is believed, and the unevenness of rooms.
+    pub fn new(sigma: f64, least: f64, uneven: f64) -> Self {
+        Self {
+            variance: sigma * sigma,
+            least: least * least,
+            samples: START_SAMPLES,
+            sum: 0.0,
+            in_block: 0,
+            blocks: START_BLOCKS,
+            mean_block: 1.0,
+            uneven: uneven * uneven,
+            period_s: 0.0,
+        }
+    }
+
+    /// The time between two samples, s.
+    pub fn learn_period(&mut self, seconds: f64) {
+        if seconds > 0.0 && seconds < 1.0 {
+            let known = if self.period_s > 0.0 { 0.02 } else { 1.0 };
+            self.period_s += known * (seconds - self.period_s);
+        }
+    }
+
+    /// V / v: so many samples are worth one of white noise.
+    pub fn correlation(&self) -> f64 {
+        let kappa = if self.mean_block < WHITE { 1.0 } else { self.mean_block };
+        let samples = if self.period_s > 0.0 { (UNEVEN_S / self.period_s).max(1.0) } else { 1.0 };
+        kappa + samples * self.uneven / self.variance
+    }
+
+    /// Variance of one sample about its prediction, the parameters' own share aside.
+    pub fn total(&self) -> f64 {
+        self.variance + self.uneven
+    }
+
+    /// An innovation (distance, units) and the variance rho of its prediction.
+    pub fn learn(&mut self, innovation: f64, rho: f64) {
+        let expected = self.variance + rho;
+        let share = self.variance / expected;
+        let square = (innovation * innovation).min(CLIP * CLIP * expected) / CLIPPED_MEAN;
+        self.samples = (self.samples + share).min(MEMORY);
+        self.variance = (self.variance + share * (square - expected) / self.samples).max(self.least);
+    }
+
+    /// A normalised innovation of the calibration in force.
+    pub fn learn_colour(&mut self, z: f64) {
+        self.sum += z.clamp(-4.0, 4.0);
+        self.in_block += 1;
+        if self.in_block == BLOCK {
+            let square = (self.sum * self.sum / f64::from(BLOCK)).min(LARGEST_BLOCK);
+            self.blocks = (self.blocks + 1.0).min(BLOCKS);
+            self.mean_block += (square - self.mean_block) / self.blocks;
+            (self.sum, self.in_block) = (0.0, 0);
+        }
+    }
+
+    /// A block that spans a change says nothing.
+    pub fn forget_block(&mut self) {
+        (self.sum, self.in_block) = (0.0, 0);
+    }
+}

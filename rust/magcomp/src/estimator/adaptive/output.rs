@@ -1,0 +1,82 @@
+//! What comes out: the corrected sample and its covariance, the calibration, and how sure it is.
+//!     M = (unit / |h|) T^-1, b = centre + unit beta, c = |h| T (u - beta)
+//! |h| as given, or the geometric mean of the half axes, so that det M = 1.
+
+use super::Adaptive;
+use super::parameters::{Matrix9, centre, shape, six};
+use crate::calibration::Calibration;
+use crate::reading::{Event, ModelOrder, Status};
+use nalgebra::{Matrix3, Vector3};
+
+/// One answer of the adaptive estimator.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AdaptiveOutput {
+    /// Corrected sample, uT, and its covariance, uT^2.
+    pub corrected_ut: Option<(Vector3<f64>, Matrix3<f64>)>,
+    pub direction_sigma_deg: Option<f64>,
+    pub worst_sigma_deg: Option<f64>,
+    pub order: ModelOrder,
+    pub event: Option<Event>,
+    pub status: Status,
+}
+
+impl Adaptive {
+    pub(super) fn output(&self, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
+        let corrected_ut = self.published.and_then(|published| {
+            let (h, covariance) = published.correct(&self.unit(raw_ut), &self.noise)?;
+            let strength = self.strength_of(&shape(&published.tau));
+            Some((h * strength, covariance * (strength * strength)))
+        });
+        let finite = |(h, covariance): &(Vector3<f64>, Matrix3<f64>)| {
+            h.iter().chain(covariance.iter()).all(|value| value.is_finite())
+        };
+        AdaptiveOutput {
+            corrected_ut: corrected_ut.filter(finite),
+            direction_sigma_deg: self.published.map(|_| self.direction_sigma_deg),
+            worst_sigma_deg: self.published.map(|_| self.worst_sigma_deg),
+            order: self.order,
+            event: self.event,
+            status: self.status(),
+        }
+    }
+
+    /// M, b and the field strength in force.
+    pub fn calibration(&self) -> Option<Calibration> {
+        let published = self.published?;
+        let t = shape(&published.tau);
+        let strength = self.strength_of(&t);
+        let inverse = t.try_inverse()? * (self.unit_ut / strength);
+        let soft_iron = (inverse + inverse.transpose()) * 0.5;
+        let hard_iron_ut = self.centre_ut + centre(&published.tau) * self.unit_ut;
+        Calibration::from_symmetric(soft_iron, hard_iron_ut, strength)
+    }
+
+    /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz]: of tau, through
+    /// dM = -M dT T^-1 (+ M tr(T^-1 dT) / 3 where det M = 1), db = unit dbeta.
+    pub fn covariance(&self) -> Option<Matrix9> {
+        let published = self.published?;
+        let t = shape(&published.tau);
+        let inverse = t.try_inverse()?;
+        let m = inverse * (self.unit_ut / self.strength_of(&t));
+        let mut jacobian = Matrix9::zeros();
+        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            let mut dt = Matrix3::zeros();
+            dt[(i, j)] = 1.0;
+            dt[(j, i)] = 1.0;
+            let mut dm = -(m * dt * inverse);
+            if self.strength_ut.is_none() {
+                dm += m * ((inverse * dt).trace() / 3.0);
+            }
+            let dm = (dm + dm.transpose()) * 0.5;
+            six(&dm).into_iter().enumerate().for_each(|(row, value)| jacobian[(3 + row, k)] = value);
+        }
+        (0..3).for_each(|i| jacobian[(i, 6 + i)] = self.unit_ut);
+        let covariance = jacobian * published.covariance * jacobian.transpose();
+        Some((covariance + covariance.transpose()) * 0.5)
+    }
+
+    /// Samples since the latest change.
+    pub fn window(&self) -> usize {
+        self.samples.age
+    }
+}

@@ -1,0 +1,206 @@
+//! The nine parameters tau = [T_xx T_yy T_zz T_xy T_xz T_yz beta_x beta_y beta_z] of an ellipsoid in coordinates
+//! u = (h_m - centre) / unit:
+//!     r = |T (u - beta)| = 1,   T = M^-1 unit / |h|, symmetric.
+//! Its quadric is d.p(tau) = r^2 - 1 with p = [A11 A22 A33 A12 A13 A23, -2 A beta, beta.A beta - 1], A = T^2, and d as in
+//! `ellipsoid/moments`. Derivatives: dA = T dT + dT T.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+pub(super) type Vector9 = SVector<f64, 9>;
+pub(super) type Vector10 = SVector<f64, 10>;
+pub(super) type Matrix9 = SMatrix<f64, 9, 9>;
+pub(super) type Matrix10 = SMatrix<f64, 10, 10>;
+
+/// Half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
+/// where T is singular and the cost stationary.
+const BOUNDS: (f64, f64) = (0.25, 3.5);
+/// Row and column of each element of a symmetric matrix, in the order xx yy zz xy xz yz.
+const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// T.
+pub(super) fn shape(tau: &Vector9) -> Matrix3<f64> {
+    Matrix3::new(tau[0], tau[3], tau[4], tau[3], tau[1], tau[5], tau[4], tau[5], tau[2])
+}
+
+/// beta.
+pub(super) fn centre(tau: &Vector9) -> Vector3<f64> {
+    Vector3::new(tau[6], tau[7], tau[8])
+}
+
+/// The six elements of a symmetric matrix.
+pub(super) fn six(m: &Matrix3<f64>) -> [f64; 6] {
+    [m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]
+}
+
+/// tau of T and beta.
+pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Vector9 {
+    let [xx, yy, zz, xy, xz, yz] = six(t);
+    Vector9::from_column_slice(&[xx, yy, zz, xy, xz, yz, beta.x, beta.y, beta.z])
+}
+
+/// E v for the elementary symmetric matrix E of element k.
+fn elementary(k: usize, v: &Vector3<f64>) -> Vector3<f64> {
+    let (i, j) = PLACES[k];
+    let mut out = Vector3::zeros();
+    out[i] = v[j];
+    out[j] = v[i];
+    out
+}
+
+/// Whether T is positive definite with eigenvalues inside [`BOUNDS`].
+pub(super) fn is_bounded(tau: &Vector9) -> bool {
+    let positive = |m: Matrix3<f64>| m.m11 > 0.0 && m.m11 * m.m22 > m.m12 * m.m12 && m.determinant() > 0.0;
+    let t = shape(tau);
+    positive(t - Matrix3::from_diagonal_element(BOUNDS.0)) && positive(Matrix3::from_diagonal_element(BOUNDS.1) - t)
+}
+
+/// p(tau).
+pub(super) fn quadric(tau: &Vector9) -> Vector10 {
+    let (t, beta) = (shape(tau), centre(tau));
+    let a = t * t;
+    let g = a * beta;
+    let [xx, yy, zz, xy, xz, yz] = six(&a);
+    Vector10::from_column_slice(&[xx, yy, zz, xy, xz, yz, -2.0 * g.x, -2.0 * g.y, -2.0 * g.z, beta.dot(&g) - 1.0])
+}
+
+/// dp/dtau.
+pub(super) fn jacobian(tau: &Vector9) -> SMatrix<f64, 10, 9> {
+    let (t, beta) = (shape(tau), centre(tau));
+    let a = t * t;
+    let g = a * beta;
+    let mut j = SMatrix::<f64, 10, 9>::zeros();
+    for (k, (row, column)) in PLACES.into_iter().enumerate() {
+        // T E + E T, E elementary
+        let mut da = Matrix3::zeros();
+        for i in 0..3 {
+            da[(i, column)] += t[(i, row)];
+            da[(row, i)] += t[(column, i)];
+            if row != column {
+                da[(i, row)] += t[(i, column)];
+                da[(column, i)] += t[(row, i)];
+            }
+        }
+        let db = da * beta;
+        for (i, value) in six(&da).into_iter().enumerate() {
+            j[(i, k)] = value;
+        }
+        for i in 0..3 {
+            j[(6 + i, k)] = -2.0 * db[i];
+        }
+        j[(9, k)] = beta.dot(&db);
+    }
+    for i in 0..3 {
+        for k in 0..3 {
+            j[(6 + k, 6 + i)] = -2.0 * a[(k, i)];
+        }
+        j[(9, 6 + i)] = 2.0 * g[i];
+    }
+    j
+}
+
+/// One sample seen through tau.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// u - beta.
+    pub offset: Vector3<f64>,
+    /// T (u - beta) / r, the corrected unit vector.
+    pub direction: Vector3<f64>,
+    /// r.
+    pub radius: f64,
+    /// |dr/du| = |T direction|.
+    pub slope: f64,
+}
+
+/// A sample seen through tau; None at the centre itself.
+pub(super) fn see(tau: &Vector9, u: &Vector3<f64>) -> Option<Seen> {
+    let t = shape(tau);
+    let offset = u - centre(tau);
+    let v = t * offset;
+    let radius = v.norm();
+    if !(radius > 1e-6 && radius < 1e6) {
+        return None;
+    }
+    let direction = v / radius;
+    Some(Seen { offset, direction, radius, slope: (t * direction).norm() })
+}
+
+/// dr/dtau at a sample.
+pub(super) fn radius_gradient(tau: &Vector9, seen: &Seen) -> Vector9 {
+    let (n, o) = (&seen.direction, &seen.offset);
+    let tn = shape(tau) * n;
+    Vector9::from_column_slice(&[
+        n.x * o.x,
+        n.y * o.y,
+        n.z * o.z,
+        n.x * o.y + n.y * o.x,
+        n.x * o.z + n.z * o.x,
+        n.y * o.z + n.z * o.y,
+        -tn.x,
+        -tn.y,
+        -tn.z,
+    ])
+}
+
+/// d(T (u - beta))/dtau at a sample: 3 x 9.
+pub(super) fn vector_gradient(tau: &Vector9, offset: &Vector3<f64>) -> SMatrix<f64, 3, 9> {
+    let t = shape(tau);
+    let mut g = SMatrix::<f64, 3, 9>::zeros();
+    for k in 0..6 {
+        g.set_column(k, &elementary(k, offset));
+    }
+    g.fixed_view_mut::<3, 3>(0, 6).copy_from(&-t);
+    g
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> (Vector9, Vector3<f64>) {
+        let tau = Vector9::from_column_slice(&[1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8]);
+        (tau, Vector3::new(0.9, -0.2, 1.3))
+    }
+
+    #[test]
+    fn the_quadric_is_the_squared_radius() {
+        let (tau, u) = example();
+        let (x, y, z) = (u.x, u.y, u.z);
+        let d = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z, x, y, z, 1.0];
+        let residual = quadric(&tau).dot(&Vector10::from_column_slice(&d));
+        assert!((residual - (see(&tau, &u).unwrap().radius.powi(2) - 1.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn derivatives_agree_with_finite_differences() {
+        let (tau, u) = example();
+        let seen = see(&tau, &u).unwrap();
+        let (j, g, v) = (jacobian(&tau), radius_gradient(&tau, &seen), vector_gradient(&tau, &seen.offset));
+        for k in 0..9 {
+            let moved = |by: f64| {
+                let mut moved = tau;
+                moved[k] += by;
+                moved
+            };
+            let (above, below) = (moved(1e-5), moved(-1e-5));
+            let dp = (quadric(&above) - quadric(&below)) / 2e-5;
+            assert!((dp - j.column(k)).amax() < 1e-9, "p, column {k}");
+            let (a, b) = (see(&above, &u).unwrap(), see(&below, &u).unwrap());
+            assert!(((a.radius - b.radius) / 2e-5 - g[k]).abs() < 1e-9, "r, column {k}");
+            let dv = (a.direction * a.radius - b.direction * b.radius) / 2e-5;
+            assert!((dv - v.column(k)).amax() < 1e-9, "T (u - beta), column {k}");
+        }
+        let slope = |by: Vector3<f64>| see(&tau, &(u + by)).unwrap().radius;
+        let numeric = Vector3::from_fn(|i, _| {
+            let by = Vector3::ith(i, 1e-5);
+            (slope(by) - slope(-by)) / 2e-5
+        });
+        assert!((numeric.norm() - seen.slope).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bounds_hold_the_eigenvalues() {
+        let with = |d: f64| tau_of(&Matrix3::from_diagonal(&Vector3::new(1.0, d, 1.0)), &Vector3::zeros());
+        assert!(is_bounded(&with(1.0)) && is_bounded(&with(0.3)) && is_bounded(&with(3.3)));
+        assert!(!is_bounded(&with(0.2)) && !is_bounded(&with(-0.5)) && !is_bounded(&with(3.6)));
+    }
+}

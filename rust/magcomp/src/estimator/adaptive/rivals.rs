@@ -1,0 +1,224 @@
+//! The hypotheses that compete on the samples of one segment, weighed by their evidence: weight_i ~ exp(log evidence_i).
+//!
+//! What is not decided yet is counted as uncertainty: about any tau the mixture has the second moment
+//!     sum weight_i (P_i + (tau_i - tau)(tau_i - tau)^T).
+//! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
+//! that the doubt is in the mixture.
+
+use super::hypothesis::Hypothesis;
+use super::likelihood::Likelihood;
+use super::noise::Noise;
+use super::parameters::{Matrix9, Vector9, radius_gradient, see};
+use super::starts::{mirrored, starts};
+use crate::ellipsoid::Moments;
+use crate::reading::ModelOrder;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Most hypotheses at a time.
+pub(super) const MOST: usize = 20;
+/// A twin closer than this to its sibling (units) has lost its own place.
+const SAME_PLACE: f64 = 0.1;
+/// Hypotheses whose log evidence lies this far below the best one's are given up ...
+const HOPELESS: f64 = 30.0;
+/// ... but not before so many samples: the first ones fit many.
+const PATIENCE: usize = 96;
+/// The covariance of hypotheses whose log evidence lies this far below is not needed.
+const UNCOUNTED: f64 = 12.0;
+/// Weights below this are left out of the mixture.
+const NEGLIGIBLE: f64 = 1e-4;
+/// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
+const MARGIN: f64 = 0.5;
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Rivals {
+    all: [Option<Hypothesis>; MOST],
+    /// Whose twin each is.
+    sibling: [Option<usize>; MOST],
+    weights: [f64; MOST],
+    best: usize,
+    turn: usize,
+}
+
+/// What a sample is expected to read as: its radius, and the innovation's variance through the parameters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prediction {
+    /// Radius expected less 1.
+    pub excess: f64,
+    /// Variance of it, from the parameters alone.
+    pub variance: f64,
+    /// |dr/du|.
+    pub slope: f64,
+}
+
+impl Rivals {
+    pub fn new(hypotheses: impl IntoIterator<Item = Hypothesis>, twinned: &[usize]) -> Self {
+        let mut all = [None; MOST];
+        let mut count = 0;
+        for (slot, hypothesis) in all.iter_mut().zip(hypotheses) {
+            *slot = Some(hypothesis);
+            count += 1;
+        }
+        let mut sibling = [None; MOST];
+        for (k, other) in (count..MOST).zip(twinned) {
+            (all[k], sibling[k]) = (all[*other], Some(*other));
+        }
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
+        rivals.weigh();
+        rivals
+    }
+
+    fn weigh(&mut self) {
+        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        let logs = self.all.each_ref().map(log);
+        let mut best = self.best;
+        for (k, value) in logs.iter().enumerate() {
+            if *value > logs[best] || self.all[best].is_none() {
+                best = k;
+            }
+        }
+        self.best = best;
+        let largest = logs[best];
+        let weights = logs.map(|log| if log.is_finite() { (log - largest).exp() } else { 0.0 });
+        let sum: f64 = weights.iter().sum();
+        self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
+    }
+
+    /// The one with the most evidence.
+    pub fn best(&self) -> Option<&Hypothesis> {
+        self.all[self.best].as_ref()
+    }
+
+    /// Its weight among all, 0 to 1.
+    pub fn best_weight(&self) -> f64 {
+        self.weights[self.best]
+    }
+
+    fn weighty(&self) -> impl Iterator<Item = (&Hypothesis, f64)> {
+        let known = self.all.iter().zip(self.weights).filter_map(|(slot, weight)| Some((slot.as_ref()?, weight)));
+        known.filter(|(_, weight)| *weight > NEGLIGIBLE)
+    }
+
+    /// How much weight hypotheses of an order have together.
+    pub fn weight_of(&self, order: ModelOrder) -> f64 {
+        self.weighty().filter(|(h, _)| h.order == order).map(|(_, weight)| weight).sum()
+    }
+
+    /// Second moment of the mixture about tau.
+    pub fn spread_about(&self, tau: &Vector9) -> Matrix9 {
+        let mut sum = Matrix9::zeros();
+        for (hypothesis, weight) in self.weighty() {
+            let off = hypothesis.posterior.mean - tau;
+            sum += (hypothesis.posterior.covariance + off * off.transpose()) * weight;
+        }
+        sum
+    }
+
+    /// What is expected of a sample, by all of them.
+    pub fn predict(&self, u: &Vector3<f64>) -> Option<Prediction> {
+        let (mut sum, mut squares, mut slope, mut total) = (0.0, 0.0, 0.0, 0.0);
+        for (hypothesis, weight) in self.weighty() {
+            let tau = &hypothesis.posterior.mean;
+            let Some(seen) = see(tau, u) else { continue };
+            let g = radius_gradient(tau, &seen);
+            let excess = seen.radius - 1.0;
+            sum += weight * excess;
+            squares += weight * (excess * excess + g.dot(&(hypothesis.posterior.covariance * g)));
+            slope += weight * seen.slope;
+            total += weight;
+        }
+        if total <= 0.0 {
+            return None;
+        }
+        let excess = sum / total;
+        let variance = (squares / total - excess * excess).max(0.0);
+        Some(Prediction { excess, variance, slope: slope / total })
+    }
+
+    /// The samples have become more: the best and `turns` others iterate, all are weighed.
+    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
+        let best = self.best;
+        for slot in self.all.iter_mut().flatten() {
+            slot.rescore(likelihood);
+        }
+        if let Some(hypothesis) = &mut self.all[best] {
+            hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
+        }
+        // where the best one stands may be the better place for another, too
+        let place = self.best().map(|h| h.posterior.mean);
+        let worth = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence) - UNCOUNTED;
+        let mut done = 0;
+        for _ in 0..MOST {
+            self.turn = (self.turn + 1) % MOST;
+            if self.turn == best {
+                continue;
+            }
+            if let Some(hypothesis) = &mut self.all[self.turn] {
+                if done == turns {
+                    self.turn = (self.turn + MOST - 1) % MOST;
+                    break;
+                }
+                if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
+                    hypothesis.consider(likelihood, place, MARGIN);
+                }
+                hypothesis.refine(likelihood, iterations, worth);
+                done += 1;
+            }
+        }
+        self.weigh();
+        let best = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        if samples >= PATIENCE {
+            for slot in &mut self.all {
+                if slot.is_some_and(|h| h.log_evidence < best - HOPELESS) {
+                    *slot = None;
+                }
+            }
+        }
+    }
+
+    /// Other places to iterate from, for the hypotheses that may go there; one of them at a time, so that no sample costs much.
+    pub fn look_elsewhere(&mut self, likelihood: &Likelihood, segment: &Moments, turn: usize) {
+        let (mean, covariance) = segment.cloud();
+        for k in (turn % 2..MOST).step_by(2) {
+            let Some(place) = self.sibling[k].and_then(|other| self.all[other].as_ref()).map(|h| h.posterior.mean)
+            else {
+                continue;
+            };
+            if let Some(twin) = &mut self.all[k]
+                && (twin.posterior.mean - place).norm() < SAME_PLACE
+            {
+                twin.move_to(&mirrored(&place, &mean, &covariance));
+            }
+        }
+        if self.sibling[turn % MOST].is_some() {
+            return;
+        }
+        let Some(hypothesis) = &mut self.all[turn % MOST] else { return };
+        for start in starts(&hypothesis.posterior.mean, &mean, &covariance) {
+            hypothesis.consider(likelihood, &start, MARGIN);
+        }
+    }
+
+    /// Whether every hypothesis but the best is gone.
+    pub fn is_decided(&self) -> bool {
+        self.all.iter().flatten().count() <= 1
+    }
+
+    /// The coordinates move.
+    pub fn shift(&mut self, by: &Vector3<f64>) {
+        self.all.iter_mut().flatten().for_each(|h| h.shift(by));
+    }
+
+    /// z^2 of a sample under the best alone.
+    pub fn fits(&self, u: &Vector3<f64>, noise: &Noise) -> f64 {
+        let fit = || {
+            let best = self.best()?;
+            let seen = see(&best.posterior.mean, u)?;
+            let g = radius_gradient(&best.posterior.mean, &seen);
+            let variance = noise.total() * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
+            Some((seen.radius - 1.0).powi(2) / variance)
+        };
+        fit().unwrap_or(f64::INFINITY)
+    }
+}

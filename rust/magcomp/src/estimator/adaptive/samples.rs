@@ -1,0 +1,162 @@
+//! The samples of the segment, those since the latest change, and their moments: of all of them not yet absorbed, and of
+//! the latest 8, 16, ... 1024. A sample enters and leaves in constant time, exactly.
+
+use crate::ellipsoid::Moments;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Spans of 8, 16, ... 1024 samples.
+pub(super) const SPANS: usize = 8;
+const SHORTEST: usize = 8;
+const CAPACITY: usize = SHORTEST << (SPANS - 1);
+/// Samples that can be looked at again one by one.
+pub(super) const REVIEWED: usize = 256;
+
+/// Length of a span, samples.
+pub(super) const fn span_length(span: usize) -> usize {
+    SHORTEST << span
+}
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Samples {
+    ring: Vec<Vector3<f64>>,
+    next: usize,
+    /// Samples since the segment began.
+    pub age: usize,
+    segment: Moments,
+    spans: [Moments; SPANS],
+}
+
+impl Samples {
+    pub fn new(centre_ut: Vector3<f64>, unit_ut: f64) -> Self {
+        let none = Moments::new(centre_ut, unit_ut);
+        Self {
+            ring: vec![Vector3::zeros(); CAPACITY],
+            next: 0,
+            age: 0,
+            segment: none.clone(),
+            spans: std::array::from_fn(|_| none.clone()),
+        }
+    }
+
+    /// Nothing, about a new centre.
+    pub fn clear(&mut self, centre_ut: Vector3<f64>) {
+        let none = Moments::new(centre_ut, self.segment.scale_ut());
+        self.age = 0;
+        self.spans.fill(none.clone());
+        self.segment = none;
+    }
+
+    /// Moments of the samples not yet absorbed.
+    pub fn segment(&self) -> &Moments {
+        &self.segment
+    }
+
+    /// Moments of the latest samples of a span: fewer while the segment is younger.
+    pub fn span(&self, span: usize) -> &Moments {
+        &self.spans[span]
+    }
+
+    /// The sample `back` steps ago, 0 the latest; only as far as the segment's age.
+    pub fn latest(&self, back: usize) -> &Vector3<f64> {
+        &self.ring[(self.next + CAPACITY - 1 - back % CAPACITY) % CAPACITY]
+    }
+
+    /// One more sample.
+    pub fn add(&mut self, raw_ut: &Vector3<f64>) {
+        for span in 0..SPANS {
+            let length = span_length(span);
+            if self.age >= length {
+                let leaving = *self.latest(length - 1);
+                self.spans[span].remove(&leaving);
+            }
+            self.spans[span].add(raw_ut);
+        }
+        self.segment.add(raw_ut);
+        self.ring[self.next] = *raw_ut;
+        self.next = (self.next + 1) % CAPACITY;
+        self.age += 1;
+    }
+
+    /// Only the latest samples of a span remain.
+    pub fn cut(&mut self, span: usize) {
+        let kept = self.spans[span].clone();
+        self.age = kept.count();
+        for longer in &mut self.spans[span + 1..] {
+            longer.clone_from(&kept);
+        }
+        self.segment = kept;
+    }
+
+    /// The segment without the latest samples of a span, which remain.
+    pub fn absorb(&mut self, span: usize) -> Moments {
+        let older = self.segment.without(&self.spans[span]);
+        self.segment = self.spans[span].clone();
+        older
+    }
+
+    /// Drops the samples of a young segment that do not pass. Returns how many.
+    pub fn review(&mut self, mut pass: impl FnMut(&Vector3<f64>) -> bool) -> usize {
+        let count = self.age.min(REVIEWED);
+        if count < self.segment.count() {
+            return 0;
+        }
+        let mut kept = [Vector3::zeros(); REVIEWED];
+        let mut good = 0;
+        for back in (0..count).rev() {
+            let sample = *self.latest(back);
+            if pass(&sample) {
+                kept[good] = sample;
+                good += 1;
+            }
+        }
+        if good < count {
+            self.clear(*self.segment.centre_ut());
+            kept[..good].iter().for_each(|sample| self.add(sample));
+        }
+        count - good
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(k: usize) -> Vector3<f64> {
+        let k = k as f64;
+        Vector3::new(30.0 * (k * 0.7).sin(), 40.0 * (k * 1.3).cos(), 50.0 * (k * 0.31).sin())
+    }
+
+    fn of(range: std::ops::Range<usize>) -> Moments {
+        let mut moments = Moments::new(Vector3::zeros(), 40.0);
+        range.for_each(|k| moments.add(&sample(k)));
+        moments
+    }
+
+    #[test]
+    fn every_span_holds_its_latest_samples() {
+        let mut samples = Samples::new(Vector3::zeros(), 40.0);
+        (0..3000).for_each(|k| samples.add(&sample(k)));
+        for span in 0..SPANS {
+            assert_eq!(*samples.span(span), of(3000 - span_length(span)..3000));
+        }
+        assert_eq!(samples.absorb(3), of(0..2936));
+        assert_eq!(*samples.segment(), of(2936..3000));
+        samples.cut(1);
+        (3000..3040).for_each(|k| samples.add(&sample(k)));
+        assert_eq!(samples.age, 56);
+        assert_eq!(*samples.span(2), of(3008..3040));
+        assert_eq!(*samples.span(5), of(2984..3040));
+        assert_eq!(*samples.segment(), of(2984..3040));
+    }
+
+    #[test]
+    fn a_review_leaves_what_passes() {
+        let mut samples = Samples::new(Vector3::zeros(), 40.0);
+        (0..40).for_each(|k| samples.add(&sample(k)));
+        let bad = sample(7);
+        assert_eq!(samples.review(|s| *s != bad), 1);
+        assert_eq!(*samples.segment(), of(0..40).without(&of(7..8)));
+    }
+}

@@ -1,0 +1,78 @@
+//! A hand moves smoothly: a sample that leaps away from the latest good one, much further than samples usually differ, is a
+//! spike, or the first after a change. Where every sample points elsewhere the usual step is large and nothing leaps.
+//!     usual <- usual + (min(step, 3 usual) - usual) / 20
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Samples from which the usual step is known well enough.
+const KNOWN_FROM: u32 = 8;
+/// Memory of the usual step, samples.
+const MEMORY: f64 = 20.0;
+/// A leap exceeds so many usual steps ...
+const LEAP: f64 = 8.0;
+/// ... and this, in field strengths: no hand turns a phone by 17 deg between two samples.
+const LEAST_LEAP: f64 = 0.3;
+
+/// How far apart samples usually are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Steadiness {
+    previous: Option<Vector3<f64>>,
+    good: Option<Vector3<f64>>,
+    usual: f64,
+    count: u32,
+    misses: u32,
+}
+
+impl Steadiness {
+    pub fn new() -> Self {
+        Self { previous: None, good: None, usual: 0.0, count: 0, misses: 0 }
+    }
+
+    /// Whether enough has been seen to tell a leap.
+    pub fn is_known(&self) -> bool {
+        self.count >= KNOWN_FROM
+    }
+
+    /// Whether a sample (field strengths) leaps.
+    pub fn leaps(&mut self, sample: &Vector3<f64>) -> bool {
+        if let Some(previous) = self.previous.replace(*sample) {
+            let step = (sample - previous).norm();
+            self.count = (self.count + 1).min(1000);
+            let clipped = if self.count > 2 { step.min(3.0 * self.usual) } else { step };
+            self.usual += (clipped - self.usual) / f64::from(self.count).min(MEMORY);
+        }
+        let reach = (LEAP * self.usual).max(LEAST_LEAP) * f64::from(1 + self.misses);
+        let leaps = self.is_known() && self.good.is_some_and(|good| (sample - good).norm() > reach);
+        if leaps {
+            self.misses = (self.misses + 1).min(100);
+        } else {
+            self.good = Some(*sample);
+            self.misses = 0;
+        }
+        leaps
+    }
+
+    /// After a change the latest sample is a good one.
+    pub fn accept(&mut self) {
+        self.good = self.previous;
+        self.misses = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spike_leaps_and_random_orientations_do_not() {
+        let mut smooth = Steadiness::new();
+        let at = |k: i32| Vector3::new((f64::from(k) * 0.01).sin(), (f64::from(k) * 0.01).cos(), 0.0);
+        let leaps: Vec<i32> = (0..200)
+            .filter(|k| smooth.leaps(&(at(*k) + if k % 50 == 30 { Vector3::z() } else { Vector3::zeros() })))
+            .collect();
+        assert_eq!(leaps, [30, 80, 130, 180]);
+        let mut random = Steadiness::new();
+        assert!((0..500).all(|k| !random.leaps(&Vector3::new(f64::from(k).sin(), f64::from(k * 7).cos(), 0.3))));
+    }
+}
