@@ -20,6 +20,9 @@ extension Reading {
             sigmaT: known(c.sigma_t),
             window: c.window,
             coverage: c.coverage,
+            directionSigmaDeg: known(c.direction_sigma_deg),
+            worstSigmaDeg: known(c.worst_sigma_deg),
+            modelOrder: ModelOrder(c.model_order),
             reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
             mode: SensorMode(c.mode),
             event: Event(c.event),
@@ -47,6 +50,19 @@ extension SensorMode {
         case 2: .gravityOnly
         case 3: .magnetometerOnly
         default: unknown("mode", code)
+        }
+    }
+}
+
+extension ModelOrder {
+    fileprivate init?(_ code: Int32) {
+        switch code {
+        case 0: self = .nothing
+        case 1: self = .hardIron
+        case 2: self = .diagonal
+        case 3: self = .all
+        case 4: self = .former
+        default: return nil
         }
     }
 }

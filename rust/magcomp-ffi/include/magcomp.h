@@ -47,10 +47,14 @@ typedef struct MagcompReading {
     double inclination_deg;
     double sigma_t;
     double coverage;
+    double direction_sigma_deg;
+    double worst_sigma_deg;
     double reported_hard_iron_jump_ut;
     int32_t window;
     /// Counts the cases of `SensorMode`.
     int32_t mode;
+    /// Counts the cases of `ModelOrder`; -1: none.
+    int32_t model_order;
     MagcompEvent event;
     MagcompStatus status;
 } MagcompReading;

@@ -9,7 +9,9 @@
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
+use crate::status::{
+    EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
+};
 
 const CLOSED: i32 = -1;
 const PANICKED: i32 = -2;
@@ -50,9 +52,12 @@ pub struct CReading {
     inclination_deg: f64,
     sigma_t: f64,
     coverage: f64,
+    direction_sigma_deg: f64,
+    worst_sigma_deg: f64,
     reported_hard_iron_jump_ut: f64,
     window: i32,
     mode: i32,
+    model_order: i32,
     event: CEvent,
     status: CStatus,
 }
@@ -131,6 +136,9 @@ impl From<Reading> for CReading {
             sigma_t,
             window,
             coverage,
+            direction_sigma_deg,
+            worst_sigma_deg,
+            model_order,
             reported_hard_iron_jump_ut,
             mode,
             event,
@@ -149,6 +157,8 @@ impl From<Reading> for CReading {
             inclination_deg: number(heading.map(|heading| heading.inclination_deg)),
             sigma_t: number(sigma_t),
             coverage,
+            direction_sigma_deg: number(direction_sigma_deg),
+            worst_sigma_deg: number(worst_sigma_deg),
             reported_hard_iron_jump_ut: number(reported_hard_iron_jump_ut),
             window,
             mode: match mode {
@@ -157,6 +167,13 @@ impl From<Reading> for CReading {
                 SensorMode::GravityOnly => 2,
                 SensorMode::MagnetometerOnly => 3,
             },
+            model_order: model_order.map_or(NONE, |order| match order {
+                ModelOrder::Nothing => 0,
+                ModelOrder::HardIron => 1,
+                ModelOrder::Diagonal => 2,
+                ModelOrder::All => 3,
+                ModelOrder::Former => 4,
+            }),
             event: event.map_or(CEvent { kind: NONE, since_ns: 0, decided_ns: 0 }, |event| CEvent {
                 kind: match event.kind {
                     EventKind::DeviceStep => 0,

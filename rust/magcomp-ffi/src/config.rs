@@ -8,10 +8,12 @@ use std::collections::HashMap;
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Method {
-    /// `Aided` while rotation rates arrive, else `Windowed`.
+    /// `Aided` while rotation rates arrive, else `Adaptive`.
     Auto,
     /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
     Aided,
+    /// The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+    Adaptive,
     /// The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
     Windowed,
     /// Its first step alone: one fit of the first well spread samples, then kept.
@@ -44,6 +46,9 @@ pub struct Config {
     /// which documents them with their units and ranges. A setting left out is the default.
     #[uniffi(default = None)]
     pub aided: Option<HashMap<String, f64>>,
+    /// Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
+    #[uniffi(default = None)]
+    pub adaptive_noise_ut: Option<f64>,
     /// How events of several sensors are brought together.
     #[uniffi(default = None)]
     pub pairing: Option<PairingConfig>,
@@ -205,7 +210,7 @@ pub struct HeadingConfig {
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, sensor, fit, windowed, aided, pairing, heading } =
+    let magcomp::Config { method, initial, sensor, fit, windowed, aided, adaptive, pairing, heading } =
         magcomp::Config::default();
     Config {
         method: Some(method.into()),
@@ -215,6 +220,7 @@ pub fn default_config() -> Config {
         fit: Some(fit.into()),
         windowed: Some(windowed.into()),
         aided: Some(aided.settings().map(|(name, value)| (name.to_owned(), value)).collect()),
+        adaptive_noise_ut: Some(adaptive.noise_ut),
         pairing: Some(pairing.into()),
         heading: Some(heading.into()),
     }

@@ -14,7 +14,7 @@ use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
 use crate::status::{EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
-use magcomp::{EventKind, SensorMode, nalgebra};
+use magcomp::{EventKind, ModelOrder, SensorMode, nalgebra};
 
 /// The handle's object is closed or gone.
 const CLOSED: jint = -1;
@@ -52,7 +52,10 @@ mod slot {
     pub(super) const MODE: usize = 24;
     /// The kind, and two times of two numbers each.
     pub(super) const EVENT: usize = 25;
-    pub(super) const COUNT: usize = 30;
+    pub(super) const DIRECTION_SIGMA: usize = 30;
+    pub(super) const WORST_SIGMA: usize = 31;
+    pub(super) const MODEL_ORDER: usize = 32;
+    pub(super) const COUNT: usize = 33;
 }
 
 type Slots = [f64; slot::COUNT];
@@ -73,6 +76,9 @@ fn write_reading(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Slots {
         sigma_t,
         window,
         coverage,
+        direction_sigma_deg,
+        worst_sigma_deg,
+        model_order,
         mode,
         event,
         status,
@@ -100,6 +106,17 @@ fn write_reading(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Slots {
         SensorMode::GravityOnly => 2,
         SensorMode::MagnetometerOnly => 3,
     });
+    out[slot::DIRECTION_SIGMA] = direction_sigma_deg.unwrap_or(unknown);
+    out[slot::WORST_SIGMA] = worst_sigma_deg.unwrap_or(unknown);
+    if let Some(order) = model_order {
+        out[slot::MODEL_ORDER] = f64::from(match order {
+            ModelOrder::Nothing => 0,
+            ModelOrder::HardIron => 1,
+            ModelOrder::Diagonal => 2,
+            ModelOrder::All => 3,
+            ModelOrder::Former => 4,
+        });
+    }
     if let Some(event) = event {
         out[slot::EVENT] = f64::from(match event.kind {
             EventKind::DeviceStep => 0,

@@ -11,7 +11,18 @@ use std::collections::HashMap;
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
     fn try_from(c: Config) -> Result<Self, MagcompError> {
-        let Config { method, initial, use_reported_hard_iron: _, sensor, fit, windowed, aided, pairing, heading } = c;
+        let Config {
+            method,
+            initial,
+            use_reported_hard_iron: _,
+            sensor,
+            fit,
+            windowed,
+            aided,
+            adaptive_noise_ut,
+            pairing,
+            heading,
+        } = c;
         let d = Self::default();
         let config = Self {
             method: method.map_or(d.method, Into::into),
@@ -20,6 +31,7 @@ impl TryFrom<Config> for magcomp::Config {
             fit: fit.map_or(Ok(d.fit), TryInto::try_into)?,
             windowed: windowed.map_or(Ok(d.windowed), TryInto::try_into)?,
             aided: aided.map_or(Ok(d.aided), |settings| aided_config(&settings))?,
+            adaptive: adaptive_noise_ut.map_or(d.adaptive, |noise_ut| magcomp::AdaptiveConfig { noise_ut }),
             pairing: pairing.map_or(d.pairing, Into::into),
             heading: heading.map_or(d.heading, Into::into),
         };
@@ -190,7 +202,7 @@ impl From<HeadingConfig> for magcomp::HeadingConfig {
 }
 
 same_names! {
-    Method { Auto, Aided, Windowed, Constant }
+    Method { Auto, Aided, Adaptive, Windowed, Constant }
     Residual { Algebraic, Corrected }
     Normalisation { HalfRange, EvenSphere }
     ReferenceAxis { TopEdge, Camera, Auto }
@@ -228,12 +240,14 @@ mod tests {
             fit: None,
             windowed: Some(windowed),
             aided: Some(HashMap::from([("strength_ut".to_owned(), 50.0)])),
+            adaptive_noise_ut: Some(0.7),
             pairing: None,
             heading: None,
         };
         let expected = magcomp::Config {
             windowed: magcomp::WindowedConfig { n_min: 50, ..Default::default() },
             aided: magcomp::AidedConfig { strength_ut: 50.0, ..Default::default() },
+            adaptive: magcomp::AdaptiveConfig { noise_ut: 0.7 },
             ..Default::default()
         };
         assert_eq!(magcomp::Config::try_from(config), Ok(expected));
