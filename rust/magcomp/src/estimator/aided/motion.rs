@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
+use super::tuning;
 
 const RATE_TIME_S: f64 = 0.5;
 const FULL_MOTION_RAD_S: f64 = 0.3;
@@ -74,7 +75,7 @@ impl Motion {
         let still = self.rate_rad_s < config.rest_rate_rad_s && now < 2.0 * config.rest_rate_rad_s;
         let steady = bias_sd > UNKNOWN_BIAS_RAD_S
             && self.mean_rad_s.norm() < LARGEST_BIAS_RAD_S
-            && self.scatter_rad2_s2.sqrt() < config.rest_scatter * config.rest_rate_rad_s;
+            && self.scatter_rad2_s2.sqrt() < tuning::REST_SCATTER * config.rest_rate_rad_s;
         self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
     }
 
@@ -101,7 +102,7 @@ impl Motion {
                 self.up_age_s = 0.0;
             }
             Some(up) => {
-                let off = (size - config.gravity_m_s2) / config.gravity_tolerance_m_s2;
+                let off = (size - config.gravity_m_s2) / tuning::GRAVITY_TOLERANCE_M_S2;
                 let trust = (-off * off).exp();
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
                 let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(self.up_age_s + dt_s);

@@ -48,7 +48,8 @@ fn garbage_never_panics_and_never_comes_out() {
         let (raw, increment, rate, up) = (vector(), vector(), vector(), vector());
         let pick = random.uniform();
         time_ns = time_ns.saturating_add(if pick < 0.01 { i64::MAX / 2_000_000 } else { (pick * 3e7) as i64 - 1_000 });
-        let rotation = (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate, variance_rad2: 0.0 });
+        let rotation =
+            (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate, variance_rad2: 0.0 });
         let output = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
         for v in [output.corrected_ut, output.filtered_ut, output.up].into_iter().flatten() {
             assert!(v.iter().all(|v| v.is_finite()), "sample {k}");
@@ -96,7 +97,8 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
         world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
         let mut sample = world.sample(0.01);
         let noise = world.random.vector(0.003);
-        sample.inertial.rotation = Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
+        sample.inertial.rotation =
+            Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
         let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         if k == 800 {
             world.hard_iron_ut += Vector3::new(20.0, -15.0, 10.0);
@@ -125,6 +127,6 @@ fn state_fits_in_eight_kilobytes() {
 #[test]
 fn every_default_is_inside_its_range() {
     AidedConfig::default().validate().unwrap();
-    let config = AidedConfig { gate: f64::NAN, ..AidedConfig::default() };
+    let config = AidedConfig { suspect_share: f64::NAN, ..AidedConfig::default() };
     assert!(config.validate().is_err());
 }
