@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
 use super::measure::Innovation;
+use super::tuning;
 
 const USELESS_STEP_UT: f64 = 17.0;
 const USELESS_LEVER_UT: f64 = 150.0;
@@ -72,8 +73,8 @@ impl Adaptation {
     pub(crate) fn new(config: &AidedConfig) -> Self {
         Self {
             variance_ut2: config.noise_start_ut.powi(2),
-            local_ut: config.local_start_ut,
-            offset_walk_ut: config.offset_walk_ut,
+            local_ut: tuning::LOCAL_START_UT,
+            offset_walk_ut: tuning::OFFSET_WALK_UT,
             walked_ut: Vector3::zeros(),
             walked_before_ut: Vector3::zeros(),
             walk_start_ut2: -1.0,
@@ -81,7 +82,7 @@ impl Adaptation {
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
-            slow_power_ut2: config.uneven_max_ut.powi(2),
+            slow_power_ut2: tuning::UNEVEN_MAX_UT.powi(2),
             useless_share: 0.0,
             useless: false,
         }
@@ -92,18 +93,18 @@ impl Adaptation {
     }
 
     /// The slow difference between the corrected sample and the carried field.
-    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, config: &AidedConfig) {
+    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64) {
         let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
         self.slow_ut += (difference_ut - self.slow_ut) * gain;
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * gain / (2.0 - gain);
-        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * config.uneven_max_ut.powi(2));
-        self.slow_power_ut2 += (1.0 - (-dt_s / config.uneven_time_s).exp()) * (seen - self.slow_power_ut2);
+        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning::UNEVEN_MAX_UT.powi(2));
+        self.slow_power_ut2 += (1.0 - (-dt_s / tuning::UNEVEN_TIME_S).exp()) * (seen - self.slow_power_ut2);
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
     pub(crate) fn floor_ut2(&self, config: &AidedConfig) -> f64 {
-        config.uneven_gain.powi(2) * self.slow_power_ut2.clamp(0.0, config.uneven_max_ut.powi(2))
+        config.uneven_gain.powi(2) * self.slow_power_ut2.clamp(0.0, tuning::UNEVEN_MAX_UT.powi(2))
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).
@@ -124,7 +125,7 @@ impl Adaptation {
             } else if self.useless_share < USELESS_OFF {
                 self.useless = false;
             }
-            let gain = (dt_s / config.noise_time_s).min(0.2);
+            let gain = (dt_s / tuning::NOISE_TIME_S).min(0.2);
             let variance = self.variance_ut2;
             self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);
             self.variance_ut2 = self.variance_ut2.min(LARGEST_VARIANCE_UT2).max(config.noise_min_ut.powi(2));
@@ -144,7 +145,7 @@ impl Adaptation {
         let excess = excess + SLOW_WEIGHT * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
-        self.local_ut = self.local_ut.min(config.local_max_ut).max(config.local_min_ut);
+        self.local_ut = self.local_ut.min(config.local_max_ut).max(tuning::LOCAL_MIN_UT);
     }
 
     /// The random walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
@@ -158,13 +159,13 @@ impl Adaptation {
         }
         self.walked_ut += correction_ut;
         self.walk_time_s += dt_s;
-        if self.walk_time_s >= config.offset_walk_time_s {
+        if self.walk_time_s >= tuning::OFFSET_WALK_TIME_S {
             let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
             let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walk_time_s);
             let now = self.offset_walk_ut.powi(2);
             // from a single window the estimate has three degrees of freedom: it is not believed beyond 9 fold
             let next = now + WALK_GAIN * (seen.clamp(0.0, 9.0 * now) - now);
-            self.offset_walk_ut = next.sqrt().min(config.offset_walk_max_ut).max(config.offset_walk_min_ut);
+            self.offset_walk_ut = next.sqrt().min(config.offset_walk_max_ut).max(tuning::OFFSET_WALK_MIN_UT);
             self.walk_start_ut2 = variance_ut2;
             self.walk_time_s = 0.0;
             self.walked_before_ut = self.walked_ut;

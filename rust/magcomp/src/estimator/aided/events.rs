@@ -24,6 +24,7 @@ use super::config::AidedConfig;
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
+use super::tuning;
 use super::watch::{Former, Watch};
 
 const SMALLEST_STEP_UT: f64 = 8.0;
@@ -106,7 +107,7 @@ pub(crate) struct Step<'a> {
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
-    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, config: &AidedConfig) -> Self {
+    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>) -> Self {
         let mut trial = Self {
             phase: Phase::Undecided,
             onset_ns: watch.since_ns,
@@ -123,12 +124,12 @@ impl Trial {
             total_s: 0.0,
             place_s: 0.0,
         };
-        trial.seed(filter, watch, former, config);
+        trial.seed(filter, watch, former);
         trial
     }
 
     /// Starts both hypotheses (anew).
-    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>, config: &AidedConfig) {
+    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>) {
         let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
         let base = filter.open();
         let mut device = base.clone();
@@ -138,7 +139,7 @@ impl Trial {
             former.put_into(&mut device);
         } else {
             device.add_variance(OFFSET, step_ut * step_ut);
-            let room = config.iron_sd_max.powi(2) - device.iron_variance();
+            let room = tuning::IRON_SD_MAX.powi(2) - device.iron_variance();
             let wanted = (IRON_STEP * (step_ut / 20.0).min(1.5)).powi(2);
             let iron = wanted.min(room).max(0.0);
             device.add_iron_variance(iron);
@@ -176,13 +177,13 @@ impl Trial {
             place.add_variance(FIELD, variance);
         }
         if !step.resting {
-            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, config.jitter_s);
+            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, tuning::JITTER_S);
             if let (Some(d), Some(p)) = (seen(&device), seen(&place)) {
-                self.judge(&d, &p, step, config);
-                if d.nis < config.gate {
+                self.judge(&d, &p, step);
+                if d.nis < tuning::GATE {
                     device.update(&d, Correct::All);
                 }
-                if p.nis < config.gate {
+                if p.nis < tuning::GATE {
                     place.update(&p, Correct::FieldOnly);
                 }
             }
@@ -195,14 +196,14 @@ impl Trial {
         self.decide(step, filter, watch, former, config)
     }
 
-    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, config: &AidedConfig) {
+    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(NIS_CAP) + i.ln_det);
-        let weight = config.likelihood_weight * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= RAMP_S);
+        let weight = tuning::LIKELIHOOD_WEIGHT * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= RAMP_S);
         self.log_ratio =
             (self.log_ratio + weight * (log(device) - log(place))).clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO);
         let gain = 1.0 - (-step.dt_s / FIT_TIME_S).exp();
-        self.device_misfit += gain * (f64::from(device.nis > config.gate) - self.device_misfit);
-        self.place_misfit += gain * (f64::from(place.nis > config.gate) - self.place_misfit);
+        self.device_misfit += gain * (f64::from(device.nis > tuning::GATE) - self.device_misfit);
+        self.place_misfit += gain * (f64::from(place.nis > tuning::GATE) - self.place_misfit);
         self.rotation_rad += step.angle_rad;
         self.age_s += step.dt_s;
         self.total_s += step.dt_s * step.motion;
@@ -216,8 +217,8 @@ impl Trial {
         former: Option<&Former>,
         config: &AidedConfig,
     ) -> Verdict {
-        let device_fits = self.device_misfit < config.fit_share;
-        let place_fits = self.place_misfit < config.fit_share;
+        let device_fits = self.device_misfit < tuning::FIT_SHARE;
+        let place_fits = self.place_misfit < tuning::FIT_SHARE;
         self.unclean |= !device_fits;
         if self.phase == Phase::Place {
             if place_fits {
@@ -225,13 +226,13 @@ impl Trial {
                 return if self.place_s > config.place_time_s { Verdict::NewPlace } else { Verdict::Open };
             }
             self.place_s = 0.0;
-            self.seed(filter, watch, former, config);
+            self.seed(filter, watch, former);
             self.phase = Phase::Erratic;
             return Verdict::Open;
         }
         if !device_fits && !place_fits {
-            self.seed(filter, watch, former, config);
-            if self.total_s > config.erratic_time_s && self.phase == Phase::Undecided {
+            self.seed(filter, watch, former);
+            if self.total_s > tuning::ERRATIC_TIME_S && self.phase == Phase::Undecided {
                 self.phase = Phase::Erratic;
                 return Verdict::Erratic;
             }
@@ -239,13 +240,13 @@ impl Trial {
         }
         let strict = self.phase == Phase::Erratic;
         let (rotation, ratio) = if strict {
-            (config.erratic_rotation_rad, 2.0 * config.decide_log_ratio)
+            (tuning::ERRATIC_ROTATION_RAD, 2.0 * tuning::DECIDE_LOG_RATIO)
         } else if self.recalled {
-            (0.5 * config.decide_rotation_rad, config.decide_log_ratio)
+            (0.5 * config.decide_rotation_rad, tuning::DECIDE_LOG_RATIO)
         } else {
-            (config.decide_rotation_rad, config.decide_log_ratio)
+            (config.decide_rotation_rad, tuning::DECIDE_LOG_RATIO)
         };
-        let age_s = if strict { config.erratic_settle_s } else { config.decide_time_s };
+        let age_s = if strict { tuning::ERRATIC_SETTLE_S } else { tuning::DECIDE_TIME_S };
         let device_fits = device_fits && (!strict || self.device_misfit < STRICT_MISFIT);
         let place_fits = place_fits && (!strict || self.place_misfit < STRICT_MISFIT);
         if self.rotation_rad < rotation || self.age_s < age_s {

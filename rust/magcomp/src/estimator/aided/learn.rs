@@ -16,6 +16,7 @@ use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
 use super::strength::{Strength, Witness};
+use super::tuning;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput};
 use crate::pairing::Rotation;
@@ -111,14 +112,13 @@ impl Aided {
 
     /// The magnetometer's part of one sample.
     fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
-        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, self.config.jitter_s)
-        else {
+        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, tuning::JITTER_S) else {
             return;
         };
-        let gated = innovation.nis > self.config.gate;
+        let gated = innovation.nis > tuning::GATE;
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.config);
+        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some());
         if self.motion.rest_s > REST_SETTLE_S {
             let sd = REST_RATE_SD_RAD_S * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
             dense.update_bias(step.rate_rad_s, sd * sd);
@@ -141,7 +141,7 @@ impl Aided {
         if self.adopted {
             if self.watch.share > self.config.suspect_share {
                 filter.keep(dense);
-                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.config);
+                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref());
                 trial.young = self.strength.young();
                 self.trial = Some(trial);
             }
@@ -166,7 +166,7 @@ impl Aided {
         let correct = if self.hold_s > 0.0 { Correct::FieldAndBias } else { Correct::All };
         if weaker > 0.0 {
             let sd = (step.sigma_ut.powi(2) + weaker).sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, tuning::JITTER_S) {
                 dense.update(&weak, correct);
             }
         } else {
@@ -193,7 +193,7 @@ impl Aided {
                 if let Some(w) = dense.soft_iron().try_inverse() {
                     dense.set_vector(FIELD, &(w * (step.raw_ut - dense.vector(OFFSET))));
                 }
-                dense.isolate(FIELD, self.config.erratic_sd_ut.powi(2));
+                dense.isolate(FIELD, tuning::ERRATIC_SD_UT.powi(2));
                 self.watch = Watch::new();
                 self.adaptation.restart_walk();
                 self.adaptation.local_ut = self.config.local_max_ut;
@@ -214,11 +214,11 @@ impl Aided {
             Verdict::Erratic => {
                 self.event = event(EventKind::Erratic);
                 // what came just before the onset may have gone into the bias, which now carries the heading
-                dense.add_variance(BIAS, self.config.erratic_bias_rad_s.powi(2));
+                dense.add_variance(BIAS, tuning::ERRATIC_BIAS_RAD_S.powi(2));
             }
             Verdict::Open => {}
         }
-        if self.watch.share < self.config.clear_share {
+        if self.watch.share < tuning::CLEAR_SHARE {
             self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
@@ -229,8 +229,8 @@ impl Aided {
         }
         if trial.phase == Phase::Erratic {
             // the earth's field plus something of known size that averages out along the way
-            let sd = self.config.erratic_sd_ut * (2.0 * self.config.erratic_correlation_s / step.dt_s).sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, self.config.jitter_s) {
+            let sd = tuning::ERRATIC_SD_UT * (2.0 * tuning::ERRATIC_CORRELATION_S / step.dt_s).sqrt();
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, tuning::JITTER_S) {
                 dense.update(&weak, Correct::FieldAndBias);
             }
         }
@@ -253,7 +253,7 @@ impl Aided {
         let still = w * (step.raw_ut - dense.vector(OFFSET));
         let rate = dense.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * dense.x[DELAY];
-        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.config);
+        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s);
     }
 
     /// Follows |c| against its running median, once there is a calibration.
@@ -294,16 +294,16 @@ impl Aided {
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
         let c = &self.config;
         ProcessNoise {
-            field_ut: c.field_walk_ut,
+            field_ut: tuning::FIELD_WALK_UT,
             angle_rad: c.angle_walk_rad,
-            scale: c.scale_walk,
+            scale: tuning::SCALE_WALK,
             bridged_rad2,
             offset_ut: self.adaptation.offset_walk_ut * self.motion.amount().sqrt(),
-            iron: c.iron_walk,
+            iron: tuning::IRON_WALK,
             bias_rad_s: c.bias_walk_rad_s,
-            delay_s: c.delay_walk,
+            delay_s: tuning::DELAY_WALK,
             local_ut: self.adaptation.local_ut,
-            local_time_s: c.local_time_s,
+            local_time_s: tuning::LOCAL_TIME_S,
         }
     }
 }

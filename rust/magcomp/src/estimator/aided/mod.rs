@@ -21,6 +21,7 @@ mod state;
 mod strength;
 #[cfg(test)]
 mod tests;
+mod tuning;
 mod watch;
 
 use nalgebra::{SMatrix, Vector3};

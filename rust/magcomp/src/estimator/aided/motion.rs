@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
+use super::tuning;
 
 const RATE_TIME_S: f64 = 0.5;
 const FULL_MOTION_RAD_S: f64 = 0.3;
@@ -18,8 +19,6 @@ const LEAST_MOTION: f64 = 0.02;
 const TURNED_TIME_S: f64 = 5.0;
 /// Bias uncertainty above which a steady small rate may be bias, rad/s.
 const UNKNOWN_BIAS_RAD_S: f64 = 0.02;
-/// Scatter of the rate that no hand holds, as a share of the rate at rest.
-const REST_SCATTER: f64 = 0.35;
 /// Largest bias a phone was found with, with room, rad/s.
 const LARGEST_BIAS_RAD_S: f64 = 0.15;
 
@@ -76,7 +75,7 @@ impl Motion {
         let still = self.rate_rad_s < config.rest_rate_rad_s && now < 2.0 * config.rest_rate_rad_s;
         let steady = bias_sd > UNKNOWN_BIAS_RAD_S
             && self.mean_rad_s.norm() < LARGEST_BIAS_RAD_S
-            && self.scatter_rad2_s2.sqrt() < REST_SCATTER * config.rest_rate_rad_s;
+            && self.scatter_rad2_s2.sqrt() < tuning::REST_SCATTER * config.rest_rate_rad_s;
         self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
     }
 
@@ -103,7 +102,7 @@ impl Motion {
                 self.up_age_s = 0.0;
             }
             Some(up) => {
-                let off = (size - config.gravity_m_s2) / config.gravity_tolerance_m_s2;
+                let off = (size - config.gravity_m_s2) / tuning::GRAVITY_TOLERANCE_M_S2;
                 let trust = (-off * off).exp();
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
                 let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(self.up_age_s + dt_s);

@@ -11,7 +11,8 @@ use crate::reading::{HoldReason, Missing, Status};
 
 /// What is not known about the gyroscope's own time, s: this, and a share of the delay found between the sensors.
 const CLOCK_S: f64 = 5e-4;
-const CLOCK_SHARE: f64 = 0.35;
+const CLOCK_SHARE_LATE_MAGNETOMETER: f64 = 0.35;
+const CLOCK_SHARE_LATE_GYROSCOPE: f64 = 0.15;
 /// Share of P_mm that is published for f. The walks in P are allowances: a filter that allows for one that does not
 /// happen errs by P / 2 (steady state), one that happens by P.
 const CAUTION: f64 = 0.7;
@@ -52,7 +53,8 @@ impl Aided {
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let clock_s2 = (CLOCK_SHARE * delay_s).powi(2) + filter.p(DELAY, DELAY) + CLOCK_S * CLOCK_S;
+        let clock_share = if delay_s < 0.0 { CLOCK_SHARE_LATE_GYROSCOPE } else { CLOCK_SHARE_LATE_MAGNETOMETER };
+        let clock_s2 = (clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY) + CLOCK_S * CLOCK_S;
         let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.config);

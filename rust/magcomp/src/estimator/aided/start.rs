@@ -12,6 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::learn::LONGEST_DRIFT_S;
 use super::magnitude::Magnitude;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE};
+use super::tuning;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Calibration;
@@ -85,7 +86,7 @@ impl Aided {
         }
         dense.add_iron_variance(self.config.iron_sd.powi(2));
         dense.add_variance(BIAS, self.config.bias_sd_rad_s.powi(2));
-        dense.add_variance(LOCAL, self.config.local_start_ut.powi(2));
+        dense.add_variance(LOCAL, tuning::LOCAL_START_UT.powi(2));
         dense.p[DELAY][DELAY] = self.config.delay_sd_s.powi(2);
         let scale = self.config.scale_sd.powi(2);
         dense.add_variance(SCALE, (1.0 - SCALE_COMMON) * scale);
@@ -103,9 +104,9 @@ impl Aided {
         }
         let trace: f64 = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
         if !self.restarted {
-            if trace < self.config.restart_sd_ut.powi(2) {
+            if trace < tuning::RESTART_SD_UT.powi(2) {
                 self.restarted = true;
-                let mut again = self.fresh(self.config.restart_sd_ut);
+                let mut again = self.fresh(tuning::RESTART_SD_UT);
                 again.x = dense.x;
                 for k in BIAS..BIAS + 3 {
                     // the bias may be known from rest, where nothing was linearised

@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
+use super::tuning;
 
 /// Hysteresis: the share of the limit below which the disturbance is over.
 const OVER: f64 = 0.9;
@@ -50,10 +51,10 @@ impl Strength {
         }
         if moving {
             self.age_s = (self.age_s + dt_s).min(LEARNED_S);
-            let most = config.strength_pace_ut_s * dt_s * (LEARNED_S / self.age_s.max(1.0));
+            let most = tuning::STRENGTH_PACE_UT_S * dt_s * (LEARNED_S / self.age_s.max(1.0));
             self.median_ut = (self.median_ut + (size_ut - self.median_ut).clamp(-most, most)).max(1.0);
         }
-        let gain = (dt_s / config.strength_time_s.max(dt_s)).min(LARGEST_GAIN);
+        let gain = (dt_s / tuning::STRENGTH_TIME_S.max(dt_s)).min(LARGEST_GAIN);
         let off = (size_ut / self.median_ut - 1.0).clamp(-LARGEST, LARGEST);
         self.deviation += gain * (off - self.deviation);
         self.limit = config.strength_share.max(SIGMAS * sd_ut / self.median_ut);

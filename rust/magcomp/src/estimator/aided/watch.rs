@@ -13,9 +13,9 @@
 use nalgebra::{SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::config::AidedConfig;
 use super::events::Step;
 use super::state::{Dense, Gaussian, IRON, OFFSET, iron_rows};
+use super::tuning;
 
 /// A gated sample after a share below this begins a new run.
 const NEW_RUN: f64 = 0.05;
@@ -110,9 +110,8 @@ impl Watch {
         gated: Option<&Vector3<f64>>,
         former: Option<Vector3<f64>>,
         clearing: bool,
-        config: &AidedConfig,
     ) {
-        let time_s = if clearing && gated.is_none() { config.clear_time_s } else { config.gated_time_s };
+        let time_s = if clearing && gated.is_none() { tuning::CLEAR_TIME_S } else { tuning::GATED_TIME_S };
         if let Some(v) = gated {
             if self.share < NEW_RUN {
                 self.since_ns = step.time_ns;

@@ -127,6 +127,6 @@ fn state_fits_in_eight_kilobytes() {
 #[test]
 fn every_default_is_inside_its_range() {
     AidedConfig::default().validate().unwrap();
-    let config = AidedConfig { gate: f64::NAN, ..AidedConfig::default() };
+    let config = AidedConfig { suspect_share: f64::NAN, ..AidedConfig::default() };
     assert!(config.validate().is_err());
 }
