@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side. `tests/swift.sh`,
-# or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`; `tests/swift.sh benchmark` prints what a
-# push costs. PROFILE=ship takes the library as phones get it, which builds longer. Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder:
-# MAGCOMP_SWIFT_ROOT, by default ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
+# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation and
+# the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
+# `tests/swift.sh benchmark` prints what a push costs. PROFILE=ship takes the library as phones get it, which builds longer.
+# Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT, by default
+# ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 command -v cargo >/dev/null || { echo "swift: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
