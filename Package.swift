@@ -2,8 +2,8 @@
 import PackageDescription
 
 // The native library: on Apple platforms an XCFramework, that of a release or, with MAGCOMP_XCFRAMEWORK, one in a folder
-// of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --profile ship -p magcomp-ffi` left
-// in target/ship, or in the folder MAGCOMP_NATIVE.
+// of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --release -p magcomp-ffi` left in
+// target/release, or in the folder MAGCOMP_NATIVE.
 // `ios/build-xcframework.sh --release URL` fills this in: where a release's XCFramework is, and its checksum.
 let release: (url: String, checksum: String)? = nil
 
@@ -24,7 +24,7 @@ let native: Target =
     } else {
         .binaryTarget(name: "MagcompFFI", path: environment["MAGCOMP_XCFRAMEWORK"] ?? localFramework)
     }
-let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/ship"
+let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/release"
 // allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
 let linking: [LinkerSetting] =
     onLinux

@@ -23,7 +23,8 @@ if [ "$(uname)" != Darwin ]; then
     # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
     export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1
     unset RUSTUP_TOOLCHAIN RUSTFLAGS
-    std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
+    # with what rustup's has: backtraces
+    std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind,backtrace)
 fi
 export CARGO_TARGET_DIR=$target/ios-build
 

@@ -1,22 +1,24 @@
 #!/usr/bin/env bash
-# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side. `tests/swift.sh`,
-# or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`; `tests/swift.sh benchmark` prints what a
-# push costs. Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder:
-# MAGCOMP_SWIFT_ROOT, by default ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
+# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation and
+# the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
+# `tests/swift.sh benchmark` prints what a push costs. PROFILE=ship takes the library as phones get it, which builds longer.
+# Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT, by default
+# ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 command -v cargo >/dev/null || { echo "swift: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
 . tests/swift-toolchain.sh
 
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-cargo build --quiet --locked --profile ship -p magcomp-ffi --features test-hooks
-cargo build --quiet --locked --profile ship -p magcomp-ffi --features test-hooks --example expected
+[ "${1:-}" = benchmark ] && profile=${PROFILE:-ship} || profile=${PROFILE:-release}
+cargo build --quiet --locked --profile "$profile" -p magcomp-ffi --features test-hooks
+cargo build --quiet --locked --profile "$profile" -p magcomp-ffi --features test-hooks --example expected
 mkdir -p "$target/swift"
 recording=tests/recordings/broad_34_attached_magnet_3cm.csv.gz
-"$target/ship/examples/expected" $recording tests/vectors >"$target/swift/expected.txt"
+"$target/$profile/examples/expected" $recording tests/vectors >"$target/swift/expected.txt"
 gzip -dc $recording >"$target/swift/recording.csv"
 
-export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$target/ship MAGCOMP_EXPECTED=$target/swift
+export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$target/$profile MAGCOMP_EXPECTED=$target/swift
 # the package's own warnings are errors, and what it builds stays out of its folder
 mkdir -p "$target/swift/symbols/Magcomp"
 options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)

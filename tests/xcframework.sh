@@ -5,6 +5,7 @@
 # prints what is left after dead-stripping. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3.
 # Not for shipping, and not tried in Xcode.
 set -euo pipefail
+export LC_ALL=C
 cd "$(dirname "$0")/.."
 packages=(rustc-web cargo-web rust-web-src llvm-19 lld-19 python3)
 if ! { [ -d /usr/src/rustc-*/library ] && command -v llvm-nm-19 ld64.lld-19 python3; } >/dev/null 2>&1; then

@@ -6,6 +6,9 @@ public struct CompensatedReading: Equatable, Sendable {
     public var sample: MagneticSample
     /// The operating system's own calibrated field, the latest before it, where the source delivers that.
     public var systemField: SystemFieldSample?
+    /// Where the field has not pointed yet, unit vectors in the device frame: an app may ask for the phone to be turned so
+    /// that it does. Renewed several times a second.
+    public var unseenDirections: [Vector3]
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore = 0
 }
@@ -77,6 +80,8 @@ public struct CompensatedReadings: AsyncSequence, Sendable {
 private struct Estimation {
     /// Once a minute: what a crash costs at the most.
     private static let saveEveryNs: Int64 = 60_000_000_000
+    /// As often as an eye sees.
+    private static let unseenEveryNs: Int64 = 200_000_000
 
     private let compensator: Compensator
     private let store: (any CalibrationStore)?
@@ -85,6 +90,8 @@ private struct Estimation {
     private var systemField: SystemFieldSample?
     private var number = 0
     private var savedNs: Int64?
+    private var unseen: [Vector3] = []
+    private var unseenNs: Int64?
 
     init(_ config: Config, store: (any CalibrationStore)?, frame: (@Sendable () -> HeadingFrame)?) throws {
         compensator = try Compensator(config: config)
@@ -123,17 +130,23 @@ private struct Estimation {
         }
         let reading = try compensator.push(sample)
         // a time that is refused may be any
-        if case .rejected = reading.status {} else { saveNowAndThen(sample.timeNs) }
+        if case .rejected = reading.status {} else { try nowAndThen(sample.timeNs) }
         defer { number += 1 }
-        return (number, CompensatedReading(reading: reading, sample: sample, systemField: systemField))
+        let answer = CompensatedReading(
+            reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen)
+        return (number, answer)
     }
 
-    private mutating func saveNowAndThen(_ timeNs: Int64) {
+    private mutating func nowAndThen(_ timeNs: Int64) throws {
         let saved = savedNs ?? timeNs
-        if savedNs == nil { savedNs = timeNs }
+        savedNs = saved
         if timeNs - saved >= Self.saveEveryNs {
             savedNs = timeNs
             save()
+        }
+        if unseenNs.map({ timeNs - $0 >= Self.unseenEveryNs }) ?? true {
+            unseenNs = timeNs
+            unseen = try compensator.coverage().unseenDirections
         }
     }
 

@@ -64,7 +64,7 @@ print("ns a push: median of \(rounds) rounds of the recording, in turns; in brac
 let cases: [(name: String, method: Method, code: Int32, events: [SensorSample])] = [
     ("default method, gyroscope, up and magnetometer", .auto, 0, all),
     ("paper's method, magnetometer alone", .windowed, 1, magnetic),
-    ("constant calibration, which is the cheapest push, a tumbled device", .constant, 2, tumbled),
+    ("constant calibration, magnetometer alone, a tumbled device", .constant, 2, tumbled),
 ]
 for (name, method, code, events) in cases {
     keep(events)

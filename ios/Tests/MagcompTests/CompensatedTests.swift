@@ -34,6 +34,16 @@ import Testing
         #expect(readings.allSatisfy { $0.droppedBefore == 0 })
     }
 
+    @Test func itSaysWhichDirectionsAreUnseen() async throws {
+        let readings = try await Played(events: events).samples().compensated(capacity: 1500).collected()
+        let (first, last) = (try #require(readings.first), try #require(readings.last))
+        #expect(first.unseenDirections.count > last.unseenDirections.count)
+        #expect(first.unseenDirections.allSatisfy { abs($0.x * $0.x + $0.y * $0.y + $0.z * $0.z - 1) < 1e-9 })
+        // renewed every 20 samples
+        let changes = zip(readings, readings.dropFirst()).filter { $0.unseenDirections != $1.unseenDirections }
+        #expect((1...75).contains(changes.count))
+    }
+
     @Test func twoIteratorsHaveACompensatorEach() async throws {
         let sequence = Played(events: events).samples().compensated(capacity: 1500)
         async let first = sequence.collected()
