@@ -10,6 +10,7 @@ use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
 use crate::simulate::{Noise, Scenario, Spikes, world_field_ut};
 use clap::ValueEnum;
+use magcomp::Calibration;
 use magcomp::nalgebra::Vector3;
 
 /// Field of the table's scenarios, uT.
@@ -57,8 +58,18 @@ pub enum Case {
     PhoneHand,
     /// A phone with its walker; b steps by (20, -15, 10) uT
     PhoneWalk,
+    /// `PhoneWalk` with the calibration of an earlier session, right until the step
+    PhoneWalkKnown,
     /// A phone in a hand; b drifts by 0.5 uT/s all the time
     PhoneDrift,
+    /// A phone in a hand; nothing changes
+    PhoneSteady,
+    /// A phone with its walker; nothing changes
+    PhoneWalkSteady,
+    /// A phone turned about one axis; nothing changes
+    PhonePlanar,
+    /// A phone at rest; nothing changes
+    PhoneStill,
     /// `PhoneHand` with 2 % spikes of 30 to 150 uT
     PhoneSpikes,
 }
@@ -79,18 +90,38 @@ impl Case {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
+    /// The calibration of an earlier session, where the scenario has one.
+    #[must_use]
+    pub fn initial(self, plan: &Plan) -> Option<Calibration> {
+        let (start, field_ut) = (plan.scenario.parameters.start, plan.scenario.world_ut.start.norm());
+        let known = self == Self::PhoneWalkKnown;
+        known.then(|| Calibration::new(start.soft_iron, start.hard_iron * field_ut, field_ut).ok()).flatten()
+    }
+
     /// The stream that a seed names.
     #[must_use]
     pub fn plan(self, seed: u64, snr_db: Option<f64>) -> Plan {
         match self {
-            Self::PhoneHand | Self::PhoneWalk | Self::PhoneDrift | Self::PhoneSpikes => self.phone(seed, snr_db),
+            Self::PhoneHand
+            | Self::PhoneWalk
+            | Self::PhoneWalkKnown
+            | Self::PhoneDrift
+            | Self::PhoneSpikes
+            | Self::PhoneSteady
+            | Self::PhoneWalkSteady
+            | Self::PhonePlanar
+            | Self::PhoneStill => self.phone(seed, snr_db),
             _ => self.table(seed, snr_db),
         }
     }
 
     fn phone(self, seed: u64, snr_db: Option<f64>) -> Plan {
         let (motion, change) = match self {
-            Self::PhoneWalk => (Motion::Pedestrian, PhoneChange::Offset),
+            Self::PhoneWalk | Self::PhoneWalkKnown => (Motion::Pedestrian, PhoneChange::Offset),
+            Self::PhoneSteady => (Motion::Tumble, PhoneChange::Nothing),
+            Self::PhoneWalkSteady => (Motion::Pedestrian, PhoneChange::Nothing),
+            Self::PhonePlanar => (Motion::Planar, PhoneChange::Nothing),
+            Self::PhoneStill => (Motion::Still, PhoneChange::Nothing),
             Self::PhoneDrift => (Motion::Tumble, PhoneChange::Nothing),
             _ => (Motion::Tumble, PhoneChange::Parameters),
         };

@@ -84,6 +84,8 @@ pub struct Known {
     pub field_ut: f64,
     /// Parameters before the change; None for a recording.
     pub parameters: Option<Parameters>,
+    /// A calibration from an earlier session, where there is one: for ours.
+    pub initial: Option<Calibration>,
     /// True directions of the samples before the change, or as far as there is a reference to learn from.
     pub reference: Vec<Vector3<f64>>,
     /// Not simulated: rooms are uneven.
@@ -120,7 +122,7 @@ impl Contestant {
         let ours = |config: Config| Ours::new(config).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
         let allowances = |config: Config| {
             let heading = if known.real { HeadingConfig::default() } else { config.heading };
-            Config { heading, ..config }
+            Config { heading, initial: known.initial, ..config }
         };
         let windowed = |normalisation, residual: Residual| {
             let fit = if known.real { FitOptions { residual, ..FitOptions::default() } } else { fit_options(residual) };

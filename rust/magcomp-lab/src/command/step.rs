@@ -8,12 +8,16 @@ use crate::motion::Motion;
 use crate::parameters::ParameterSet;
 use crate::phone::{Phone, PhoneChange};
 use crate::report::Report;
-use clap::{Args, value_parser};
+use crate::experiment::adaptive::{self, AdaptiveOptions};
+use crate::experiment::compare_view::add_case;
+use crate::scenario::Case;
+use clap::{Args, ValueEnum, value_parser};
 
 /// The device's disturbance steps while it turns, and the methods follow.
 ///
 /// --motion uniform: the paper's figs. 4 and 5 (also planar and still). --motion tumble and pedestrian: the aided method
-/// beside the paper's, with the gyroscope and accelerometer that belong to the motion.
+/// beside the paper's, with the gyroscope and accelerometer that belong to the motion. --method adaptive: the magnetometer
+/// alone, on the scenario that belongs to the motion (30 dB uniform, 40 dB others) or on the one named.
 #[derive(Debug, Args)]
 pub(super) struct Step {
     /// Runs to average; 60 for figs. 4 and 5, 20 for tumble and pedestrian when not given
@@ -49,16 +53,66 @@ pub(super) struct Step {
     /// Tumble, pedestrian: samples hit by a spike of 30 to 150 uT, percent
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 50.0))]
     spikes: f64,
+    /// Which methods; those that belong to the motion when not given
+    #[arg(long, value_enum)]
+    method: Option<StepMethod>,
+    /// Adaptive: the scenario, instead of the one that belongs to the motion
+    #[arg(long, value_enum, requires = "method")]
+    scenario: Option<Case>,
+    /// Adaptive: noise it starts from, uT
+    #[arg(long, value_name = "UT", requires = "method", value_parser = |text: &str| between(text, 0.01, 20.0))]
+    noise_start: Option<f64>,
+    /// Adaptive: runs of each stream; the shortest time of each sample counts, which takes the scheduler out
+    #[arg(long, default_value_t = 1, requires = "method", value_parser = value_parser!(u32).range(1..=100))]
+    repeats: u32,
     #[command(flatten)]
     common: Common,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StepMethod {
+    /// From the magnetometer alone
+    Adaptive,
+}
+
 impl Step {
     pub fn run(self) -> Result<(), LabError> {
+        if self.method == Some(StepMethod::Adaptive) {
+            return self.adaptive();
+        }
         match AidedOptions::of(self.motion) {
             Some(options) => self.aided(options),
             None => self.windowed(),
         }
+    }
+
+    fn adaptive(self) -> Result<(), LabError> {
+        let of_motion = match self.motion {
+            Motion::Uniform => Case::Step,
+            Motion::Tumble => Case::PhoneHand,
+            Motion::Pedestrian => Case::PhoneWalkKnown,
+            Motion::Planar => Case::PhonePlanar,
+            Motion::Still => Case::PhoneStill,
+        };
+        let result = adaptive::run(&AdaptiveOptions {
+            case: self.scenario.unwrap_or(of_motion),
+            runs: self.runs.map_or(50, |runs| runs as usize),
+            seed: self.common.seed,
+            snr_db: self.snr,
+            noise_ut: self.noise_start,
+            repeats: self.repeats as usize,
+        })?;
+        self.common.finish(&result.tables(), &result, || {
+            let mut report = Report::new(
+                "Following a change with the magnetometer alone",
+                "Direction error of the adaptive method's calibration, rms over the runs.",
+            );
+            add_case(&mut report, &result.scenario, result.runs as u32, std::slice::from_ref(&result.score))?;
+            if let Some(table) = result.tables().last() {
+                report.table(table);
+            }
+            Ok(report)
+        })
     }
 
     fn aided(self, options: AidedOptions) -> Result<(), LabError> {

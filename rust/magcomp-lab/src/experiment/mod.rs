@@ -1,5 +1,6 @@
 //! The paper's experiments and the aided method beside it, each a function from options to a result that prints as a table, JSON and figures.
 
+pub mod adaptive;
 pub mod aided;
 mod aided_change;
 pub mod aided_score;
