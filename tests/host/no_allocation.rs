@@ -110,6 +110,7 @@ fn push_takes_no_memory() {
             Method::Constant => [true, false, true, true, false, true],
             Method::Windowed => [true; 6],
             Method::Auto | Method::Aided => [true, true, true, true, false, false],
+            Method::Adaptive => [true, true, true, false, false, false],
         };
         for (kind, expected) in all.into_iter().enumerate() {
             assert!(seen[kind] || !expected, "{method:?}: status {kind} never came, so it was not tested");
