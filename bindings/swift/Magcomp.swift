@@ -584,363 +584,6 @@ fileprivate struct FfiConverterString: FfiConverter {
 
 
 /**
- * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
- */
-public protocol CompensatorProtocol: AnyObject, Sendable {
-
-    /**
-     * Hard iron, soft iron and field strength in force, if any.
-     */
-    func calibration() throws  -> Calibration?
-
-    /**
-     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
-     * none when it is not known.
-     */
-    func covariance() throws  -> [Double]?
-
-    /**
-     * Which directions were seen, for guidance.
-     */
-    func coverage() throws  -> Coverage
-
-    /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
-     */
-    func fit() throws  -> Fit?
-
-    /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
-     */
-    func push(sample: MagneticSample) throws  -> Reading
-
-    /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
-     */
-    func pushRotationRate(sample: RotationRateSample) throws
-
-    /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
-     */
-    func pushUp(sample: UpSample) throws
-
-    /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
-     */
-    func reset() throws
-
-    /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-    func restore(snapshot: String) throws  -> Restored
-
-    /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-    func restoreCalibration(snapshot: String) throws
-
-    /**
-     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
-     */
-    func setHeadingFrame(frame: HeadingFrame) throws
-
-    /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
-     */
-    func shutDown()
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-    func snapshot() throws  -> String
-
-}
-/**
- * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
- */
-open class Compensator: CompensatorProtocol, @unchecked Sendable {
-    fileprivate let handle: UInt64
-
-    /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public struct NoHandle {
-        public init() {}
-    }
-
-    // TODO: We'd like this to be `private` but for Swifty reasons,
-    // we can't implement `FfiConverter` without making this `required` and we can't
-    // make it `required` without making it `public`.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    required public init(unsafeFromHandle handle: UInt64) {
-        self.handle = handle
-    }
-
-    // This constructor can be used to instantiate a fake object.
-    // - Parameter noHandle: Placeholder value so we can have a constructor separate from the default empty one that may be implemented for classes extending [FFIObject].
-    //
-    // - Warning:
-    //     Any object instantiated with this constructor cannot be passed to an actual Rust-backed object. Since there isn't a backing handle the FFI lower functions will crash.
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public init(noHandle: NoHandle) {
-        self.handle = 0
-    }
-
-#if swift(>=5.8)
-    @_documentation(visibility: private)
-#endif
-    public func uniffiCloneHandle() -> UInt64 {
-        return try! rustCall { uniffi_magcomp_ffi_fn_clone_compensator(self.handle, $0) }
-    }
-    /**
-     * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
-     */
-public convenience init(config: Config)throws  {
-    let handle =
-        try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_constructor_compensator_new(
-        FfiConverterTypeConfig_lower(config),uniffiCallStatus
-    )
-}
-    self.init(unsafeFromHandle: handle)
-}
-
-    deinit {
-        if handle == 0 {
-            // Mock objects have handle=0 don't try to free them
-            return
-        }
-
-        try! rustCall { uniffi_magcomp_ffi_fn_free_compensator(handle, $0) }
-    }
-
-
-
-
-    /**
-     * Hard iron, soft iron and field strength in force, if any.
-     */
-open func calibration()throws  -> Calibration?  {
-    return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_calibration(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
-     * none when it is not known.
-     */
-open func covariance()throws  -> [Double]?  {
-    return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_covariance(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Which directions were seen, for guidance.
-     */
-open func coverage()throws  -> Coverage  {
-    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_coverage(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
-     */
-open func fit()throws  -> Fit?  {
-    return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_fit(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
-     */
-open func push(sample: MagneticSample)throws  -> Reading  {
-    return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeMagneticSample_lower(sample),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
-     */
-open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeRotationRateSample_lower(sample),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
-     */
-open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_push_up(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeUpSample_lower(sample),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
-     */
-open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_reset(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-open func restore(snapshot: String)throws  -> Restored  {
-    return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
-     */
-open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(
-            self.uniffiCloneHandle(),
-        FfiConverterTypeHeadingFrame_lower(frame),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
-     */
-open func shutDown()  {try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_shut_down(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-}
-}
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-open func snapshot()throws  -> String  {
-    return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_snapshot(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-
-
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeCompensator: FfiConverter {
-    typealias FfiType = UInt64
-    typealias SwiftType = Compensator
-
-    public static func lift(_ handle: UInt64) throws -> Compensator {
-        return Compensator(unsafeFromHandle: handle)
-    }
-
-    public static func lower(_ value: Compensator) -> UInt64 {
-        return value.uniffiCloneHandle()
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Compensator {
-        let handle: UInt64 = try readInt(&buf)
-        return try lift(handle)
-    }
-
-    public static func write(_ value: Compensator, into buf: inout [UInt8]) {
-        writeInt(&buf, lower(value))
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeCompensator_lift(_ handle: UInt64) throws -> Compensator {
-    return try FfiConverterTypeCompensator.lift(handle)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeCompensator_lower(_ value: Compensator) -> UInt64 {
-    return FfiConverterTypeCompensator.lower(value)
-}
-
-
-
-
-
-
-/**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
 public protocol ConstantFieldProtocol: AnyObject, Sendable {
@@ -1164,6 +807,380 @@ public func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt6
 
 
 
+
+
+/**
+ * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
+ */
+public protocol NativeCompensatorProtocol: AnyObject, Sendable {
+
+    /**
+     * Hard iron, soft iron and field strength in force, if any.
+     */
+    func calibration() throws  -> Calibration?
+
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+    func covariance() throws  -> [Double]?
+
+    /**
+     * Which directions were seen, for guidance.
+     */
+    func coverage() throws  -> Coverage
+
+    /**
+     * A number for the fast paths, JNI and C, for the library's own wrapper.
+     */
+    func fastHandle()  -> Int64
+
+    /**
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     */
+    func fit() throws  -> Fit?
+
+    /**
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     */
+    func push(sample: MagneticSample) throws  -> Reading
+
+    /**
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     */
+    func pushRotationRate(sample: RotationRateSample) throws
+
+    /**
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     */
+    func pushUp(sample: UpSample) throws
+
+    /**
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     */
+    func reset() throws
+
+    /**
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    func restore(snapshot: String) throws  -> Restored
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+    func restoreCalibration(snapshot: String) throws
+
+    /**
+     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     * Fails with `Config` when the declination is out of range.
+     */
+    func setHeadingFrame(frame: HeadingFrame) throws
+
+    /**
+     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     */
+    func shutDown()
+
+    /**
+     * The whole state as text with a version and a checksum, to be kept and restored.
+     */
+    func snapshot() throws  -> String
+
+}
+/**
+ * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
+ */
+open class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
+    fileprivate let handle: UInt64
+
+    /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public struct NoHandle {
+        public init() {}
+    }
+
+    // TODO: We'd like this to be `private` but for Swifty reasons,
+    // we can't implement `FfiConverter` without making this `required` and we can't
+    // make it `required` without making it `public`.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    required public init(unsafeFromHandle handle: UInt64) {
+        self.handle = handle
+    }
+
+    // This constructor can be used to instantiate a fake object.
+    // - Parameter noHandle: Placeholder value so we can have a constructor separate from the default empty one that may be implemented for classes extending [FFIObject].
+    //
+    // - Warning:
+    //     Any object instantiated with this constructor cannot be passed to an actual Rust-backed object. Since there isn't a backing handle the FFI lower functions will crash.
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public init(noHandle: NoHandle) {
+        self.handle = 0
+    }
+
+#if swift(>=5.8)
+    @_documentation(visibility: private)
+#endif
+    public func uniffiCloneHandle() -> UInt64 {
+        return try! rustCall { uniffi_magcomp_ffi_fn_clone_compensator(self.handle, $0) }
+    }
+    /**
+     * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
+     */
+public convenience init(config: Config)throws  {
+    let handle =
+        try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_constructor_compensator_new(
+        FfiConverterTypeConfig_lower(config),uniffiCallStatus
+    )
+}
+    self.init(unsafeFromHandle: handle)
+}
+
+    deinit {
+        if handle == 0 {
+            // Mock objects have handle=0 don't try to free them
+            return
+        }
+
+        try! rustCall { uniffi_magcomp_ffi_fn_free_compensator(handle, $0) }
+    }
+
+
+
+
+    /**
+     * Hard iron, soft iron and field strength in force, if any.
+     */
+open func calibration()throws  -> Calibration?  {
+    return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_calibration(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
+     * none when it is not known.
+     */
+open func covariance()throws  -> [Double]?  {
+    return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_covariance(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Which directions were seen, for guidance.
+     */
+open func coverage()throws  -> Coverage  {
+    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_coverage(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * A number for the fast paths, JNI and C, for the library's own wrapper.
+     */
+open func fastHandle() -> Int64  {
+    return try!  FfiConverterInt64.lift(try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_fast_handle(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     */
+open func fit()throws  -> Fit?  {
+    return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_fit(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     */
+open func push(sample: MagneticSample)throws  -> Reading  {
+    return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeMagneticSample_lower(sample),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     */
+open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeRotationRateSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     */
+open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_up(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeUpSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     */
+open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_reset(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
+     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+open func restore(snapshot: String)throws  -> Restored  {
+    return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_restore(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(snapshot),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
+     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * changed then.
+     */
+open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(snapshot),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     * Fails with `Config` when the declination is out of range.
+     */
+open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeHeadingFrame_lower(frame),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     */
+open func shutDown()  {try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_shut_down(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * The whole state as text with a version and a checksum, to be kept and restored.
+     */
+open func snapshot()throws  -> String  {
+    return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_snapshot(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+
+
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeNativeCompensator: FfiConverter {
+    typealias FfiType = UInt64
+    typealias SwiftType = NativeCompensator
+
+    public static func lift(_ handle: UInt64) throws -> NativeCompensator {
+        return NativeCompensator(unsafeFromHandle: handle)
+    }
+
+    public static func lower(_ value: NativeCompensator) -> UInt64 {
+        return value.uniffiCloneHandle()
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> NativeCompensator {
+        let handle: UInt64 = try readInt(&buf)
+        return try lift(handle)
+    }
+
+    public static func write(_ value: NativeCompensator, into buf: inout [UInt8]) {
+        writeInt(&buf, lower(value))
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeNativeCompensator_lift(_ handle: UInt64) throws -> NativeCompensator {
+    return try FfiConverterTypeNativeCompensator.lift(handle)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) -> UInt64 {
+    return FfiConverterTypeNativeCompensator.lower(value)
+}
+
+
+
+
 /**
  * Raw field = soft iron * field + hard iron.
  */
@@ -1278,6 +1295,10 @@ public struct Config: Equatable, Hashable {
      */
     public var aided: [String: Double]?
     /**
+     * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
+     */
+    public var adaptiveNoiseUt: Double?
+    /**
      * How events of several sensors are brought together.
      */
     public var pairing: PairingConfig?
@@ -1313,6 +1334,9 @@ public struct Config: Equatable, Hashable {
          * which documents them with their units and ranges. A setting left out is the default.
          */aided: [String: Double]? = nil,
         /**
+         * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
+         */adaptiveNoiseUt: Double? = nil,
+        /**
          * How events of several sensors are brought together.
          */pairing: PairingConfig? = nil,
         /**
@@ -1325,6 +1349,7 @@ public struct Config: Equatable, Hashable {
         self.fit = fit
         self.windowed = windowed
         self.aided = aided
+        self.adaptiveNoiseUt = adaptiveNoiseUt
         self.pairing = pairing
         self.heading = heading
     }
@@ -1352,6 +1377,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
                 fit: FfiConverterOptionTypeFitOptions.read(from: &buf),
                 windowed: FfiConverterOptionTypeWindowedConfig.read(from: &buf),
                 aided: FfiConverterOptionDictionaryStringDouble.read(from: &buf),
+                adaptiveNoiseUt: FfiConverterOptionDouble.read(from: &buf),
                 pairing: FfiConverterOptionTypePairingConfig.read(from: &buf),
                 heading: FfiConverterOptionTypeHeadingConfig.read(from: &buf)
         )
@@ -1365,6 +1391,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeFitOptions.write(value.fit, into: &buf)
         FfiConverterOptionTypeWindowedConfig.write(value.windowed, into: &buf)
         FfiConverterOptionDictionaryStringDouble.write(value.aided, into: &buf)
+        FfiConverterOptionDouble.write(value.adaptiveNoiseUt, into: &buf)
         FfiConverterOptionTypePairingConfig.write(value.pairing, into: &buf)
         FfiConverterOptionTypeHeadingConfig.write(value.heading, into: &buf)
     }
@@ -2373,6 +2400,20 @@ public struct Reading: Equatable, Hashable {
      */
     public var coverage: Double
     /**
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+     * is not known.
+     */
+    public var directionSigmaDeg: Double?
+    /**
+     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+     * something open, also where `sigma_t` does not show it. Adaptive method only.
+     */
+    public var worstSigmaDeg: Double?
+    /**
+     * Which parameters the latest change set free. Adaptive method only.
+     */
+    public var modelOrder: ModelOrder?
+    /**
      * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
      * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
      */
@@ -2421,6 +2462,17 @@ public struct Reading: Equatable, Hashable {
          * Share of the directions seen in that window, 0 to 1.
          */coverage: Double,
         /**
+         * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+         * is not known.
+         */directionSigmaDeg: Double?,
+        /**
+         * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+         * something open, also where `sigma_t` does not show it. Adaptive method only.
+         */worstSigmaDeg: Double?,
+        /**
+         * Which parameters the latest change set free. Adaptive method only.
+         */modelOrder: ModelOrder?,
+        /**
          * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
          * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
          */reportedHardIronJumpUt: Double?,
@@ -2442,6 +2494,9 @@ public struct Reading: Equatable, Hashable {
         self.sigmaT = sigmaT
         self.window = window
         self.coverage = coverage
+        self.directionSigmaDeg = directionSigmaDeg
+        self.worstSigmaDeg = worstSigmaDeg
+        self.modelOrder = modelOrder
         self.reportedHardIronJumpUt = reportedHardIronJumpUt
         self.mode = mode
         self.event = event
@@ -2473,6 +2528,9 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 sigmaT: FfiConverterOptionDouble.read(from: &buf),
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
+                directionSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
+                worstSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
+                modelOrder: FfiConverterOptionTypeModelOrder.read(from: &buf),
                 reportedHardIronJumpUt: FfiConverterOptionDouble.read(from: &buf),
                 mode: FfiConverterTypeSensorMode.read(from: &buf),
                 event: FfiConverterOptionTypeEvent.read(from: &buf),
@@ -2490,6 +2548,9 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterOptionDouble.write(value.sigmaT, into: &buf)
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
+        FfiConverterOptionDouble.write(value.directionSigmaDeg, into: &buf)
+        FfiConverterOptionDouble.write(value.worstSigmaDeg, into: &buf)
+        FfiConverterOptionTypeModelOrder.write(value.modelOrder, into: &buf)
         FfiConverterOptionDouble.write(value.reportedHardIronJumpUt, into: &buf)
         FfiConverterTypeSensorMode.write(value.mode, into: &buf)
         FfiConverterOptionTypeEvent.write(value.event, into: &buf)
@@ -3654,7 +3715,7 @@ public func FfiConverterTypeLogLevel_lower(_ value: LogLevel) -> RustBuffer {
  * What went wrong. `text()` says it in a sentence.
  */
 public
-enum MagcompError: Swift.Error, Equatable, Hashable, Foundation.LocalizedError {
+enum MagcompError: Swift.Error, Equatable, Hashable {
 
 
 
@@ -3753,10 +3814,6 @@ public func text() -> String  {
 
 
 
-
-    public var errorDescription: String? {
-        String(reflecting: self)
-    }
 
 }
 
@@ -3893,13 +3950,17 @@ public func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuf
 public enum Method: Equatable, Hashable {
 
     /**
-     * `Aided` while rotation rates arrive, else `Windowed`.
+     * `Aided` while rotation rates arrive, else `Adaptive`.
      */
     case auto
     /**
      * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
      */
     case aided
+    /**
+     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     */
+    case adaptive
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -3933,9 +3994,11 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
 
         case 2: return .aided
 
-        case 3: return .windowed
+        case 3: return .adaptive
 
-        case 4: return .constant
+        case 4: return .windowed
+
+        case 5: return .constant
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -3953,12 +4016,16 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
             writeInt(&buf, Int32(2))
 
 
-        case .windowed:
+        case .adaptive:
             writeInt(&buf, Int32(3))
 
 
-        case .constant:
+        case .windowed:
             writeInt(&buf, Int32(4))
+
+
+        case .constant:
+            writeInt(&buf, Int32(5))
 
         }
     }
@@ -4088,6 +4155,111 @@ public func FfiConverterTypeMissing_lift(_ buf: RustBuffer) throws -> Missing {
 #endif
 public func FfiConverterTypeMissing_lower(_ value: Missing) -> RustBuffer {
     return FfiConverterTypeMissing.lower(value)
+}
+
+
+
+/**
+ * Which of the nine parameters a change set free.
+ */
+
+public enum ModelOrder: Equatable, Hashable {
+
+    /**
+     * None: they are what they were.
+     */
+    case nothing
+    /**
+     * Hard iron alone.
+     */
+    case hardIron
+    /**
+     * Hard iron and the diagonal of the soft iron.
+     */
+    case diagonal
+    /**
+     * All nine.
+     */
+    case all
+    /**
+     * Back to a calibration from before.
+     */
+    case former
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension ModelOrder: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
+    typealias SwiftType = ModelOrder
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ModelOrder {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .nothing
+
+        case 2: return .hardIron
+
+        case 3: return .diagonal
+
+        case 4: return .all
+
+        case 5: return .former
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: ModelOrder, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .nothing:
+            writeInt(&buf, Int32(1))
+
+
+        case .hardIron:
+            writeInt(&buf, Int32(2))
+
+
+        case .diagonal:
+            writeInt(&buf, Int32(3))
+
+
+        case .all:
+            writeInt(&buf, Int32(4))
+
+
+        case .former:
+            writeInt(&buf, Int32(5))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeModelOrder_lift(_ buf: RustBuffer) throws -> ModelOrder {
+    return try FfiConverterTypeModelOrder.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBuffer {
+    return FfiConverterTypeModelOrder.lower(value)
 }
 
 
@@ -5357,6 +5529,30 @@ fileprivate struct FfiConverterOptionTypeMethod: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeModelOrder: FfiConverterRustBuffer {
+    typealias SwiftType = ModelOrder?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeModelOrder.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeModelOrder.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeNormalisation: FfiConverterRustBuffer {
     typealias SwiftType = Normalisation?
 
@@ -5694,6 +5890,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_coverage() != 26830) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() != 21106) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 33260) {

@@ -2400,6 +2400,11 @@ data class Config (
     val `aided`: Map<kotlin.String, kotlin.Double>? = null
     ,
     /**
+     * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
+     */
+    val `adaptiveNoiseUt`: kotlin.Double? = null
+    ,
+    /**
      * How events of several sensors are brought together.
      */
     val `pairing`: PairingConfig? = null
@@ -2431,6 +2436,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.read(buf),
             FfiConverterOptionalTypeWindowedConfig.read(buf),
             FfiConverterOptionalMapStringDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypePairingConfig.read(buf),
             FfiConverterOptionalTypeHeadingConfig.read(buf),
         )
@@ -2444,6 +2450,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.allocationSize(value.`fit`) +
             FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`) +
             FfiConverterOptionalMapStringDouble.allocationSize(value.`aided`) +
+            FfiConverterOptionalDouble.allocationSize(value.`adaptiveNoiseUt`) +
             FfiConverterOptionalTypePairingConfig.allocationSize(value.`pairing`) +
             FfiConverterOptionalTypeHeadingConfig.allocationSize(value.`heading`)
     )
@@ -2456,6 +2463,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.write(value.`fit`, buf)
             FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
             FfiConverterOptionalMapStringDouble.write(value.`aided`, buf)
+            FfiConverterOptionalDouble.write(value.`adaptiveNoiseUt`, buf)
             FfiConverterOptionalTypePairingConfig.write(value.`pairing`, buf)
             FfiConverterOptionalTypeHeadingConfig.write(value.`heading`, buf)
     }
@@ -3186,6 +3194,23 @@ data class Reading (
     val `coverage`: kotlin.Double
     ,
     /**
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+     * is not known.
+     */
+    val `directionSigmaDeg`: kotlin.Double?
+    ,
+    /**
+     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+     * something open, also where `sigma_t` does not show it. Adaptive method only.
+     */
+    val `worstSigmaDeg`: kotlin.Double?
+    ,
+    /**
+     * Which parameters the latest change set free. Adaptive method only.
+     */
+    val `modelOrder`: ModelOrder?
+    ,
+    /**
      * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
      * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
      */
@@ -3231,6 +3256,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalTypeModelOrder.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterTypeSensorMode.read(buf),
             FfiConverterOptionalTypeEvent.read(buf),
             FfiConverterTypeStatus.read(buf),
@@ -3247,6 +3275,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalDouble.allocationSize(value.`sigmaT`) +
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
+            FfiConverterOptionalDouble.allocationSize(value.`directionSigmaDeg`) +
+            FfiConverterOptionalDouble.allocationSize(value.`worstSigmaDeg`) +
+            FfiConverterOptionalTypeModelOrder.allocationSize(value.`modelOrder`) +
             FfiConverterOptionalDouble.allocationSize(value.`reportedHardIronJumpUt`) +
             FfiConverterTypeSensorMode.allocationSize(value.`mode`) +
             FfiConverterOptionalTypeEvent.allocationSize(value.`event`) +
@@ -3263,6 +3294,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalDouble.write(value.`sigmaT`, buf)
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
+            FfiConverterOptionalDouble.write(value.`directionSigmaDeg`, buf)
+            FfiConverterOptionalDouble.write(value.`worstSigmaDeg`, buf)
+            FfiConverterOptionalTypeModelOrder.write(value.`modelOrder`, buf)
             FfiConverterOptionalDouble.write(value.`reportedHardIronJumpUt`, buf)
             FfiConverterTypeSensorMode.write(value.`mode`, buf)
             FfiConverterOptionalTypeEvent.write(value.`event`, buf)
@@ -4563,13 +4597,17 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
 enum class Method {
 
     /**
-     * `Aided` while rotation rates arrive, else `Windowed`.
+     * `Aided` while rotation rates arrive, else `Adaptive`.
      */
     AUTO,
     /**
      * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
      */
     AIDED,
+    /**
+     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     */
+    ADAPTIVE,
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -4741,6 +4779,63 @@ public object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
+
+
+
+/**
+ * Which of the nine parameters a change set free.
+ */
+
+enum class ModelOrder {
+
+    /**
+     * None: they are what they were.
+     */
+    NOTHING,
+    /**
+     * Hard iron alone.
+     */
+    HARD_IRON,
+    /**
+     * Hard iron and the diagonal of the soft iron.
+     */
+    DIAGONAL,
+    /**
+     * All nine.
+     */
+    ALL,
+    /**
+     * Back to a calibration from before.
+     */
+    FORMER;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
+    override fun read(buf: ByteBuffer) = try {
+
+        ModelOrder.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: ModelOrder) = 4UL
+
+    override fun write(value: ModelOrder, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
     }
 }
 
@@ -6006,6 +6101,38 @@ public object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
         } else {
             buf.put(1)
             FfiConverterTypeMethod.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<ModelOrder?> {
+    override fun read(buf: ByteBuffer): ModelOrder? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeModelOrder.read(buf)
+    }
+
+    override fun allocationSize(value: ModelOrder?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeModelOrder.allocationSize(value)
+        }
+    }
+
+    override fun write(value: ModelOrder?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeModelOrder.write(value, buf)
         }
     }
 }
