@@ -2,6 +2,10 @@
 //! theta_k = integral of w(t) dt over (t_{k-1}, t_k), with w(t) piecewise linear between gyroscope events
 //! (trapezoid rule, exact for that w; the next term, [w x w'] dt^3/12, is below 1e-4 rad at 25 Hz and hand motion).
 //!
+//! What the rate did between its events is not known. If it wanders with density q, its slope changes by d_k from one
+//! interval T to the next, mean d_k . d_{k-1} = -3 q / T, and the trapezoid is wrong by q T^3 / 12 per axis (variance).
+//! A smooth motion bends the same way twice: its product is positive, and nothing is counted.
+//!
 //! What is taken beyond the newest gyroscope event is extrapolated by holding the last rate, remembered as `owed`,
 //! and taken back from the next increment, so that events which arrive late lose nothing. All storage is a ring of
 //! fixed size; when it overflows, the oldest segment is folded into the running integral, which loses nothing either.
@@ -17,6 +21,7 @@ const RATE_EVENTS: usize = 16;
 /// `up` events held: they vary slowly, only the two around a sample matter.
 const UP_EVENTS: usize = 8;
 const NANO: f64 = 1e-9;
+/// Memory of that density, s: a hand changes its motion about as fast.
 const WANDER_TIME_S: f64 = 0.5;
 
 /// How the pairing decides that a sensor is there, and what it refuses.
@@ -163,6 +168,7 @@ pub(crate) struct InertialPairing {
     /// The last event integrated (not interpolated), and how fast the rate changed up to it, rad/s^2.
     last_rate: Option<Event>,
     slope: Option<Vector3<f64>>,
+    /// How that has changed from the interval before, and q, rad^2/s^3.
     bend: Option<Vector3<f64>>,
     wander: f64,
     /// Extrapolated beyond the anchor and already handed out, rad.

@@ -104,7 +104,7 @@ pub enum Status {
     Collecting(Missing),
     /// Calibrated, and following changes.
     Tracking,
-    /// Something changed; not yet decided what.
+    /// Something changed; not yet decided what, or the field is erratic though of its usual strength.
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,

@@ -152,3 +152,42 @@ fn a_flood_of_events_is_folded_and_nothing_is_lost() {
     let got = pairing.pair(1_000 * MS).rotation.unwrap().increment_rad;
     assert!((got - angle(1.0)).norm() < 1e-5, "{got}");
 }
+
+/// Mean of what is reported per sample, over the q T^3 / 12 of a rate that wanders with density q.
+fn reported_share(period_ns: i64, mut rate: impl FnMut() -> Vector3<f64>, density: f64) -> f64 {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    let (count, mut sum) = (4_000, 0.0);
+    for k in 0..count {
+        pairing.push_rotation_rate(k * period_ns, rate()).unwrap();
+        sum += pairing.pair(k * period_ns).rotation.map_or(0.0, |rotation| rotation.variance_rad2);
+    }
+    let period_s = period_ns as f64 * 1e-9;
+    sum / count as f64 / (density * period_s.powi(3) / 12.0)
+}
+
+#[test]
+fn what_a_wandering_rate_did_between_its_events_is_counted_and_smooth_motion_is_not() {
+    for (period_ns, period_s) in [(40 * MS, 0.04_f64), (10 * MS, 0.01)] {
+        let mut state = 1u64;
+        // uniform, variance 1
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
+        };
+        let density = 0.6_f64;
+        let mut now = Vector3::zeros();
+        let wandering = || {
+            now = now * 0.999 + Vector3::new(draw(), draw(), draw()) * (density * period_s).sqrt();
+            now
+        };
+        let share = reported_share(period_ns, wandering, density);
+        assert!((0.7..1.6).contains(&share), "{share} at {period_ns} ns");
+        let mut k = 0;
+        let smooth = || {
+            k += 1;
+            rate(f64::from(k) * period_s)
+        };
+        let share = reported_share(period_ns, smooth, density);
+        assert!(share < 1e-3, "{share} of a smooth motion at {period_ns} ns");
+    }
+}

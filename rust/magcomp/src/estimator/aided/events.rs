@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! nothing   the filter as it was, predicted only; has won when its samples fit again
-//! device    P_bb += s^2 I, P_ee += T (room left): the device's disturbance stepped, the field m holds
+//! device    P_bb += s^2 I, P_ee += T (room left), |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
 //! erratic   neither of the last two explains the samples for longer than a second
 //! l = -(min(NIS, 25) + ln det S) / 2,   L += 0.2 min(dt / 10 ms, 4) (l_device - l_place),   |L| <= 30

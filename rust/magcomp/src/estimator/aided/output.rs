@@ -1,11 +1,13 @@
 //! What comes out: the corrected sample c, the carried field f, and how sure they are.
 //!
 //! ```text
-//! c = W (raw - b) - tau (w x W (raw - b)),  W = M^-1     (brought to the gyroscope's time)
+//! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
 //! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (s_d^2 + floor^2) I + timing
-//! f = m,  P_f = P_mm + floor^2 I + timing,   timing = s_clock^2 (w x h)(w x h)^T
+//! P_f = 0.7 P_mm + floor^2 I + timing,   timing = s_clock^2 (w x h)(w x h)^T
 //! ```
-//! P alone is right about b, but cannot know that the field of a room is not uniform: hence the floors.
+//! tau > 0: the magnetometer is late, and c is brought to the gyroscope's time; tau < 0: the gyroscope is, and f is brought
+//! to the magnetometer's; neither is ever early. P alone is right about b, but cannot know that the field of a room is
+//! not uniform: hence the floors.
 //! Source: docs/METHOD.md.
 
 use crate::reading::{Event, SensorMode, Status};
@@ -16,7 +18,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 pub(crate) struct AidedOutput {
     /// Time of the sample, ns.
     pub time_ns: i64,
-    /// c: the corrected sample at the gyroscope's time, uT; `None` while collecting.
+    /// c: the corrected sample at the time of the sensor that is less late, uT; `None` while collecting.
     pub corrected_ut: Option<Vector3<f64>>,
     /// Covariance of c, uT^2.
     pub corrected_covariance_ut2: Matrix3<f64>,

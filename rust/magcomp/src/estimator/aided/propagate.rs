@@ -8,7 +8,7 @@
 //! ```
 //! Process noise:
 //! ```text
-//! m += q_m^2 dt I + (q_g^2 + q_s^2 |w|^2) dt (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error)
+//! m += q_m^2 dt I + ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
 //! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T,  tau += q_tau^2 dt
 //! ```
 //! Only the rows of m and d change, so F P F^T costs two 6 x 22 products. Source: docs/METHOD.md; the Jacobian to g

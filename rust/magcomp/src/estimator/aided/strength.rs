@@ -4,8 +4,9 @@
 //! F += pace dt sign(|c| - F)                      (a running median: short disturbances do not move it)
 //! deviation += (dt / t) ((|c| - F) / F - deviation)
 //! ```
-//! It only colours the status and weakens the learning (noise grows by the excess); it decides nothing: a calibration
-//! that is wrong itself must still be able to learn. Only deviations beyond three sigma of |c| count. New here.
+//! It only colours the status and weakens the learning (noise grows by the excess), once the calibration is 5 s of
+//! motion old; it decides nothing: a calibration that is wrong itself must still be able to learn. Only deviations
+//! beyond three sigma of |c| count. New here.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::super::state::{OFFSET, SCALE, STATES};
+use super::super::state::{DELAY, OFFSET, SCALE, STATES};
 use super::super::{Aided, AidedConfig};
 use super::simulator::World;
 use crate::pairing::PairedInertial;
@@ -123,4 +123,25 @@ fn the_scale_of_the_gyroscope_is_found() {
     }
     let mean: f64 = sum / 10.0;
     assert!((mean - 0.01 / 1.01).abs() < 0.003, "mean scale error found: {mean}");
+}
+
+#[test]
+fn a_late_gyroscope_is_found_and_f_is_not_late() {
+    let mut world = World::new(23);
+    let mut aided = Aided::new(AidedConfig::default());
+    let mut before = None;
+    let mut squares_deg2 = 0.0;
+    for k in 0..4_000 {
+        // each rotation is stamped one sample, 10 ms, after its truth
+        let sample = world.sample(0.01);
+        let late = before.replace(sample.inertial).unwrap_or_default();
+        let output = aided.push(sample.time_ns, sample.raw_ut, &late);
+        if k >= 3_000 {
+            squares_deg2 += output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
+        }
+    }
+    let delay_s = aided.filter.as_ref().unwrap().mean[DELAY];
+    assert!((delay_s + 0.010).abs() < 0.002, "{delay_s} s");
+    let rms_deg = (squares_deg2 / 1_000.0).sqrt();
+    assert!(rms_deg < 0.45, "{rms_deg} deg");
 }
