@@ -101,7 +101,8 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.coverage().into()))
     }
 
-    /// Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+    /// Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+    /// `Panicked`.
     pub fn reset(&self) -> Result<(), MagcompError> {
         self.running.replace(|| Running::new(&self.config))
     }
@@ -126,9 +127,9 @@ impl Compensator {
         })
     }
 
-    /// Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-    /// device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-    /// changed then.
+    /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
+    /// an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+    /// nothing has changed then.
     pub fn restore_calibration(&self, snapshot: String) -> Result<(), MagcompError> {
         self.running.with(|running| {
             running.core.restore_calibration(&snapshot)?;

@@ -988,13 +988,13 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_up() and 0xFFFF) != 62246) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 64265) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 38613) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 11625) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 14261) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 48411) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() and 0xFFFF) != 6198) {
@@ -1479,7 +1479,8 @@ public interface NativeCompensatorInterface {
     fun `pushUp`(`sample`: UpSample)
 
     /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+     * `Panicked`.
      */
     fun `reset`()
 
@@ -1491,9 +1492,9 @@ public interface NativeCompensatorInterface {
     fun `restore`(`snapshot`: kotlin.String): Restored
 
     /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
+     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * nothing has changed then.
      */
     fun `restoreCalibration`(`snapshot`: kotlin.String)
 
@@ -1771,7 +1772,8 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+     * `Panicked`.
      */
     @Throws(MagcompException::class)override fun `reset`()
         =
@@ -1807,9 +1809,9 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
+     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `restoreCalibration`(`snapshot`: kotlin.String)
         =

@@ -123,14 +123,18 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     /** Which directions were seen, for guidance. */
     public fun coverage(): Coverage = unlessClosed { native.coverage() }
 
-    /** Forgets everything but the config it was made with, and makes it usable again after [MagcompException.Panicked]. */
+    /**
+     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+     * [MagcompException.Panicked].
+     */
     public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** The whole state as text with a version and a checksum, to be kept and restored. */
     public fun snapshot(): String = unlessClosed { native.snapshot() }
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, else its calibration alone.
+     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
+     * of the library, else its calibration alone.
      *
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
@@ -138,8 +142,8 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     public fun restore(snapshot: String): Restored = unlessClosed { native.restore(snapshot) }
 
     /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * phone, whose sensor clock begins at 0 again.
+     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of an
+     * app, or of the phone, whose sensor clock begins at 0 again.
      *
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
