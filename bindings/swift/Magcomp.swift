@@ -856,7 +856,8 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func pushUp(sample: UpSample) throws
 
     /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+     * `Panicked`.
      */
     func reset() throws
 
@@ -868,9 +869,9 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func restore(snapshot: String) throws  -> Restored
 
     /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
+     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * nothing has changed then.
      */
     func restoreCalibration(snapshot: String) throws
 
@@ -1058,7 +1059,8 @@ open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTy
 }
 
     /**
-     * Forgets everything but the config it was made with, the heading frame set since too, and makes it usable again after `Panicked`.
+     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+     * `Panicked`.
      */
 open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1084,9 +1086,9 @@ open func restore(snapshot: String)throws  -> Restored  {
 }
 
     /**
-     * Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-     * device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
+     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * nothing has changed then.
      */
 open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -5907,13 +5909,13 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 62246) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 64265) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 38613) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 11625) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 14261) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 48411) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() != 6198) {
