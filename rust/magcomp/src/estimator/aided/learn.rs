@@ -116,6 +116,13 @@ impl Aided {
             return;
         };
         let gated = innovation.nis > tuning::GATE;
+        if self.unconfirmed > 0 && !self.adopted {
+            self.unconfirmed = if gated { self.unconfirmed - 1 } else { 0 };
+            if gated && self.unconfirmed == 0 {
+                *dense = self.start(step.raw_ut).open();
+                return;
+            }
+        }
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some());

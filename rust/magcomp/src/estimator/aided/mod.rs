@@ -60,6 +60,8 @@ pub(crate) struct Aided {
     /// The filter has been started anew from its own first answer.
     restarted: bool,
     adopted: bool,
+    /// Misfits still allowed to the samples right after the first before that one is dropped; 0: one has fitted.
+    unconfirmed: u32,
     adaptation: Adaptation,
     motion: Motion,
     watch: Watch,
@@ -85,6 +87,7 @@ impl Aided {
             filter: None,
             restarted: false,
             adopted: false,
+            unconfirmed: 0,
             adaptation: Adaptation::new(&config),
             motion: Motion::new(),
             watch: Watch::new(),

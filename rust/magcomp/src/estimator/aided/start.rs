@@ -22,6 +22,8 @@ use crate::reading::SensorMode;
 const NEAR_UT: std::ops::Range<f64> = 20.0..75.0;
 const NEAR_SD_UT: f64 = 25.0;
 const FAR_SD_UT: f64 = 30.0;
+/// A first sample that so many after it do not fit was a spike.
+const CONFIRMING: u32 = 3;
 /// Variance of the sum of m and b at the start, uT^2: half a microtesla of noise.
 const SUM_VARIANCE_UT2: f64 = 0.25;
 /// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
@@ -37,6 +39,7 @@ impl Aided {
     pub(super) fn start(&mut self, raw_ut: &Vector3<f64>) -> Gaussian {
         self.restarted = false;
         self.adopted = false;
+        self.unconfirmed = CONFIRMING;
         self.trial = None;
         let near = NEAR_UT.contains(&raw_ut.norm());
         let mut dense = self.fresh(if near { NEAR_SD_UT } else { FAR_SD_UT });

@@ -130,3 +130,16 @@ fn every_default_is_inside_its_range() {
     let config = AidedConfig { suspect_share: f64::NAN, ..AidedConfig::default() };
     assert!(config.validate().is_err());
 }
+
+#[test]
+fn a_spike_as_the_first_sample_does_no_harm() {
+    let mut world = World::new(9);
+    let mut aided = Aided::new(AidedConfig::default());
+    for k in 0..1_000 {
+        let sample = world.sample(0.01);
+        let spike = if k == 0 { Vector3::new(80.0, -60.0, 50.0) } else { Vector3::zeros() };
+        aided.push(sample.time_ns, sample.raw_ut + spike, &sample.inertial);
+    }
+    let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+    assert!(error < 2.0 && aided.event.is_none(), "offset wrong by {error} uT, {:?}", aided.event);
+}
