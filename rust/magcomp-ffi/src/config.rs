@@ -7,10 +7,12 @@ use std::collections::HashMap;
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Method {
-    /// `Aided` while rotation rates arrive, else `Windowed`.
+    /// `Aided` while rotation rates arrive, else `Adaptive`.
     Auto,
     /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
     Aided,
+    /// The magnetometer alone: a fit of everything since the latest change, changes noticed by themselves.
+    Adaptive,
     /// The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
     Windowed,
     /// Its first step alone: one fit of the first well spread samples, then kept.
@@ -43,6 +45,9 @@ pub struct Config {
     /// which documents them with their units and ranges. A setting left out is the default.
     #[uniffi(default = None)]
     pub aided: Option<HashMap<String, f64>>,
+    /// The method with the magnetometer alone: noise to start from, microtesla per axis, 0.01 to 20. Default 0.5; it is learned.
+    #[uniffi(default = None)]
+    pub adaptive_noise_ut: Option<f64>,
     /// How events of several sensors are brought together.
     #[uniffi(default = None)]
     pub pairing: Option<PairingConfig>,
@@ -204,7 +209,7 @@ pub struct HeadingConfig {
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, sensor, fit, windowed, aided, pairing, heading } =
+    let magcomp::Config { method, initial, sensor, fit, windowed, aided, adaptive, pairing, heading } =
         magcomp::Config::default();
     Config {
         method: Some(method.into()),
@@ -214,6 +219,7 @@ pub fn default_config() -> Config {
         fit: Some(fit.into()),
         windowed: Some(windowed.into()),
         aided: Some(settings(&aided)),
+        adaptive_noise_ut: Some(adaptive.noise_ut),
         pairing: Some(pairing.into()),
         heading: Some(heading.into()),
     }
@@ -222,7 +228,18 @@ pub fn default_config() -> Config {
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
     fn try_from(c: Config) -> Result<Self, MagcompError> {
-        let Config { method, initial, use_reported_hard_iron: _, sensor, fit, windowed, aided, pairing, heading } = c;
+        let Config {
+            method,
+            initial,
+            use_reported_hard_iron: _,
+            sensor,
+            fit,
+            windowed,
+            aided,
+            adaptive_noise_ut,
+            pairing,
+            heading,
+        } = c;
         let d = Self::default();
         let config = Self {
             method: method.map_or(d.method, Into::into),
@@ -231,6 +248,7 @@ impl TryFrom<Config> for magcomp::Config {
             fit: fit.map_or(Ok(d.fit), TryInto::try_into)?,
             windowed: windowed.map_or(Ok(d.windowed), TryInto::try_into)?,
             aided: aided.map_or(Ok(d.aided), |settings| aided_config(&settings))?,
+            adaptive: magcomp::AdaptiveConfig { noise_ut: adaptive_noise_ut.unwrap_or(d.adaptive.noise_ut) },
             pairing: pairing.map_or(d.pairing, Into::into),
             heading: heading.map_or(d.heading, Into::into),
         };
@@ -409,7 +427,7 @@ impl From<HeadingConfig> for magcomp::HeadingConfig {
 }
 
 same_names! {
-    Method { Auto, Aided, Windowed, Constant }
+    Method { Auto, Aided, Adaptive, Windowed, Constant }
     Residual { Algebraic, Corrected }
     Normalisation { HalfRange, EvenSphere }
     ReferenceAxis { TopEdge, Camera, Auto }

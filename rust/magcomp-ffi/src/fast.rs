@@ -11,7 +11,7 @@ use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::java::{Env, JavaArray};
 use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, RejectReason, SensorMode, Status};
+use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
 
@@ -51,7 +51,10 @@ mod slot {
     pub(super) const MODE: usize = 24;
     /// The kind, and two times of two numbers each.
     pub(super) const EVENT: usize = 25;
-    pub(super) const COUNT: usize = 30;
+    pub(super) const DIRECTION_SIGMA: usize = 30;
+    pub(super) const WORST_SIGMA: usize = 31;
+    pub(super) const ORDER: usize = 32;
+    pub(super) const COUNT: usize = 33;
 }
 
 type Slots = [f64; slot::COUNT];
@@ -84,6 +87,17 @@ fn write_reading(reading: &Reading) -> Slots {
         SensorMode::GyroscopeOnly => 1,
         SensorMode::GravityOnly => 2,
         SensorMode::MagnetometerOnly => 3,
+    });
+    out[slot::DIRECTION_SIGMA] = reading.direction_sigma_deg.unwrap_or(unknown);
+    out[slot::WORST_SIGMA] = reading.worst_sigma_deg.unwrap_or(unknown);
+    out[slot::ORDER] = reading.model_order.map_or(unknown, |order| {
+        f64::from(match order {
+            ModelOrder::Nothing => 0,
+            ModelOrder::HardIron => 1,
+            ModelOrder::Diagonal => 2,
+            ModelOrder::All => 3,
+            ModelOrder::Former => 4,
+        })
     });
     if let Some(event) = &reading.event {
         out[slot::EVENT] = f64::from(match event.kind {

@@ -2,7 +2,7 @@
 
 use crate::config::{ReferenceAxis, ScreenRotation};
 use crate::error::MagcompError;
-use crate::status::{Event, SensorMode, Status};
+use crate::status::{Event, ModelOrder, SensorMode, Status};
 use magcomp::nalgebra;
 
 /// Conversions both ways between enums without data that have the same names here and in the core.
@@ -151,6 +151,14 @@ pub struct Reading {
     /// By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
     /// not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
     pub reported_hard_iron_jump_ut: Option<f64>,
+    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+    /// is not known.
+    pub direction_sigma_deg: Option<f64>,
+    /// The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+    /// something open. Adaptive method only.
+    pub worst_sigma_deg: Option<f64>,
+    /// Which parameters the latest change set free. Adaptive method only.
+    pub model_order: Option<ModelOrder>,
     /// The sensors the estimator runs on.
     pub mode: SensorMode,
     /// The latest change that was decided, kept until the next. None before the first.
@@ -171,6 +179,9 @@ impl From<magcomp::Reading> for Reading {
             sigma_t,
             window,
             coverage,
+            direction_sigma_deg,
+            worst_sigma_deg,
+            model_order,
             mode,
             event,
             status,
@@ -186,6 +197,9 @@ impl From<magcomp::Reading> for Reading {
             window: count(window),
             coverage,
             reported_hard_iron_jump_ut: None,
+            direction_sigma_deg,
+            worst_sigma_deg,
+            model_order: model_order.map(Into::into),
             mode: mode.into(),
             event: event.map(Into::into),
             status: status.into(),

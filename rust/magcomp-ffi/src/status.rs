@@ -143,6 +143,21 @@ pub enum SensorMode {
     MagnetometerOnly,
 }
 
+/// Which parameters were free to change at the latest change, as the evidence had it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum ModelOrder {
+    /// None: they are what they were.
+    Nothing,
+    /// The hard iron alone.
+    HardIron,
+    /// The hard iron and the diagonal of the soft iron.
+    Diagonal,
+    /// All nine.
+    All,
+    /// Back to a calibration from before.
+    Former,
+}
+
 /// A change that was decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Record)]
 pub struct Event {
@@ -306,6 +321,7 @@ impl From<magcomp::Event> for Event {
 crate::record::same_names! {
     EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
     SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
+    ModelOrder { Nothing, HardIron, Diagonal, All, Former }
     EventKind { DeviceStep, DeviceStepBack, PlaceChanged, Erratic }
 }
 

@@ -73,6 +73,9 @@ public class ReadingBuffer {
         const val FIELD_SIGMA = 23
         const val MODE = 24
         const val EVENT = 25
+        const val DIRECTION_SIGMA = 30
+        const val WORST_SIGMA = 31
+        const val ORDER = 32
 
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading {
             val heading = known(slots[at + HEADING])?.let {
@@ -94,6 +97,9 @@ public class ReadingBuffer {
                 window = slots[at + WINDOW].toInt(),
                 coverage = slots[at + COVERAGE],
                 reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
+                directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
+                worstSigmaDeg = known(slots[at + WORST_SIGMA]),
+                modelOrder = known(slots[at + ORDER])?.let { ModelOrder.entries[it.toInt()] },
                 mode = SensorMode.entries[slots[at + MODE].toInt()],
                 event = event(slots, at + EVENT),
                 status = status(slots, timeNs, at),
