@@ -57,7 +57,7 @@ fn the_counter_counts() {
 /// From the first sample on, in every method: collecting, tracking, a step, a bad sample, one axis, rest.
 #[test]
 fn push_takes_no_memory() {
-    for method in [Method::Auto, Method::Aided, Method::Windowed, Method::Constant] {
+    for method in [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed, Method::Constant] {
         let aided = matches!(method, Method::Auto | Method::Aided);
         let mut attitude = Rotation3::identity();
         let heading = HeadingConfig { declination_deg: Some(3.0), ..HeadingConfig::default() };
@@ -109,8 +109,7 @@ fn push_takes_no_memory() {
         let all = match method {
             Method::Constant => [true, false, true, true, false, true],
             Method::Windowed => [true; 6],
-            Method::Auto | Method::Aided => [true, true, true, true, false, false],
-            Method::Adaptive => [true, true, true, false, false, false],
+            Method::Auto | Method::Aided | Method::Adaptive => [true, true, true, true, false, false],
         };
         for (kind, expected) in all.into_iter().enumerate() {
             assert!(seen[kind] || !expected, "{method:?}: status {kind} never came, so it was not tested");

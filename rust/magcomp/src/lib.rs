@@ -7,7 +7,8 @@
 //! equation numbers in this crate are that paper's.
 //!
 //! Where to find what: error model (1) to (8) and correction (11) in `calibration`; the ellipsoid (9), (10) in
-//! `ellipsoid`; sigma_T (12) to (15) in `uniformity`; the window (16) in `window`; fig. 3 in `estimator/windowed`.
+//! `ellipsoid`; sigma_T (12) to (15) in `uniformity`; the window (16) in `window`; fig. 3 in `estimator/windowed`; what is
+//! ours in `estimator/aided` (with a gyroscope) and `estimator/adaptive` (without).
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
 

@@ -56,7 +56,7 @@ const LOG_KNOWN_STRENGTH: f64 = 0.05;
 /// How far a calibration given at the start is trusted: T, b (uT).
 const GIVEN: (f64, f64) = (0.005, 2.0);
 /// Log prior of the hypotheses that ignore a given calibration.
-const LOG_PRIOR_IGNORED: f64 = -8.0;
+pub(super) const LOG_PRIOR_IGNORED: f64 = -8.0;
 
 impl Jump {
     /// What was known, after this jump.
@@ -92,26 +92,23 @@ fn near_identity(scale: f64, scale_sd: f64, deviation: f64, centre: Vector3<f64>
     Gaussian { mean, covariance }
 }
 
-/// What a first sample at `first_ut` allows, in units about it: order, prior, log prior. `given` is a calibration to begin
-/// with, already in these coordinates.
+/// What a first sample at `first_ut` allows, in units about it: order, prior, log prior.
 pub(super) fn cold(
     first_ut: &Vector3<f64>,
     unit_ut: f64,
     strength_known: bool,
-    given: Option<&Vector9>,
-) -> [Option<(ModelOrder, Gaussian, f64)>; 5] {
+) -> [(ModelOrder, Gaussian, f64); 1 + COLD.len()] {
     let scale_sd = if strength_known { LOG_KNOWN_STRENGTH } else { LOG_STRENGTH };
-    let penalty = if given.is_some() { LOG_PRIOR_IGNORED } else { 0.0 };
-    let free = COLD.map(|(deviation, log_prior)| {
-        let prior = near_identity(1.0, scale_sd, deviation, Vector3::zeros(), 1.0);
-        Some((ModelOrder::All, prior, log_prior + penalty))
+    let [a, b, c] = COLD.map(|(deviation, log_prior)| {
+        (ModelOrder::All, near_identity(1.0, scale_sd, deviation, Vector3::zeros(), 1.0), log_prior)
     });
     let (deviation, offset_ut) = CALIBRATED;
     let calibrated = near_identity(1.0, scale_sd, deviation, -first_ut / unit_ut, offset_ut / unit_ut);
-    let given = given.map(|mean| {
-        let mut prior = near_identity(1.0, GIVEN.0, GIVEN.0, Vector3::zeros(), GIVEN.1 / unit_ut);
-        prior.mean = *mean;
-        (ModelOrder::Nothing, prior, 0.0)
-    });
-    [given, Some((ModelOrder::Nothing, calibrated, LOG_PRIOR_CALIBRATED + penalty)), free[0], free[1], free[2]]
+    [(ModelOrder::Nothing, calibrated, LOG_PRIOR_CALIBRATED), a, b, c]
+}
+
+/// A calibration to begin with, in these coordinates.
+pub(super) fn given(tau: &Vector9, unit_ut: f64) -> Gaussian {
+    let known = near_identity(1.0, GIVEN.0, GIVEN.0, Vector3::zeros(), GIVEN.1 / unit_ut);
+    Gaussian { mean: *tau, covariance: known.covariance }
 }

@@ -29,7 +29,7 @@ use crate::config::{Config, ConfigError};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
-use ladder::{JUMPS, LOG_PRIOR_FORMER, TWINNED};
+use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
@@ -233,12 +233,10 @@ impl Adaptive {
         self.started = true;
         self.absorbed_ns = time_ns;
         self.move_centre(raw_ut);
-        let given = self.given.map(|calibration| self.tau_of(&calibration));
-        if let Some(tau) = given {
-            let [first, ..] = ladder::cold(raw_ut, self.unit_ut, true, Some(&tau));
-            self.published = first.map(|(_, prior, _)| Published { tau, covariance: prior.covariance, expected: 0.0 });
-        }
-        self.compete(time_ns, None);
+        let given = self.given.map(|calibration| ladder::given(&self.tau_of(&calibration), self.unit_ut));
+        self.published =
+            given.map(|known| Published { tau: known.mean, covariance: known.covariance, expected: 0.0 });
+        self.compete(time_ns, given);
     }
 
     /// Coordinates about another sample; the segment starts anew there.
@@ -263,14 +261,10 @@ impl Adaptive {
             let prior = JUMPS[0].after(former);
             base.and_then(|_| Hypothesis::new(ModelOrder::Former, &prior, LOG_PRIOR_FORMER))
         });
-        let cold = match base {
-            Some(_) => [None; 5],
-            None => {
-                let given = self.published.map(|published| published.tau);
-                ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some(), given.as_ref())
-            }
-        };
-        let cold = cold.iter().flatten().filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log));
+        let ignored = if base.is_some() { LOG_PRIOR_IGNORED } else { 0.0 };
+        let cold = ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some());
+        let cold = cold.iter().filter(|_| base.is_none() || self.count == 0);
+        let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
         self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &[] });
         self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
         self.noise.forget_block();
@@ -333,7 +327,8 @@ impl Adaptive {
         let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
         let Some(start) = late.iter().flatten().nth(first).copied() else { return };
         let base = match self.trial {
-            Some(trial) if !trial.released => {
+            // at the start neither the fit nor the noise is known well enough to call it a change
+            Some(trial) if !trial.released || (trial.base.is_none() && !self.noise.is_known()) => {
                 if self.reconsider() {
                     return;
                 }
@@ -400,7 +395,7 @@ impl Adaptive {
         let span = ((self.count / 2).trailing_zeros() as usize).min(SPANS - 1);
         let length = span_length(span);
         let age = self.samples.age;
-        let too_young = age < SCANNED_FROM || age < 2 * length;
+        let too_young = age < SCANNED_FROM || age < 2 * length || !self.noise.is_known();
         if too_young || self.trial.is_some_and(|trial| !trial.released) || (self.drift.is_on() && span > BLOCK_SPAN) {
             return;
         }
@@ -498,6 +493,8 @@ impl Adaptive {
                     Some(published) if trial.released => {
                         compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
                     }
+                    // nothing has changed: what is in force is what is best
+                    Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
                     Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,

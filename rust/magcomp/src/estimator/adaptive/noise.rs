@@ -7,12 +7,14 @@
 //! Colour: the field of a room is uneven over some tens of centimetres, so that residuals of neighbouring samples agree.
 //! kappa = mean of (sum of z over a block)^2 / length is 1 for white noise; n correlated samples are worth n / kappa.
 //! What a fit absorbs does not show in its innovations; so a room's own unevenness s_u (config) comes on top, as errors
-//! that last for half a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
+//! that last for a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
 
 use serde::{Deserialize, Serialize};
 
 /// Samples that the sensor's own figure is worth at the start.
 const START_SAMPLES: f64 = 20.0;
+/// Samples after which the start no longer matters much.
+const KNOWN_FROM: f64 = 100.0;
 /// Memory of the level, samples: 3 % of scatter.
 const MEMORY: f64 = 1000.0;
 /// Larger innovations count as this many standard deviations.
@@ -25,7 +27,7 @@ const BLOCK: u32 = 32;
 const BLOCKS: f64 = 30.0;
 const START_BLOCKS: f64 = 4.0;
 /// How long a room's unevenness lasts, s: the aided method's local field has about as much.
-const UNEVEN_S: f64 = 0.5;
+const UNEVEN_S: f64 = 1.0;
 /// Largest contribution of a block.
 const LARGEST_BLOCK: f64 = 32.0;
 /// White noise stays below this with the memory above (4 sigma): up to here kappa counts as 1.
@@ -62,6 +64,11 @@ impl Noise {
             uneven: uneven * uneven,
             period_s: 0.0,
         }
+    }
+
+    /// Whether enough has been seen for the level to be trusted.
+    pub fn is_known(&self) -> bool {
+        self.samples > START_SAMPLES + KNOWN_FROM
     }
 
     /// The time between two samples, s.

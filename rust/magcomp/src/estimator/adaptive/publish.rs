@@ -28,6 +28,7 @@ pub(super) struct Published {
 const DIRECTIONS: usize = 12;
 /// Fewest samples of a segment before what was known already is released again, and before something new is.
 const FEWEST_KNOWN: usize = 3;
+const FEWEST_HARD_IRON: usize = 5;
 const FEWEST: usize = 6;
 
 /// Directions of the latest samples, and the sphere.
@@ -69,8 +70,12 @@ pub(super) fn compare(
 
 /// Whether there are samples enough to compare at all.
 pub(super) fn may_compare(samples: &Samples, order: ModelOrder) -> bool {
-    let known = matches!(order, ModelOrder::Nothing | ModelOrder::Former);
-    samples.age >= if known { FEWEST_KNOWN } else { FEWEST }
+    samples.age
+        >= match order {
+            ModelOrder::Nothing | ModelOrder::Former => FEWEST_KNOWN,
+            ModelOrder::HardIron => FEWEST_HARD_IRON,
+            ModelOrder::Diagonal | ModelOrder::All => FEWEST,
+        }
 }
 
 impl Published {

@@ -1,0 +1,121 @@
+//! The adaptive method on simulated streams: what its documentation claims, on few seeds; the figures quoted there are of
+//! many more (`magcomp step --method adaptive`, `magcomp compare`).
+
+use magcomp_lab::experiment::adaptive::{AdaptiveOptions, AdaptiveResult, run};
+use magcomp_lab::scenario::Case;
+
+fn adaptive(case: Case, runs: usize, seed: u64) -> AdaptiveResult {
+    let options = AdaptiveOptions { case, runs, seed, snr_db: None, noise_ut: None, repeats: 1 };
+    run(&options).expect("the default config")
+}
+
+#[test]
+fn a_step_of_everything_is_learned_in_fifty_samples() {
+    let result = adaptive(Case::Step, 8, 700);
+    assert!(result.score.settled[1].is_some_and(|samples| samples <= 60), "{:?}", result.score.settled);
+    assert!(result.score.steady_deg < 0.2, "{}", result.score.steady_deg);
+    assert_eq!(result.declared, 1.0, "one change, declared once");
+    for at in result.score.over_bound.expect("parameters") {
+        assert!(at.iter().all(|ratio| *ratio < 2.0), "{at:?}");
+    }
+}
+
+#[test]
+fn noise_three_times_off_at_the_start_does_not_matter() {
+    for noise_ut in [1.265 / 3.0, 1.265 * 3.0] {
+        let options = AdaptiveOptions {
+            case: Case::Step,
+            runs: 4,
+            seed: 720,
+            snr_db: None,
+            noise_ut: Some(noise_ut),
+            repeats: 1,
+        };
+        let result = run(&options).expect("a valid config");
+        assert!(result.score.before_deg < 0.35, "{noise_ut} uT: {}", result.score.before_deg);
+        assert!(result.score.settled[1].is_some_and(|samples| samples <= 60), "{:?}", result.score.settled);
+    }
+}
+
+#[test]
+fn a_hand_is_enough() {
+    let result = adaptive(Case::PhoneHand, 6, 740);
+    assert!(result.score.before_deg < 0.6, "{}", result.score.before_deg);
+    assert!(result.score.told_deg[2] < 10.0, "{:?}", result.score.told_deg);
+    assert!(result.score.told_deg[4] < 2.0, "{:?}", result.score.told_deg);
+}
+
+#[test]
+fn walking_is_enough_for_b_where_m_is_known() {
+    let result = adaptive(Case::PhoneWalkKnown, 6, 760);
+    assert!(result.score.told_deg[3] < 2.0, "{:?}", result.score.told_deg);
+    assert!(result.score.settled[0].is_some_and(|samples| samples <= 1000), "{:?}", result.score.settled);
+}
+
+#[test]
+fn spikes_hardly_cost_anything() {
+    let clean = adaptive(Case::PhoneHand, 4, 780).score.before_deg;
+    let spiky = adaptive(Case::PhoneSpikes, 4, 780).score.before_deg;
+    assert!(spiky < 1.5 * clean.max(0.1), "{spiky} against {clean}");
+}
+
+#[test]
+fn a_pulse_is_over_when_it_is_over() {
+    let result = adaptive(Case::Pulse, 6, 800);
+    // 50 samples long; within 20 of its end everything is as before
+    assert!(result.score.settled[2].is_some_and(|samples| samples <= 70), "{:?}", result.score.settled);
+}
+
+#[test]
+fn a_cover_taken_off_again_is_recalled() {
+    let result = adaptive(Case::Covers, 4, 820);
+    assert!(result.score.steady_deg < 1.0, "{}", result.score.steady_deg);
+}
+
+#[test]
+fn a_ramp_is_followed() {
+    let result = adaptive(Case::Ramp, 4, 840);
+    assert!(result.score.after_deg < 0.8, "{}", result.score.after_deg);
+}
+
+/// Over the runs and 50 samples, what is released is hardly ever worse than what was in force.
+#[test]
+fn never_much_worse_than_holding() {
+    for case in [Case::StepHand, Case::SmallStepHand, Case::PhoneHand, Case::PhoneWalk] {
+        let result = adaptive(case, 6, 860);
+        assert!(result.score.worst_over_held < 2.0, "{case:?}: {}", result.score.worst_over_held);
+    }
+}
+
+#[test]
+fn sigmas_are_honest_where_nothing_changes() {
+    for case in [Case::Constant, Case::PhoneSteady] {
+        let result = adaptive(case, 6, 880);
+        let [one, two] = result.honesty[3].within_sigma;
+        assert!((one - 0.68).abs() < 0.05 && (two - 0.95).abs() < 0.05, "{case:?}: {one} {two}");
+        let nees = result.honesty[3].nees.expect("a covariance");
+        assert!((0.3..3.0).contains(&nees), "{case:?}: {nees}");
+    }
+}
+
+const STEADY: [Case; 5] =
+    [Case::Constant, Case::PhoneSteady, Case::PhoneWalkSteady, Case::PhonePlanar, Case::PhoneStill];
+
+#[test]
+fn nothing_is_declared_where_nothing_changes() {
+    for case in STEADY {
+        let result = adaptive(case, 3, 900);
+        assert_eq!((result.false_alarms, result.declared), (0, 0.0), "{case:?}");
+    }
+}
+
+/// A million samples of every motion: fewer than one false alarm in each.
+#[test]
+#[ignore = "a million samples of five motions: minutes"]
+fn fewer_than_one_false_alarm_in_a_million_samples() {
+    for case in STEADY {
+        let result = adaptive(case, 170, 50_000);
+        let alarms = result.false_alarms as f64 + result.declared * 170.0;
+        assert!(alarms <= 1.0, "{case:?}: {alarms} in {} samples", result.samples);
+    }
+}
