@@ -75,7 +75,7 @@ pub(super) const RESTART_SD_UT: f64 = 8.0;
 /// Share of the rate of rest by which the rate may scatter at rest while the bias is not known yet.
 pub(super) const REST_SCATTER: f64 = 0.35;
 /// Most of the slow difference between c and f that counts, uT; also its value at the start.
-pub(super) const UNEVEN_MAX_UT: f64 = 0.55;
+pub(super) const UNEVEN_MAX_UT: f64 = 0.58;
 /// Memory of the power of that difference, s.
 pub(super) const UNEVEN_TIME_S: f64 = 5.0;
 /// Deviation of the accelerometer's magnitude from gravity at which its weight has fallen to 37 %, m/s^2.
