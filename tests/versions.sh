@@ -16,6 +16,6 @@ for pom in android/pom.xml android/*/pom.xml; do
     mapfile -t found < <(grep -A1 '<artifactId>magcomp-android</artifactId>' "$pom" | sed -n 's:.*<version>\(.*\)</version>.*:\1:p')
     differs "$pom" "${found[@]}"
 done
-mapfile -t found < <(grep -oE 'org\.magcomp:magcomp:[0-9.]+[0-9]' android/README.md | sed 's/.*://')
+mapfile -t found < <(grep -oE 'magcomp[:-][0-9]+\.[0-9]+\.[0-9]+' android/README.md | sed 's/.*[:-]//')
 differs android/README.md "${found[@]}"
 grep -q "^## $version" CHANGELOG.md || { echo "versions: CHANGELOG.md has no section for $version" >&2; exit 1; }

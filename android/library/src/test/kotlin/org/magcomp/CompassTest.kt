@@ -52,6 +52,15 @@ class CompassTest {
     }
 
     @Test
+    fun `the directions to turn to become fewer`() = runBlocking {
+        val readings = events.asFlow().compensated(capacity = 1500).toList()
+        val (first, last) = Pair(readings.first().unseenDirections, readings.last().unseenDirections)
+        assertTrue(first.size >= 47, "${first.size} at the first sample")
+        assertTrue(last.size < 24, "${last.size} after turning about")
+        assertEquals(last.size / 48.0, 1 - readings.last().reading.coverage, 0.05, "renewed five times a second")
+    }
+
+    @Test
     fun `an error of the source arrives at the collector`() {
         val broken = flow<SensorSample> {
             emit(events[1])
