@@ -62,7 +62,8 @@ while read -r slice platform; do
     llvm-objdump-19 --macho --private-headers "$library" >"$work/objects"
     kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" || $1 == "minos" { print $1, $2 }' "$work/objects" | sort -u)
     [ "$kinds" = "$(printf 'arch ARM64\nminos 15.0\nplatform %s' "$platform")" ] || fail "$slice: objects are $kinds"
-    llvm-nm-19 --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null | sort -u >"$work/defined"
+    # it complains of bitcode newer than itself; a list that is not whole fails below
+    { llvm-nm-19 --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null || true; } | sort -u >"$work/defined"
     missing=$(comm -23 "$work/declared" "$work/defined")
     [ -z "$missing" ] || fail "$slice: declared and not defined: $missing"
     if grep -q '^_magcomp_test_' "$work/defined"; then fail "$slice: holds test hooks"; fi

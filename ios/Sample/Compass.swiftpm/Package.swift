@@ -17,7 +17,7 @@ let package = Package(
             supportedInterfaceOrientations: [.portrait, .landscapeLeft, .landscapeRight, .portraitUpsideDown]
         )
     ],
-    dependencies: [.package(path: "../../..")],
+    dependencies: [.package(name: "magcomp", path: "../../..")],
     targets: [
         .executableTarget(
             name: "Compass",

@@ -127,3 +127,21 @@ impl From<world_magnetic_model::Error> for MagcompError {
         Self::Place { why: e.to_string() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The other facts are the core's own: `tests/host/facts.rs`.
+    #[test]
+    fn the_borders_own_errors_are_those_of_the_facts_every_language_asserts() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/vectors/facts.json");
+        let facts: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let said = |name| {
+            let errors = facts["border_errors"].as_array().unwrap();
+            errors.iter().find(|error| error["name"] == name).and_then(|error| error["text"].as_str()).unwrap()
+        };
+        assert_eq!(MagcompError::Closed.to_string(), said("Closed"));
+        assert_eq!(MagcompError::Panicked { what: "why".to_owned() }.to_string(), said("Panicked"));
+    }
+}
