@@ -64,12 +64,6 @@ impl AngularWeight {
     pub fn expected(&self, covariance: &Matrix9) -> f64 {
         self.sum.dot(covariance).max(0.0) / self.count.max(1.0)
     }
-
-    /// Mean square of the angle between two sets of parameters, radians^2.
-    pub fn between(&self, a: &Vector9, b: &Vector9) -> f64 {
-        let d = a - b;
-        d.dot(&(self.sum * d)).max(0.0) / self.count.max(1.0)
-    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,8 @@ pub(super) const JUMPS: [Jump; 12] = [
 ];
 /// Those of them that are wide enough for a flat arc of samples to leave two places for b.
 pub(super) const TWINNED: [usize; 4] = [3, 4, 6, 8];
+/// The same of the hypotheses before anything is known.
+pub(super) const TWINNED_COLD: [usize; 3] = [1, 2, 3];
 /// Log prior of the return of a former calibration.
 pub(super) const LOG_PRIOR_FORMER: f64 = -1.0;
 /// Standard deviations of the deviation of M from a multiple of I before anything is known, and their log priors.

@@ -29,7 +29,7 @@ use crate::config::{Config, ConfigError};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
-use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED};
+use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
@@ -88,6 +88,8 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
+/// Weight of the best hypothesis from which the others are given up.
+const DECIDED: f64 = 0.95;
 /// Samples from which a segment is absorbed nevertheless.
 const LONGEST: usize = 1024;
 /// Samples before a first answer is tried.
@@ -265,7 +267,7 @@ impl Adaptive {
         let cold = ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some());
         let cold = cold.iter().filter(|_| base.is_none() || self.count == 0);
         let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
-        self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &[] });
+        self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
         self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
         self.noise.forget_block();
         self.drift.reset();
@@ -417,10 +419,9 @@ impl Adaptive {
     fn absorb(&mut self, time_ns: i64) {
         let block = span_length(BLOCK_SPAN);
         let count = self.samples.segment().count();
-        let decided = self.trial.is_none_or(|trial| trial.released)
-            && self.rivals.best_weight() > 0.95
-            && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
-        if count < 2 * block || !(decided || count >= LONGEST) {
+        let narrow = self.trial.is_none_or(|trial| trial.released) && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
+        // what is still in doubt must not be taken for decided
+        if count < 2 * block || !(narrow || count >= LONGEST) || self.rivals.best_weight() < DECIDED {
             return;
         }
         let Some(best) = self.rivals.best().copied() else { return };

@@ -11,7 +11,6 @@ use super::noise::Noise;
 use super::parameters::{Matrix9, Vector9, radius_gradient, see};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
-use crate::reading::ModelOrder;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -98,11 +97,6 @@ impl Rivals {
     fn weighty(&self) -> impl Iterator<Item = (&Hypothesis, f64)> {
         let known = self.all.iter().zip(self.weights).filter_map(|(slot, weight)| Some((slot.as_ref()?, weight)));
         known.filter(|(_, weight)| *weight > NEGLIGIBLE)
-    }
-
-    /// How much weight hypotheses of an order have together.
-    pub fn weight_of(&self, order: ModelOrder) -> f64 {
-        self.weighty().filter(|(h, _)| h.order == order).map(|(_, weight)| weight).sum()
     }
 
     /// Second moment of the mixture about tau.
@@ -198,11 +192,6 @@ impl Rivals {
         for start in starts(&hypothesis.posterior.mean, &mean, &covariance) {
             hypothesis.consider(likelihood, &start, MARGIN);
         }
-    }
-
-    /// Whether every hypothesis but the best is gone.
-    pub fn is_decided(&self) -> bool {
-        self.all.iter().flatten().count() <= 1
     }
 
     /// The coordinates move.
