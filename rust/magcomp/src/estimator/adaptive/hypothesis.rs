@@ -153,12 +153,9 @@ impl Hypothesis {
         self.posterior.mean = tau;
         self.cost = cost;
         self.distance_squared = point.distance_squared;
-        let samples = likelihood.information(&tau, &point);
-        // where the samples say nothing their share can be slightly negative: there it is taken as none
-        let cholesky = (samples + self.prior_information)
-            .cholesky()
-            .filter(|cholesky| is_no_wider(cholesky, &self.prior_information))
-            .or_else(|| (clipped(&samples) + self.prior_information).cholesky());
+        let information = likelihood.information(&tau, &point) + self.prior_information;
+        // poor coverage can leave the samples' own share of it indefinite: then they say nothing new
+        let cholesky = information.cholesky().or_else(|| self.prior_information.cholesky());
         if let Some(cholesky) = cholesky {
             let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
             self.log_evidence = self.log_prior - 0.5 * cost + 0.5 * self.log_det_prior - volume;
@@ -168,22 +165,6 @@ impl Hypothesis {
             }
         }
     }
-}
-
-/// Whether what is known, L L^T, is at least most of what was known before, along every axis.
-fn is_no_wider(cholesky: &nalgebra::Cholesky<f64, nalgebra::Const<9>>, prior: &Matrix9) -> bool {
-    let l = cholesky.l_dirty();
-    (0..9).all(|i| {
-        let known: f64 = (0..=i).map(|k| l[(i, k)] * l[(i, k)]).sum();
-        known > 0.9 * prior[(i, i)]
-    })
-}
-
-/// The matrix without its negative eigenvalues.
-fn clipped(m: &Matrix9) -> Matrix9 {
-    let eigen = ((m + m.transpose()) * 0.5).symmetric_eigen();
-    let values = eigen.eigenvalues.map(|value| value.max(0.0));
-    eigen.eigenvectors * Matrix9::from_diagonal(&values) * eigen.eigenvectors.transpose()
 }
 
 /// log det of L L^T.

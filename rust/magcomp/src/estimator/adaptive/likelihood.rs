@@ -9,10 +9,6 @@ use super::parameters::{Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric}
 use crate::ellipsoid::Moments;
 use nalgebra::SMatrix;
 
-/// The noise is known to some percent only. What is left of it after too little was taken off would grow with the number of
-/// samples and pass for knowledge where they say nothing; where they do, a tenth of the noise's share is nothing.
-const CAUTION: f64 = 1.1;
-
 /// L of a set of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Likelihood {
@@ -69,10 +65,9 @@ impl Likelihood {
         jacobian(tau).tr_mul(&(point.sp - point.np * self.variance)) * (self.weight / point.d)
     }
 
-    /// What these samples say about tau: no eigenvalue is clipped here, so that it can be slightly negative where they say
-    /// nothing.
+    /// What these samples say about tau.
     pub fn information(&self, tau: &Vector9, point: &Point) -> Matrix9 {
-        let q = self.s - self.n * (CAUTION * self.variance.max(point.distance_squared));
+        let q = self.s - self.n * self.variance;
         self.form(&jacobian(tau), &q, self.weight / point.d)
     }
 
