@@ -11,7 +11,9 @@ use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::java::{Env, JavaArray};
 use crate::record::{MagneticSample, Reading, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status};
+use crate::status::{
+    EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
+};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
 

@@ -35,6 +35,8 @@ pub use record::{
     Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, RotationRateSample, SoftIron,
     Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
-pub use status::{Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status};
+pub use status::{
+    Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
+};
 
 uniffi::setup_scaffolding!();

@@ -2,14 +2,14 @@
 
 use super::{Common, between, finite};
 use crate::error::LabError;
+use crate::experiment::adaptive::{self, AdaptiveOptions};
 use crate::experiment::aided::{self, AidedOptions};
+use crate::experiment::compare_view::add_case;
 use crate::experiment::step::{ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
 use crate::phone::Phone;
 use crate::report::Report;
-use crate::experiment::adaptive::{self, AdaptiveOptions};
-use crate::experiment::compare_view::add_case;
 use crate::scenario::Case;
 use clap::{Args, ValueEnum, value_parser};
 

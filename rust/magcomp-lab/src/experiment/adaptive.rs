@@ -199,7 +199,8 @@ impl AdaptiveResult {
     /// Two tables.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        let mut tables = super::compare_view::case_table(&self.scenario, self.runs as u32, std::slice::from_ref(&self.score));
+        let mut tables =
+            super::compare_view::case_table(&self.scenario, self.runs as u32, std::slice::from_ref(&self.score));
         let columns = ["", "within 1 sigma %", "within 2 sigma %", "NEES of b"];
         let mut table = Table::new(&format!("{}: are the sigmas honest?", self.scenario), &columns);
         for honesty in &self.honesty {

@@ -49,7 +49,8 @@ pub fn compare_recording(
     let field = Vector3::new(0.0, north, -down);
     let directions = recording.rows[..taught].iter().map_while(|row| Some(row.attitude?.inverse() * field));
     let reference = directions.collect();
-    let known = Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference, real: true };
+    let known =
+        Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference, real: true };
     let mut scores = Vec::new();
     for contestant in methods {
         let value = middle(*contestant);

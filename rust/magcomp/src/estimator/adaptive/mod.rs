@@ -236,8 +236,7 @@ impl Adaptive {
         self.absorbed_ns = time_ns;
         self.move_centre(raw_ut);
         let given = self.given.map(|calibration| ladder::given(&self.tau_of(&calibration), self.unit_ut));
-        self.published =
-            given.map(|known| Published { tau: known.mean, covariance: known.covariance, expected: 0.0 });
+        self.published = given.map(|known| Published { tau: known.mean, covariance: known.covariance, expected: 0.0 });
         self.compete(time_ns, given);
     }
 
@@ -267,7 +266,8 @@ impl Adaptive {
         let cold = ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some());
         let cold = cold.iter().filter(|_| base.is_none() || self.count == 0);
         let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
-        self.rivals = Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
+        self.rivals =
+            Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
         self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
         self.noise.forget_block();
         self.drift.reset();
