@@ -1276,6 +1276,10 @@ public struct Config: Equatable, Hashable {
      */
     public var aided: [String: Double]?
     /**
+     * The method with the magnetometer alone: noise to start from, microtesla per axis, 0.01 to 20. Default 0.5; it is learned.
+     */
+    public var adaptiveNoiseUt: Double?
+    /**
      * How events of several sensors are brought together.
      */
     public var pairing: PairingConfig?
@@ -1311,6 +1315,9 @@ public struct Config: Equatable, Hashable {
          * which documents them with their units and ranges. A setting left out is the default.
          */aided: [String: Double]? = nil,
         /**
+         * The method with the magnetometer alone: noise to start from, microtesla per axis, 0.01 to 20. Default 0.5; it is learned.
+         */adaptiveNoiseUt: Double? = nil,
+        /**
          * How events of several sensors are brought together.
          */pairing: PairingConfig? = nil,
         /**
@@ -1323,6 +1330,7 @@ public struct Config: Equatable, Hashable {
         self.fit = fit
         self.windowed = windowed
         self.aided = aided
+        self.adaptiveNoiseUt = adaptiveNoiseUt
         self.pairing = pairing
         self.heading = heading
     }
@@ -1350,6 +1358,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
                 fit: FfiConverterOptionTypeFitOptions.read(from: &buf),
                 windowed: FfiConverterOptionTypeWindowedConfig.read(from: &buf),
                 aided: FfiConverterOptionDictionaryStringDouble.read(from: &buf),
+                adaptiveNoiseUt: FfiConverterOptionDouble.read(from: &buf),
                 pairing: FfiConverterOptionTypePairingConfig.read(from: &buf),
                 heading: FfiConverterOptionTypeHeadingConfig.read(from: &buf)
         )
@@ -1363,6 +1372,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeFitOptions.write(value.fit, into: &buf)
         FfiConverterOptionTypeWindowedConfig.write(value.windowed, into: &buf)
         FfiConverterOptionDictionaryStringDouble.write(value.aided, into: &buf)
+        FfiConverterOptionDouble.write(value.adaptiveNoiseUt, into: &buf)
         FfiConverterOptionTypePairingConfig.write(value.pairing, into: &buf)
         FfiConverterOptionTypeHeadingConfig.write(value.heading, into: &buf)
     }
@@ -2376,6 +2386,20 @@ public struct Reading: Equatable, Hashable {
      */
     public var reportedHardIronJumpUt: Double?
     /**
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+     * is not known.
+     */
+    public var directionSigmaDeg: Double?
+    /**
+     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+     * something open. Adaptive method only.
+     */
+    public var worstSigmaDeg: Double?
+    /**
+     * Which parameters the latest change set free. Adaptive method only.
+     */
+    public var modelOrder: ModelOrder?
+    /**
      * The sensors the estimator runs on.
      */
     public var mode: SensorMode
@@ -2423,6 +2447,17 @@ public struct Reading: Equatable, Hashable {
          * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
          */reportedHardIronJumpUt: Double?,
         /**
+         * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+         * is not known.
+         */directionSigmaDeg: Double?,
+        /**
+         * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+         * something open. Adaptive method only.
+         */worstSigmaDeg: Double?,
+        /**
+         * Which parameters the latest change set free. Adaptive method only.
+         */modelOrder: ModelOrder?,
+        /**
          * The sensors the estimator runs on.
          */mode: SensorMode,
         /**
@@ -2441,6 +2476,9 @@ public struct Reading: Equatable, Hashable {
         self.window = window
         self.coverage = coverage
         self.reportedHardIronJumpUt = reportedHardIronJumpUt
+        self.directionSigmaDeg = directionSigmaDeg
+        self.worstSigmaDeg = worstSigmaDeg
+        self.modelOrder = modelOrder
         self.mode = mode
         self.event = event
         self.status = status
@@ -2472,6 +2510,9 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
                 reportedHardIronJumpUt: FfiConverterOptionDouble.read(from: &buf),
+                directionSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
+                worstSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
+                modelOrder: FfiConverterOptionTypeModelOrder.read(from: &buf),
                 mode: FfiConverterTypeSensorMode.read(from: &buf),
                 event: FfiConverterOptionTypeEvent.read(from: &buf),
                 status: FfiConverterTypeStatus.read(from: &buf)
@@ -2489,6 +2530,9 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
         FfiConverterOptionDouble.write(value.reportedHardIronJumpUt, into: &buf)
+        FfiConverterOptionDouble.write(value.directionSigmaDeg, into: &buf)
+        FfiConverterOptionDouble.write(value.worstSigmaDeg, into: &buf)
+        FfiConverterOptionTypeModelOrder.write(value.modelOrder, into: &buf)
         FfiConverterTypeSensorMode.write(value.mode, into: &buf)
         FfiConverterOptionTypeEvent.write(value.event, into: &buf)
         FfiConverterTypeStatus.write(value.status, into: &buf)
@@ -3891,13 +3935,17 @@ public func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuf
 public enum Method: Equatable, Hashable {
 
     /**
-     * `Aided` while rotation rates arrive, else `Windowed`.
+     * `Aided` while rotation rates arrive, else `Adaptive`.
      */
     case auto
     /**
      * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
      */
     case aided
+    /**
+     * The magnetometer alone: a fit of everything since the latest change, changes noticed by themselves.
+     */
+    case adaptive
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -3931,9 +3979,11 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
 
         case 2: return .aided
 
-        case 3: return .windowed
+        case 3: return .adaptive
 
-        case 4: return .constant
+        case 4: return .windowed
+
+        case 5: return .constant
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -3951,12 +4001,16 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
             writeInt(&buf, Int32(2))
 
 
-        case .windowed:
+        case .adaptive:
             writeInt(&buf, Int32(3))
 
 
-        case .constant:
+        case .windowed:
             writeInt(&buf, Int32(4))
+
+
+        case .constant:
+            writeInt(&buf, Int32(5))
 
         }
     }
@@ -4086,6 +4140,111 @@ public func FfiConverterTypeMissing_lift(_ buf: RustBuffer) throws -> Missing {
 #endif
 public func FfiConverterTypeMissing_lower(_ value: Missing) -> RustBuffer {
     return FfiConverterTypeMissing.lower(value)
+}
+
+
+
+/**
+ * Which parameters were free to change at the latest change, as the evidence had it.
+ */
+
+public enum ModelOrder: Equatable, Hashable {
+
+    /**
+     * None: they are what they were.
+     */
+    case nothing
+    /**
+     * The hard iron alone.
+     */
+    case hardIron
+    /**
+     * The hard iron and the diagonal of the soft iron.
+     */
+    case diagonal
+    /**
+     * All nine.
+     */
+    case all
+    /**
+     * Back to a calibration from before.
+     */
+    case former
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension ModelOrder: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
+    typealias SwiftType = ModelOrder
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ModelOrder {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .nothing
+
+        case 2: return .hardIron
+
+        case 3: return .diagonal
+
+        case 4: return .all
+
+        case 5: return .former
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: ModelOrder, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .nothing:
+            writeInt(&buf, Int32(1))
+
+
+        case .hardIron:
+            writeInt(&buf, Int32(2))
+
+
+        case .diagonal:
+            writeInt(&buf, Int32(3))
+
+
+        case .all:
+            writeInt(&buf, Int32(4))
+
+
+        case .former:
+            writeInt(&buf, Int32(5))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeModelOrder_lift(_ buf: RustBuffer) throws -> ModelOrder {
+    return try FfiConverterTypeModelOrder.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBuffer {
+    return FfiConverterTypeModelOrder.lower(value)
 }
 
 
@@ -5347,6 +5506,30 @@ fileprivate struct FfiConverterOptionTypeMethod: FfiConverterRustBuffer {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterTypeMethod.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionTypeModelOrder: FfiConverterRustBuffer {
+    typealias SwiftType = ModelOrder?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeModelOrder.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeModelOrder.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }

@@ -2398,6 +2398,11 @@ data class Config (
     val `aided`: Map<kotlin.String, kotlin.Double>? = null
     ,
     /**
+     * The method with the magnetometer alone: noise to start from, microtesla per axis, 0.01 to 20. Default 0.5; it is learned.
+     */
+    val `adaptiveNoiseUt`: kotlin.Double? = null
+    ,
+    /**
      * How events of several sensors are brought together.
      */
     val `pairing`: PairingConfig? = null
@@ -2429,6 +2434,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.read(buf),
             FfiConverterOptionalTypeWindowedConfig.read(buf),
             FfiConverterOptionalMapStringDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypePairingConfig.read(buf),
             FfiConverterOptionalTypeHeadingConfig.read(buf),
         )
@@ -2442,6 +2448,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.allocationSize(value.`fit`) +
             FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`) +
             FfiConverterOptionalMapStringDouble.allocationSize(value.`aided`) +
+            FfiConverterOptionalDouble.allocationSize(value.`adaptiveNoiseUt`) +
             FfiConverterOptionalTypePairingConfig.allocationSize(value.`pairing`) +
             FfiConverterOptionalTypeHeadingConfig.allocationSize(value.`heading`)
     )
@@ -2454,6 +2461,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeFitOptions.write(value.`fit`, buf)
             FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
             FfiConverterOptionalMapStringDouble.write(value.`aided`, buf)
+            FfiConverterOptionalDouble.write(value.`adaptiveNoiseUt`, buf)
             FfiConverterOptionalTypePairingConfig.write(value.`pairing`, buf)
             FfiConverterOptionalTypeHeadingConfig.write(value.`heading`, buf)
     }
@@ -3190,6 +3198,23 @@ data class Reading (
     val `reportedHardIronJumpUt`: kotlin.Double?
     ,
     /**
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+     * is not known.
+     */
+    val `directionSigmaDeg`: kotlin.Double?
+    ,
+    /**
+     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
+     * something open. Adaptive method only.
+     */
+    val `worstSigmaDeg`: kotlin.Double?
+    ,
+    /**
+     * Which parameters the latest change set free. Adaptive method only.
+     */
+    val `modelOrder`: ModelOrder?
+    ,
+    /**
      * The sensors the estimator runs on.
      */
     val `mode`: SensorMode
@@ -3229,6 +3254,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalTypeModelOrder.read(buf),
             FfiConverterTypeSensorMode.read(buf),
             FfiConverterOptionalTypeEvent.read(buf),
             FfiConverterTypeStatus.read(buf),
@@ -3246,6 +3274,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
             FfiConverterOptionalDouble.allocationSize(value.`reportedHardIronJumpUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`directionSigmaDeg`) +
+            FfiConverterOptionalDouble.allocationSize(value.`worstSigmaDeg`) +
+            FfiConverterOptionalTypeModelOrder.allocationSize(value.`modelOrder`) +
             FfiConverterTypeSensorMode.allocationSize(value.`mode`) +
             FfiConverterOptionalTypeEvent.allocationSize(value.`event`) +
             FfiConverterTypeStatus.allocationSize(value.`status`)
@@ -3262,6 +3293,9 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
             FfiConverterOptionalDouble.write(value.`reportedHardIronJumpUt`, buf)
+            FfiConverterOptionalDouble.write(value.`directionSigmaDeg`, buf)
+            FfiConverterOptionalDouble.write(value.`worstSigmaDeg`, buf)
+            FfiConverterOptionalTypeModelOrder.write(value.`modelOrder`, buf)
             FfiConverterTypeSensorMode.write(value.`mode`, buf)
             FfiConverterOptionalTypeEvent.write(value.`event`, buf)
             FfiConverterTypeStatus.write(value.`status`, buf)
@@ -4561,13 +4595,17 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
 enum class Method {
 
     /**
-     * `Aided` while rotation rates arrive, else `Windowed`.
+     * `Aided` while rotation rates arrive, else `Adaptive`.
      */
     AUTO,
     /**
      * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
      */
     AIDED,
+    /**
+     * The magnetometer alone: a fit of everything since the latest change, changes noticed by themselves.
+     */
+    ADAPTIVE,
     /**
      * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
      */
@@ -4739,6 +4777,63 @@ public object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
+
+
+
+/**
+ * Which parameters were free to change at the latest change, as the evidence had it.
+ */
+
+enum class ModelOrder {
+
+    /**
+     * None: they are what they were.
+     */
+    NOTHING,
+    /**
+     * The hard iron alone.
+     */
+    HARD_IRON,
+    /**
+     * The hard iron and the diagonal of the soft iron.
+     */
+    DIAGONAL,
+    /**
+     * All nine.
+     */
+    ALL,
+    /**
+     * Back to a calibration from before.
+     */
+    FORMER;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
+    override fun read(buf: ByteBuffer) = try {
+
+        ModelOrder.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: ModelOrder) = 4UL
+
+    override fun write(value: ModelOrder, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
     }
 }
 
@@ -6004,6 +6099,38 @@ public object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
         } else {
             buf.put(1)
             FfiConverterTypeMethod.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<ModelOrder?> {
+    override fun read(buf: ByteBuffer): ModelOrder? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeModelOrder.read(buf)
+    }
+
+    override fun allocationSize(value: ModelOrder?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeModelOrder.allocationSize(value)
+        }
+    }
+
+    override fun write(value: ModelOrder?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeModelOrder.write(value, buf)
         }
     }
 }
