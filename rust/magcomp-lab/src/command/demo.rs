@@ -28,8 +28,9 @@ const RECORDINGS: [(&str, &str); 2] = [
     ),
 ];
 /// The methods shown, the sensors they go without, and whether they are drawn.
-const METHODS: [(&str, Method, Ignore, bool); 3] = [
+const METHODS: [(&str, Method, Ignore, bool); 4] = [
     ("constant", Method::Constant, Ignore { gyroscope: true, accelerometer: false }, false),
+    ("windowed", Method::Windowed, Ignore { gyroscope: true, accelerometer: false }, false),
     ("adaptive (--ignore gyro)", Method::Auto, Ignore { gyroscope: true, accelerometer: false }, false),
     ("aided", Method::Auto, Ignore { gyroscope: false, accelerometer: false }, true),
 ];
@@ -172,7 +173,7 @@ fn recording_table(shown: &[Shown]) -> Table {
         "spread: standard deviation over mean of the total field; heading: against the optical reference, up to one",
     );
     table.note(
-        "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; adaptive: magnetometer alone;",
+        "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; windowed: the paper's; adaptive: magnetometer alone;",
     );
     table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
