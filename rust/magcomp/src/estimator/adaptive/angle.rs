@@ -15,16 +15,14 @@ pub(super) struct AngularWeight {
 /// An icosahedron's corners: their mean is that of the sphere for everything up to the fifth degree.
 fn corners() -> [Vector3<f64>; 12] {
     let (a, b) = (0.525_731_112_119_133_6, 0.850_650_808_352_039_9);
-    let mut corners = [Vector3::zeros(); 12];
-    for k in 0..12 {
+    std::array::from_fn(|k| {
         let (x, y) = (if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b });
-        corners[k] = match k / 4 {
+        match k / 4 {
             0 => Vector3::new(x, y, 0.0),
             1 => Vector3::new(0.0, x, y),
             _ => Vector3::new(y, 0.0, x),
-        };
-    }
-    corners
+        }
+    })
 }
 
 impl AngularWeight {
