@@ -25,6 +25,7 @@ fn after() -> Calibration {
 
 fn compensator(normalisation: Normalisation) -> Compensator {
     let config = Config {
+        method: magcomp::Method::Windowed,
         fit: FitOptions { field_strength_ut: Some(FIELD_UT), ..FitOptions::default() },
         windowed: WindowedConfig { normalisation, ..WindowedConfig::default() },
         ..Config::default()

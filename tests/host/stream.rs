@@ -66,7 +66,7 @@ fn restarted_stream_is_the_same(config: &Config, seed: u64, cuts: &[usize]) -> R
 }
 
 fn any_method() -> impl Strategy<Value = Method> {
-    prop::sample::select(vec![Method::Auto, Method::Windowed, Method::Constant])
+    prop::sample::select(vec![Method::Auto, Method::Adaptive, Method::Windowed, Method::Constant])
 }
 
 proptest! {

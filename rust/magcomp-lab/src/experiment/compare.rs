@@ -87,11 +87,10 @@ pub struct MethodScore {
 /// Follows a stream.
 pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, field_ut: f64) -> Run {
     let mut run = Run::default();
-    // what was in force when the change came; None before it
-    let mut held: Option<Option<Calibration>> = None;
+    let mut held: Option<Calibration> = None;
     for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
         if k == before {
-            held = Some(method.calibration());
+            held = method.calibration();
         }
         let started = Instant::now();
         method.push(sample);
@@ -100,7 +99,8 @@ pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, fie
             found.map_or(NO_ANSWER_DEG, |found| found.angle(&truth.field_ut).to_degrees()) as f32
         };
         run.errors_deg.push(error(method.correct(&truth.clean_ut)));
-        run.held_deg.push(held.map_or(0.0, |held| error(held.map(|c| c.correct(&truth.clean_ut)))));
+        let kept = || error(held.map(|held| held.correct(&truth.clean_ut)));
+        run.held_deg.push(if k < before { 0.0 } else { kept() });
         if k >= before && BOUND_AT.contains(&(k + 1 - before)) {
             run.bound.extend(bound(stream, before, k, method.calibration(), field_ut));
         }

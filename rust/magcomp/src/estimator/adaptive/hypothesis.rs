@@ -45,6 +45,9 @@ impl Gaussian {
     }
 }
 
+/// Not known yet, and nowhere near the samples: finite, since snapshots are JSON.
+const NO_COST: f64 = f64::MAX;
+pub(super) const NO_EVIDENCE: f64 = f64::MIN;
 const FIRST_DAMPING: f64 = 1e-6;
 const DAMPINGS: usize = 3;
 
@@ -62,7 +65,7 @@ impl Hypothesis {
             log_det_prior,
             posterior: *prior,
             distance_squared: 0.0,
-            cost: f64::INFINITY,
+            cost: NO_COST,
             log_evidence: log_prior,
             damping: FIRST_DAMPING,
         })
@@ -97,7 +100,7 @@ impl Hypothesis {
     pub fn move_to(&mut self, tau: &Vector9) {
         self.posterior.mean = *tau;
         self.damping = FIRST_DAMPING;
-        self.cost = f64::INFINITY;
+        self.cost = NO_COST;
     }
 
     /// F on more samples, where it stands: keeps the evidence comparable between iterations.
@@ -105,7 +108,7 @@ impl Hypothesis {
         let before = self.cost;
         if let Some((cost, point)) = self.total(likelihood, &self.posterior.mean) {
             (self.cost, self.distance_squared) = (cost, point.distance_squared);
-            if before.is_finite() {
+            if before < NO_COST {
                 self.log_evidence -= 0.5 * (cost - before);
             }
         }
@@ -122,7 +125,7 @@ impl Hypothesis {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
             self.posterior.mean = self.prior_mean;
-            self.log_evidence = f64::NEG_INFINITY;
+            self.log_evidence = NO_EVIDENCE;
             return;
         };
         for _ in 0..iterations {

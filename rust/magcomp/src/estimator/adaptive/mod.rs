@@ -28,7 +28,7 @@ use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 use drift::Drift;
-use hypothesis::{Gaussian, Hypothesis};
+use hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
@@ -459,7 +459,7 @@ impl Adaptive {
     /// Whether the samples of the segment lie on any ellipsoid.
     fn judge(&mut self) {
         let Some(best) = self.rivals.best() else { return };
-        if !best.log_evidence.is_finite() {
+        if best.log_evidence <= NO_EVIDENCE {
             // no hypothesis is near these samples: as at the start
             let Some(latest) = self.late[RECENT - 1] else { return };
             self.move_centre(&latest.raw_ut);

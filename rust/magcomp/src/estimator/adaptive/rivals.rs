@@ -5,7 +5,7 @@
 //! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
 //! that the doubt is in the mixture.
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
 use super::noise::Noise;
 use super::parameters::{Matrix9, Vector9, radius_gradient, see};
@@ -79,7 +79,7 @@ impl Rivals {
         }
         self.best = best;
         let largest = logs[best];
-        let weights = logs.map(|log| if log.is_finite() { (log - largest).exp() } else { 0.0 });
+        let weights = logs.map(|log| if log > NO_EVIDENCE { (log - largest).exp() } else { 0.0 });
         let sum: f64 = weights.iter().sum();
         self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
     }
