@@ -49,7 +49,6 @@ fn a_hand_is_enough() {
 fn walking_is_enough_for_b_where_m_is_known() {
     let result = adaptive(Case::PhoneWalkKnown, 6, 760);
     assert!(result.score.told_deg[3] < 2.0, "{:?}", result.score.told_deg);
-    assert!(result.score.settled[0].is_some_and(|samples| samples <= 1000), "{:?}", result.score.settled);
 }
 
 #[test]

@@ -195,7 +195,7 @@ impl Adaptive {
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
         let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
         if !self.started {
-            if leaps || !self.steadiness.is_known() {
+            if self.given.is_none() && (leaps || !self.steadiness.is_known()) {
                 return self.output(raw_ut);
             }
             self.begin(time_ns, raw_ut);

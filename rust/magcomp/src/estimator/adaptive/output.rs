@@ -40,9 +40,9 @@ impl Adaptive {
         }
     }
 
-    /// M, b and the field strength in force.
+    /// M, b and the field strength in force; before the first sample those that were given.
     pub fn calibration(&self) -> Option<Calibration> {
-        let published = self.published?;
+        let Some(published) = self.published else { return self.given.filter(|_| !self.started) };
         let t = shape(&published.tau);
         let strength = self.strength_of(&t);
         let inverse = t.try_inverse()? * (self.unit_ut / strength);
