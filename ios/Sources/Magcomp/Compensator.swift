@@ -73,7 +73,7 @@ public final class Compensator: Sendable {
     /// nil when it is not known.
     public func covariance() throws -> [Double]? { try native.covariance() }
 
-    /// The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none.
+    /// The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none.
     public func fit() throws -> Fit? { try native.fit() }
 
     /// Which directions were seen, for guidance.

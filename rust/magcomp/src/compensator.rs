@@ -328,7 +328,7 @@ impl Compensator {
         }
     }
 
-    /// The latest ellipsoid fit that was accepted. None for the aided method, which makes none.
+    /// The latest ellipsoid fit that was accepted. None for the aided and the adaptive method, which make none.
     #[must_use]
     pub fn fit(&self) -> Option<&EllipsoidFit> {
         self.windowed.fit()

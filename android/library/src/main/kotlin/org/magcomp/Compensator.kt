@@ -117,7 +117,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      */
     public fun covariance(): List<Double>? = unlessClosed { native.covariance() }
 
-    /** The latest ellipsoid fit that was accepted, with its covariance; the aided method makes none. */
+    /** The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none. */
     public fun fit(): Fit? = unlessClosed { native.fit() }
 
     /** Which directions were seen, for guidance. */

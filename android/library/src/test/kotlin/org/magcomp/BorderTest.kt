@@ -24,8 +24,13 @@ class BorderTest {
             assertEquals(50.0, readings.last().totalFieldUt!!, 2.0)
             val hardIron = compensator.calibration()!!.hardIronUt
             assertArrayEquals(HARD_IRON, doubleArrayOf(hardIron.x, hardIron.y, hardIron.z), 1.0)
-            assertEquals(81, compensator.fit()!!.covariance.size)
+            assertEquals(81, compensator.covariance()!!.size)
+            assertNull(compensator.fit())
             assertTrue(compensator.coverage().share > 0.5)
+        }
+        Compensator(Config(method = Method.WINDOWED)).use { compensator ->
+            compensator.pushAll(events(values))
+            assertEquals(81, compensator.fit()!!.covariance.size)
         }
     }
 
