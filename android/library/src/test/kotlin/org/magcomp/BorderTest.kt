@@ -35,6 +35,19 @@ class BorderTest {
     }
 
     @Test
+    fun `a whole reading of the magnetometer alone is the same over JNI and uniffi`() {
+        val native = NativeCompensator(Config())
+        Compensator().use { compensator ->
+            val alone = events(values).filterIsInstance<SensorSample.Magnetic>()
+            val over = compensator.pushAll(alone)
+            val direct = alone.map { native.push(it.sample) }
+            assertEquals(direct, over)
+            assertTrue(over.any { it.modelOrder != null && it.directionSigmaDeg != null && it.worstSigmaDeg != null })
+        }
+        native.close()
+    }
+
+    @Test
     fun `every status is read from JNI as uniffi has it`() {
         val problems = listOf(
             FitProblem.TooFewSamples(8),
