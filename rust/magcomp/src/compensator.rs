@@ -6,13 +6,14 @@ use crate::config::{Config, ConfigError, HeadingConfig, Method};
 use crate::coverage::Coverage;
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::Aided;
+use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::windowed::{Windowed, WindowedState};
 use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::reading::{Event, ModelOrder, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::snapshot::{Restored, SnapshotError, open, seal};
+use crate::tilt::Tilt;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,7 @@ struct Inputs {
     aided: bool,
     mode: SensorMode,
     event: Option<Event>,
+    tilt: Tilt,
 }
 
 /// What a snapshot holds besides the calibration.
@@ -166,6 +168,9 @@ impl Compensator {
         if paired.rotation.is_some() {
             self.inputs.rotated_ns = Some(sample.time_ns);
         }
+        if let Some(up) = paired.up_m_s2 {
+            self.inputs.tilt.step(sample.time_ns, up.norm());
+        }
         let aided = match self.config.method {
             Method::Aided => true,
             // a pause of all sensors is no loss of the gyroscope
@@ -253,11 +258,12 @@ impl Compensator {
         let step = self.windowed.push(sample.time_ns, &sample.field_ut);
         let field_ut = self.windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
         let field_ut = field_ut.filter(|field| field.norm().is_finite());
-        let covariance = self
-            .windowed
-            .fit()
-            .zip(field_ut)
-            .map(|(fit, field)| corrected_covariance_ut2(fit, &field, self.config.heading.field_sigma_ut));
+        let floor = Matrix3::identity() * self.config.heading.field_sigma_ut.powi(2);
+        let covariance = self.windowed.fit().zip(field_ut).map(|(fit, field)| {
+            let w = fit.calibration.soft_iron_inverse();
+            let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
+            calibration_covariance(&fit.covariance, w, &field) + noise + floor
+        });
         Answer {
             field_ut,
             field_covariance_ut2: covariance,
@@ -280,7 +286,8 @@ impl Compensator {
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: pointing.zip(answer.up).and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref())),
+            heading: (pointing.zip(answer.up))
+                .and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), answer.mode)),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,
@@ -293,11 +300,21 @@ impl Compensator {
         }
     }
 
-    fn heading(&self, field: &Vector3<f64>, up: &Vector3<f64>, covariance: Option<&Matrix3<f64>>) -> Option<Heading> {
+    fn heading(
+        &self,
+        field: &Vector3<f64>,
+        up: &Vector3<f64>,
+        covariance: Option<&Matrix3<f64>>,
+        mode: SensorMode,
+    ) -> Option<Heading> {
         let config = &self.config.heading;
         let found = heading(field, up, config.axis, config.screen_rotation)?;
+        let tilt_sigma_deg = match mode {
+            SensorMode::GyroscopeAndGravity => config.tilt_sigma_deg,
+            _ => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
+        };
         Some(Heading {
-            heading_sigma_deg: covariance.and_then(|c| heading_sigma_deg(field, up, c, config.tilt_sigma_deg)),
+            heading_sigma_deg: covariance.and_then(|c| heading_sigma_deg(field, up, c, tilt_sigma_deg)),
             true_heading_deg: config.declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
             ..found
         })
@@ -445,20 +462,4 @@ impl Answer {
             status,
         }
     }
-}
-
-/// Covariance of the corrected sample c = W (h_m - b), uT^2: of the parameters, dc = -W (dM c + db), of the noise
-/// through W, and of what no calibration knows.
-fn corrected_covariance_ut2(fit: &EllipsoidFit, c: &Vector3<f64>, field_sigma_ut: f64) -> Matrix3<f64> {
-    let w = fit.calibration.soft_iron_inverse();
-    let mut gradient = nalgebra::SMatrix::<f64, 3, 9>::zeros();
-    for (row, other) in [(0, [0, 3, 4]), (1, [3, 1, 5]), (2, [4, 5, 2])] {
-        gradient[(row, row)] = 1.0;
-        for (column, place) in other.into_iter().enumerate() {
-            gradient[(row, 3 + place)] = c[column];
-        }
-    }
-    let gradient = w * gradient;
-    let parameters = gradient * fit.covariance * gradient.transpose();
-    parameters + w * w.transpose() * fit.residual_rms_ut.powi(2) + Matrix3::identity() * field_sigma_ut.powi(2)
 }

@@ -26,6 +26,7 @@ mod pairing;
 mod reading;
 mod sample;
 mod snapshot;
+mod tilt;
 mod uniformity;
 mod window;
 

@@ -14,6 +14,9 @@
 //! seen = (D_k . D_{k-1} + max(0, tr P_bb,end - tr P_bb,start)) / (3 T),   q_b^2 += gain (seen - q_b^2),
 //! ```
 //! so that q_b falls while nothing drifts, rises with a drift, and stays when nothing is seen (P_bb grows by 3 q_b^2 T).
+//! The share of the walk that was seen to happen, rho = mean (D_k . D_{k-1}) / mean (3 q_b^2 T - unseen), says how far P may
+//! be believed: a filter that allows for a walk that does not happen errs by P / 2, one that happens by P (steady state:
+//! dPi/dt = -2 K Pi + K^2 r + rho q^2 = 0 with K = q / sqrt(r), P = q sqrt(r)); after a step all of P is true.
 //! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
 //! then c and f differ slowly, which white noise does not do:
 //! ```text
@@ -40,6 +43,12 @@ const SLOW_WEIGHT: f64 = 0.15;
 /// Magnetometer noise never counts as more, uT^2.
 const LARGEST_VARIANCE_UT2: f64 = 100.0;
 const WALK_GAIN: f64 = 0.3;
+/// A walk is never believed to be more than this many times what the filter allows for.
+const LARGEST_WALK_SHARE: f64 = 3.0;
+/// Share of the walk that could be seen below which the ratio says nothing.
+const LEAST_GIVEN: f64 = 0.05;
+/// The unevenness assumed at the start counts as so much of what is seen, s.
+const UNEVEN_START_S: f64 = 1.0;
 
 /// One step of the chain from sample to sample.
 pub(crate) struct Increment {
@@ -61,10 +70,14 @@ pub(crate) struct Adaptation {
     walked_before_ut: Vector3<f64>,
     walk_start_ut2: f64,
     walk_time_s: f64,
+    /// Low-passed over windows, in units of q_b^2: the walk seen to happen, and the walk that could have been seen.
+    walk_seen: f64,
+    walk_given: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
+    slow_age_s: f64,
     useless_share: f64,
     pub(crate) useless: bool,
 }
@@ -79,10 +92,13 @@ impl Adaptation {
             walked_before_ut: Vector3::zeros(),
             walk_start_ut2: -1.0,
             walk_time_s: 0.0,
+            walk_seen: 1.0,
+            walk_given: 1.0,
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: tuning::UNEVEN_MAX_UT.powi(2),
+            slow_age_s: UNEVEN_START_S,
             useless_share: 0.0,
             useless: false,
         }
@@ -99,7 +115,8 @@ impl Adaptation {
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * gain / (2.0 - gain);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning::UNEVEN_MAX_UT.powi(2));
-        self.slow_power_ut2 += (1.0 - (-dt_s / tuning::UNEVEN_TIME_S).exp()) * (seen - self.slow_power_ut2);
+        self.slow_age_s = (self.slow_age_s + dt_s).min(tuning::UNEVEN_TIME_S);
+        self.slow_power_ut2 += (dt_s / self.slow_age_s).min(1.0) * (seen - self.slow_power_ut2);
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
@@ -161,16 +178,32 @@ impl Adaptation {
         self.walk_time_s += dt_s;
         if self.walk_time_s >= tuning::OFFSET_WALK_TIME_S {
             let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
-            let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walk_time_s);
             let now = self.offset_walk_ut.powi(2);
-            // from a single window the estimate has three degrees of freedom: it is not believed beyond 9 fold
-            let next = now + WALK_GAIN * (seen.clamp(0.0, 9.0 * now) - now);
+            let given = 3.0 * self.walk_time_s * now;
+            let kept = self.walked_ut.dot(&self.walked_before_ut) / given;
+            let unseen = unseen / given;
+            self.walk_seen += WALK_GAIN * (kept.clamp(-LARGEST_WALK_SHARE, LARGEST_WALK_SHARE) - self.walk_seen);
+            self.walk_given += WALK_GAIN * ((1.0 - unseen).max(0.0) - self.walk_given);
+            // from a single window the estimate has three degrees of freedom: it is not believed beyond 9 fold; nor does
+            // chance alone (the product is as often negative) keep the walk up
+            let next = now * (1.0 + WALK_GAIN * ((kept + unseen).clamp(-1.0, 9.0) - 1.0));
             self.offset_walk_ut = next.sqrt().min(config.offset_walk_max_ut).max(tuning::OFFSET_WALK_MIN_UT);
             self.walk_start_ut2 = variance_ut2;
             self.walk_time_s = 0.0;
             self.walked_before_ut = self.walked_ut;
             self.walked_ut = Vector3::zeros();
         }
+    }
+
+    /// The share of the walk in P that was seen to happen, 0 to 3.
+    pub(crate) fn walk_share(&self) -> f64 {
+        (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE)
+    }
+
+    /// The device stepped: what is not known of b now is no walk.
+    pub(crate) fn stepped(&mut self) {
+        self.restart_walk();
+        self.walk_seen = self.walk_given;
     }
 
     /// Starts the window of `walk` anew (after a step, a gap or a rest).

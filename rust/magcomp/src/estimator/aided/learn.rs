@@ -248,7 +248,7 @@ impl Aided {
     fn go_on_with(&mut self, winner: Dense, dense: &mut Dense) {
         *dense = winner;
         self.watch = Watch::new();
-        self.adaptation.restart_walk();
+        self.adaptation.stepped();
     }
 
     /// Follows the slow difference between c and f, once there is a calibration.

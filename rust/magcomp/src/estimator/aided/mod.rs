@@ -28,7 +28,7 @@ use nalgebra::{SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 pub use config::AidedConfig;
-pub(crate) use output::AidedOutput;
+pub(crate) use output::{AidedOutput, calibration_covariance};
 
 use crate::calibration::Calibration;
 use crate::pairing::PairedInertial;

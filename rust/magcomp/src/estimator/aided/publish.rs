@@ -13,9 +13,6 @@ use crate::reading::{HoldReason, Missing, Status};
 const CLOCK_S: f64 = 5e-4;
 const CLOCK_SHARE_LATE_MAGNETOMETER: f64 = 0.35;
 const CLOCK_SHARE_LATE_GYROSCOPE: f64 = 0.15;
-/// Share of P_mm that is published for f. The walks in P are allowances: a filter that allows for one that does not
-/// happen errs by P / 2 (steady state), one that happens by P.
-const CAUTION: f64 = 0.7;
 /// Rate lately below which nothing is being learned, rad/s.
 const TOO_LITTLE_RAD_S: f64 = 0.04;
 /// Magnetometer noise assumed at most in the magnitude mode, whose one-step increments mean nothing, uT.
@@ -67,7 +64,9 @@ impl Aided {
             + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
             + Matrix3::identity() * unseen
             + timing;
-        let p_f = filter.block(FIELD, FIELD) * CAUTION + Matrix3::identity() * floor + timing;
+        // the walk of b in P is an allowance: see `adapt`
+        let believed = 0.5 * (1.0 + self.adaptation.walk_share());
+        let p_f = filter.block(FIELD, FIELD) * believed + Matrix3::identity() * floor + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }

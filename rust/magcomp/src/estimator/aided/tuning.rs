@@ -76,7 +76,7 @@ pub(super) const RESTART_SD_UT: f64 = 8.0;
 pub(super) const REST_SCATTER: f64 = 0.35;
 /// Most of the slow difference between c and f that counts, uT; also its value at the start.
 pub(super) const UNEVEN_MAX_UT: f64 = 0.58;
-/// Memory of the power of that difference, s.
+/// Memory of the power of that difference, s; shorter at the start, by its age.
 pub(super) const UNEVEN_TIME_S: f64 = 5.0;
 /// Deviation of the accelerometer's magnitude from gravity at which its weight has fallen to 37 %, m/s^2.
 /// A walker's phone swings by 2 to 4.

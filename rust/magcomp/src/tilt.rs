@@ -1,0 +1,59 @@
+//! How far `up` may lean where no gyroscope carries it: a moved accelerometer reads gravity and motion together.
+//!
+//! ```text
+//! sigma_tilt^2 = sigma_0^2 + mean ((|up| - g) / g)^2      (1 s)
+//! ```
+//! Motion along gravity shows in the size; motion across it, which tilts, is taken to be as large. The system's gravity
+//! sensor has the size g, always: nothing is added then.
+
+use serde::{Deserialize, Serialize};
+
+/// Standard gravity, m/s^2.
+const GRAVITY_M_S2: f64 = 9.80665;
+const MEMORY_S: f64 = 1.0;
+/// Free fall or a blow: more says nothing, rad.
+const LARGEST_RAD: f64 = 1.0;
+
+/// The low-passed square of what motion adds to gravity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Tilt {
+    variance_rad2: f64,
+    last_ns: Option<i64>,
+}
+
+impl Tilt {
+    /// One sample of `up`, of size `up_m_s2`.
+    pub fn step(&mut self, time_ns: i64, up_m_s2: f64) {
+        let off = (up_m_s2 / GRAVITY_M_S2 - 1.0).abs().min(LARGEST_RAD);
+        let dt_s = self.last_ns.map_or(MEMORY_S, |last| time_ns.saturating_sub(last) as f64 * 1e-9);
+        let gain = (dt_s / MEMORY_S).clamp(0.0, 1.0);
+        self.variance_rad2 += gain * (off * off - self.variance_rad2);
+        self.last_ns = Some(time_ns);
+    }
+
+    /// Standard deviation of `up` about a horizontal axis, degrees; `least_deg` when nothing moves.
+    pub fn sigma_deg(&self, least_deg: f64) -> f64 {
+        least_deg.hypot(self.variance_rad2.sqrt().to_degrees())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motion_shows_in_the_size_and_is_forgotten() {
+        let mut tilt = Tilt::default();
+        let step = |tilt: &mut Tilt, k: i64, motion: f64| tilt.step(k * 10_000_000, GRAVITY_M_S2 + motion);
+        for k in 0..300 {
+            // 1 m/s^2 rms along gravity
+            step(&mut tilt, k, 2f64.sqrt() * (k as f64 * 0.2).sin());
+        }
+        let shaken = tilt.sigma_deg(0.5);
+        assert!((shaken - 5.87).abs() < 0.6, "{shaken}: atan(1 / g) = 5.8 deg, 0.5 deg beside");
+        for k in 300..1300 {
+            step(&mut tilt, k, 0.0);
+        }
+        assert!(tilt.sigma_deg(0.5) < 0.51);
+    }
+}
