@@ -195,9 +195,10 @@ impl Adaptation {
         }
     }
 
-    /// The share of the walk in P that was seen to happen, 0 to 3.
-    pub(crate) fn walk_share(&self) -> f64 {
-        (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE)
+    /// How far P may be believed, (1 + rho) / 2: 0.5 when the walk in it does not happen, 1 when it does, up to 2.
+    pub(crate) fn believed(&self) -> f64 {
+        let share = (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE);
+        0.5 * (1.0 + share)
     }
 
     /// The device stepped: what is not known of b now is no walk.

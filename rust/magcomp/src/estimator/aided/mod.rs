@@ -124,7 +124,7 @@ impl Aided {
             return Some(self.magnitude.covariance());
         }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
-        Some(SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j)))
+        Some(publish::calibration_block(filter) * self.adaptation.believed())
     }
 
     /// One magnetometer sample (uT, device frame) with the inertial state paired to its time.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
-//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (s_d^2 + floor^2) I + timing
+//! P_c = (1 + rho) / 2 W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (s_d^2 + floor^2) I + timing
 //! P_f = (1 + rho) / 2 P_mm + floor^2 I + timing,   timing = s_clock^2 (w x h)(w x h)^T
 //! ```
 //! tau > 0: the magnetometer is late, and c is brought to the gyroscope's time; tau < 0: the gyroscope is, and f is brought

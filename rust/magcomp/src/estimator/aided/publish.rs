@@ -60,12 +60,11 @@ impl Aided {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
-        let p_c = calibration_covariance(&calibration_block(filter), &w, &f)
+        let believed = self.adaptation.believed();
+        let p_c = calibration_covariance(&(calibration_block(filter) * believed), &w, &f)
             + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
             + Matrix3::identity() * unseen
             + timing;
-        // the walk of b in P is an allowance: see `adapt`
-        let believed = 0.5 * (1.0 + self.adaptation.walk_share());
         let p_f = filter.block(FIELD, FIELD) * believed + Matrix3::identity() * floor + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
@@ -138,6 +137,6 @@ impl Aided {
 }
 
 /// The covariance of (b, e).
-fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
+pub(super) fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
     SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j))
 }

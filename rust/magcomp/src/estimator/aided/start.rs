@@ -5,13 +5,17 @@
 //! 20 < |raw_0| < 75 uT ("near"): m = raw_0, b = 0, s = 25; else m = 0, b = raw_0, s = 30
 //! ```
 //! A prior that is wide and without that correlation would give the split wholly to b, and h would go to 0.
+//! The second start frees m and e about the first answer; b follows from them and the latest sample, which fits already:
+//! ```text
+//! b = raw - M m:   db = -M dm - D(m) de + noise
+//! ```
 //! Nothing is published until sqrt(tr P_bb) < 6 uT (adoption). Source: docs/METHOD.md; the second start is new.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::learn::LONGEST_DRIFT_S;
 use super::magnitude::Magnitude;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE};
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, iron_rows};
 use super::tuning;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
@@ -111,6 +115,7 @@ impl Aided {
                 self.restarted = true;
                 let mut again = self.fresh(tuning::RESTART_SD_UT);
                 again.x = dense.x;
+                again.tie_offset();
                 for k in BIAS..BIAS + 3 {
                     // the bias may be known from rest, where nothing was linearised
                     again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k] + RESTART_BIAS_RAD_S.powi(2));
@@ -200,5 +205,28 @@ impl Aided {
         self.restarted = true;
         self.adopted = false;
         self.adopt(dense);
+    }
+}
+
+impl Dense {
+    /// P_bm, P_be and P_bb for db = -M dm - D(m) de + noise, m and e being independent.
+    fn tie_offset(&mut self) {
+        let h = self.vector(FIELD) + self.vector(LOCAL);
+        let d = SMatrix::<f64, 3, 6>::from_fn(|i, k| iron_rows(&h)[i][k]);
+        let iron = SMatrix::<f64, 6, 6>::from_fn(|i, k| self.p[IRON + i][IRON + k]);
+        let to_field = -self.soft_iron() * self.block(FIELD, FIELD);
+        let to_iron = -d * iron;
+        let own = -to_field * self.soft_iron() - to_iron * d.transpose() + Matrix3::identity() * SUM_VARIANCE_UT2;
+        for i in 0..3 {
+            for k in 0..3 {
+                self.p[OFFSET + i][FIELD + k] = to_field[(i, k)];
+                self.p[FIELD + k][OFFSET + i] = to_field[(i, k)];
+                self.p[OFFSET + i][OFFSET + k] = own[(i, k)];
+            }
+            for k in 0..6 {
+                self.p[OFFSET + i][IRON + k] = to_iron[(i, k)];
+                self.p[IRON + k][OFFSET + i] = to_iron[(i, k)];
+            }
+        }
     }
 }
