@@ -19,7 +19,7 @@ pub(super) const IRON_WALK: f64 = 1e-4;
 pub(super) const OFFSET_WALK_MIN_UT: f64 = 0.03;
 /// Random walk of the hard iron at the start, uT per square root of a second. Small: drift is noticed late.
 /// Large: a noisy first minute. The prototype: 0.4, always.
-pub(super) const OFFSET_WALK_UT: f64 = 0.3;
+pub(super) const OFFSET_WALK_UT: f64 = 0.25;
 /// Time over which corrections of the hard iron are gathered to judge its random walk, s. Small: noise is taken for
 /// drift. Large: drift is noticed late.
 pub(super) const OFFSET_WALK_TIME_S: f64 = 2.0;
