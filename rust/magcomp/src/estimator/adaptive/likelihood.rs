@@ -37,6 +37,14 @@ impl Likelihood {
         Self { s, n, weight: samples / variance, variance }
     }
 
+    /// Variance of the difference of L between two tau, over 4, as far as it is from the noise.
+    pub fn disagreement(&self, a: &Vector9, b: &Vector9) -> f64 {
+        let (a, b) = (quadric(a), quadric(b));
+        let (na, nb) = (self.n * a, self.n * b);
+        let agreement = a.dot(&nb).powi(2) / (a.dot(&na) * b.dot(&nb));
+        self.weight * self.variance * (1.0 - agreement).clamp(0.0, 1.0)
+    }
+
     /// None where tau is no ellipsoid near the samples.
     pub fn at(&self, tau: &Vector9) -> Option<Point> {
         let p = quadric(tau);

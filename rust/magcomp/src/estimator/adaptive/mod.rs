@@ -88,10 +88,6 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// Weight of the best hypothesis from which the others are given up.
-const DECIDED: f64 = 0.95;
-/// Samples from which a segment is absorbed nevertheless.
-const LONGEST: usize = 1024;
 /// Samples before a first answer is tried.
 const JUDGED_FROM: usize = 16;
 /// Age of a segment up to which a prior that is strained counts as misfit too.
@@ -277,11 +273,13 @@ impl Adaptive {
 
     /// Whether a sample is too far from where it is expected; the noise learns from it.
     fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let Some(expected) = self.rivals.predict(&self.unit(raw_ut)) else { return false };
+        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), self.noise.variance) else { return false };
         let slope_squared = expected.slope * expected.slope;
         let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
-        self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
+        if !self.is_cold() {
+            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
+        }
         if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
             self.noise.learn_colour(z);
         }
@@ -289,6 +287,11 @@ impl Adaptive {
             return self.unit(raw_ut).norm() > FARTHEST;
         }
         z.abs() > GATE
+    }
+
+    /// Whether nothing was known before this segment.
+    fn is_cold(&self) -> bool {
+        self.trial.is_some_and(|trial| trial.base.is_none())
     }
 
     fn likelihood_of(&self, moments: &crate::ellipsoid::Moments) -> Likelihood {
@@ -311,6 +314,9 @@ impl Adaptive {
             (4, 1)
         };
         self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
+        if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
+            self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
+        }
     }
 
     /// Spikes that came in before the fit was good enough to see them leave again.
@@ -329,12 +335,13 @@ impl Adaptive {
         let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
         let Some(start) = late.iter().flatten().nth(first).copied() else { return };
         let base = match self.trial {
-            // at the start neither the fit nor the noise is known well enough to call it a change
-            Some(trial) if !trial.released || (trial.base.is_none() && !self.noise.is_known()) => {
+            // while it is open what is right, neither the fit nor the noise is known well enough to call it a change
+            Some(trial) if self.is_open() => {
                 if self.reconsider() {
                     return;
                 }
-                trial.base
+                let begun = trial.released && self.noise.is_known();
+                trial.base.or_else(|| self.rivals.best().filter(|_| begun).map(|best| best.posterior))
             }
             _ => self.rivals.best().map(|best| best.posterior),
         };
@@ -356,6 +363,16 @@ impl Adaptive {
             self.samples.add(&late.raw_ut);
         }
         self.fit();
+    }
+
+    /// Whether the hypotheses since the latest change still disagree, or the best of them is not sure.
+    fn is_open(&self) -> bool {
+        self.trial.is_some_and(|trial| {
+            !trial.released
+                || (trial.base.is_none() && !self.noise.is_known())
+                || self.direction_sigma_deg > CLOSE_DEG
+                || !self.rivals.agree()
+        })
     }
 
     /// A young segment that suddenly fits no more may have been fitted wrongly: with all its samples, once more. Whether that helped.
@@ -403,7 +420,7 @@ impl Adaptive {
         }
         let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
         let likelihood = self.likelihood_of(self.samples.span(span));
-        if change::log_evidence_of_jump(&likelihood, &posterior.mean) < SMALL_CHANGE {
+        if change::log_evidence_of_jump(&likelihood, &posterior, SMALL_CHANGE) < SMALL_CHANGE {
             return;
         }
         let base = change::without(&posterior, &likelihood);
@@ -421,7 +438,7 @@ impl Adaptive {
         let count = self.samples.segment().count();
         let narrow = self.trial.is_none_or(|trial| trial.released) && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
         // what is still in doubt must not be taken for decided
-        if count < 2 * block || !(narrow || count >= LONGEST) || self.rivals.best_weight() < DECIDED {
+        if count < 2 * block || !narrow || !self.rivals.agree() {
             return;
         }
         let Some(best) = self.rivals.best().copied() else { return };

@@ -5,10 +5,11 @@
 //! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
 //! that the doubt is in the mixture.
 
-use super::hypothesis::{Hypothesis, NO_EVIDENCE};
+use super::angle::AngularWeight;
+use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
 use super::noise::Noise;
-use super::parameters::{Matrix9, Vector9, radius_gradient, see};
+use super::parameters::{Matrix9, Vector9, see, shape};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
@@ -24,6 +25,8 @@ const HOPELESS: f64 = 30.0;
 const PATIENCE: usize = 96;
 /// The covariance of hypotheses whose log evidence lies this far below is not needed.
 const UNCOUNTED: f64 = 12.0;
+/// Mean square error by all, over that by the best, below which they agree.
+const AGREEMENT: f64 = 1.5;
 /// Weights below this are left out of the mixture.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
@@ -36,6 +39,7 @@ pub(super) struct Rivals {
     /// Whose twin each is.
     sibling: [Option<usize>; MOST],
     weights: [f64; MOST],
+    logs: [f64; MOST],
     best: usize,
     turn: usize,
 }
@@ -63,23 +67,43 @@ impl Rivals {
         for (k, other) in (count..MOST).zip(twinned) {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
-        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
-        rivals.weigh();
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], logs: [0.0; MOST], best: 0, turn: 0 };
+        rivals.weigh(None);
         rivals
     }
 
-    fn weigh(&mut self) {
+    fn weigh(&mut self, likelihood: Option<&Likelihood>) {
         let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
         let logs = self.all.each_ref().map(log);
-        let mut best = self.best;
+        let mut first = self.best;
         for (k, value) in logs.iter().enumerate() {
-            if *value > logs[best] || self.all[best].is_none() {
+            if *value > logs[first] || self.all[first].is_none() {
+                first = k;
+            }
+        }
+        let reference = self.all[first];
+        let against = |slot: &Option<Hypothesis>| {
+            let (Some(likelihood), Some(h), Some(reference)) = (likelihood, slot.as_ref(), reference.as_ref()) else {
+                return log(slot);
+            };
+            if h.log_evidence <= NO_EVIDENCE {
+                return f64::NEG_INFINITY;
+            }
+            let gain = (h.misfit - reference.misfit).abs();
+            let noise = likelihood.disagreement(&h.posterior.mean, &reference.posterior.mean);
+            let share = if gain > 0.0 { gain / (gain + noise) } else { 1.0 };
+            h.log_evidence + 0.5 * (h.misfit - reference.misfit) * (1.0 - share)
+        };
+        self.logs = self.all.each_ref().map(against);
+        let mut best = first;
+        for (k, value) in self.logs.iter().enumerate() {
+            if *value > self.logs[best] {
                 best = k;
             }
         }
         self.best = best;
-        let largest = logs[best];
-        let weights = logs.map(|log| if log > NO_EVIDENCE { (log - largest).exp() } else { 0.0 });
+        let largest = self.logs[best];
+        let weights = self.logs.map(|log| if log > NO_EVIDENCE { (log - largest).exp() } else { 0.0 });
         let sum: f64 = weights.iter().sum();
         self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
     }
@@ -89,9 +113,13 @@ impl Rivals {
         self.all[self.best].as_ref()
     }
 
-    /// Its weight among all, 0 to 1.
-    pub fn best_weight(&self) -> f64 {
-        self.weights[self.best]
+    /// Whether all that have weight lead to about the same directions as the best.
+    pub fn agree(&self) -> bool {
+        self.best().is_some_and(|best| {
+            let Gaussian { mean, covariance } = &best.posterior;
+            let weight = AngularWeight::sphere(mean);
+            weight.expected(&self.spread_about(mean)) < AGREEMENT * weight.expected(covariance)
+        })
     }
 
     fn weighty(&self) -> impl Iterator<Item = (&Hypothesis, f64)> {
@@ -109,24 +137,28 @@ impl Rivals {
         sum
     }
 
-    /// What is expected of a sample, by all of them.
-    pub fn predict(&self, u: &Vector3<f64>) -> Option<Prediction> {
+    /// What is expected of a sample with noise of variance `noise`, by all of them. The sample's own noise turns the
+    /// gradients, too: its share of their spread is no uncertainty of the prediction and is taken off.
+    pub fn predict(&self, u: &Vector3<f64>, noise: f64) -> Option<Prediction> {
         let (mut sum, mut squares, mut slope, mut total) = (0.0, 0.0, 0.0, 0.0);
+        let (mut steep, mut steepest) = (Vector3::zeros(), 0.0);
         for (hypothesis, weight) in self.weighty() {
             let tau = &hypothesis.posterior.mean;
             let Some(seen) = see(tau, u) else { continue };
-            let g = radius_gradient(tau, &seen);
             let excess = seen.radius - 1.0;
             sum += weight * excess;
-            squares += weight * (excess * excess + g.dot(&(hypothesis.posterior.covariance * g)));
+            squares += weight * (excess * excess + hypothesis.variance_at(u, &seen, noise));
             slope += weight * seen.slope;
+            steep += shape(tau) * seen.direction * weight;
+            steepest += weight * seen.slope * seen.slope;
             total += weight;
         }
         if total <= 0.0 {
             return None;
         }
         let excess = sum / total;
-        let variance = (squares / total - excess * excess).max(0.0);
+        let turned = steepest / total - (steep / total).norm_squared();
+        let variance = (squares / total - excess * excess - noise * turned).max(0.0);
         Some(Prediction { excess, variance, slope: slope / total })
     }
 
@@ -141,7 +173,6 @@ impl Rivals {
         }
         // where the best one stands may be the better place for another, too
         let place = self.best().map(|h| h.posterior.mean);
-        let worth = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence) - UNCOUNTED;
         let mut done = 0;
         for _ in 0..MOST {
             self.turn = (self.turn + 1) % MOST;
@@ -156,15 +187,15 @@ impl Rivals {
                 if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
                     hypothesis.consider(likelihood, place, MARGIN);
                 }
-                hypothesis.refine(likelihood, iterations, worth);
+                hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
                 done += 1;
             }
         }
-        self.weigh();
-        let best = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        self.weigh(Some(likelihood));
+        let largest = self.logs[self.best];
         if samples >= PATIENCE {
-            for slot in &mut self.all {
-                if slot.is_some_and(|h| h.log_evidence < best - HOPELESS) {
+            for (slot, log) in self.all.iter_mut().zip(self.logs) {
+                if log < largest - HOPELESS {
                     *slot = None;
                 }
             }
@@ -180,9 +211,9 @@ impl Rivals {
                 continue;
             };
             if let Some(twin) = &mut self.all[k]
-                && (twin.posterior.mean - place).norm() < SAME_PLACE
+                && (twin.log_evidence <= NO_EVIDENCE || (twin.posterior.mean - place).norm() < SAME_PLACE)
             {
-                twin.move_to(&mirrored(&place, &mean, &covariance));
+                twin.move_to(likelihood, &mirrored(&place, &mean, &covariance));
             }
         }
         if self.sibling[turn % MOST].is_some() {
@@ -204,8 +235,7 @@ impl Rivals {
         let fit = || {
             let best = self.best()?;
             let seen = see(&best.posterior.mean, u)?;
-            let g = radius_gradient(&best.posterior.mean, &seen);
-            let variance = noise.total() * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
+            let variance = noise.total() * seen.slope * seen.slope + best.variance_at(u, &seen, noise.variance);
             Some((seen.radius - 1.0).powi(2) / variance)
         };
         fit().unwrap_or(f64::INFINITY)
