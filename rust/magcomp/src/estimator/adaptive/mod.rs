@@ -95,7 +95,11 @@ const UNSURE: usize = 24;
 /// Standard deviations of chi-squared above which the samples fit no ellipsoid.
 const UNLIKELY: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
-const REVIEWS: [usize; 4] = [24, 48, 96, 192];
+const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
+/// Log odds by which a prefix of the segment must be older than the change before it is dropped.
+const OLDER: f64 = 3.0;
+/// Samples after which hypotheses that fit none of them begin anew.
+const RENEWED: usize = 64;
 /// Share of its samples that must fit for a segment to be one.
 const FITTING_SHARE: f64 = 0.9;
 
@@ -280,7 +284,7 @@ impl Adaptive {
         if !self.is_cold() {
             self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
         }
-        if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
+        if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
             self.noise.learn_colour(z);
         }
         if self.trial.is_some() && self.samples.age < UNGATED {
@@ -319,14 +323,37 @@ impl Adaptive {
         }
     }
 
-    /// Spikes that came in before the fit was good enough to see them leave again.
+    /// Spikes that came in before the fit was good enough to see them leave again, and so do samples that are older than
+    /// the change.
     fn review(&mut self) {
+        let older = self.older_than_the_change();
         let (centre_ut, unit_ut) = (self.centre_ut, self.unit_ut);
         let (rivals, noise) = (&self.rivals, &self.noise);
-        let dropped = self.samples.review(|raw_ut| rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE);
+        let mut index = 0;
+        let dropped = self.samples.review(|raw_ut| {
+            index += 1;
+            index > older && rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE
+        });
         if dropped > 0 {
             self.fit();
         }
+    }
+
+    /// How many samples at the segment's start fit what was in force before better than what is best now.
+    fn older_than_the_change(&self) -> usize {
+        let Some((base, best)) = self.trial.and_then(|trial| trial.base).zip(self.rivals.best()) else { return 0 };
+        let distance = |tau: &Vector9, u: &Vector3<f64>| {
+            parameters::see(tau, u).map_or(0.0, |seen| ((seen.radius - 1.0) / seen.slope).powi(2))
+        };
+        let (mut sum, mut largest, mut older) = (0.0, OLDER * 2.0 * self.noise.variance, 0);
+        for back in (0..self.samples.age.min(samples::REVIEWED)).rev() {
+            let u = self.unit(self.samples.latest(back));
+            sum += distance(&best.posterior.mean, &u) - distance(&base.mean, &u);
+            if sum > largest {
+                (largest, older) = (sum, self.samples.age - back);
+            }
+        }
+        older
     }
 
     /// Most of the latest samples are gated.
@@ -491,6 +518,12 @@ impl Adaptive {
         let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
+        }
+        if let Some(trial) = self.trial.filter(|trial| misfit && trial.base.is_some())
+            && self.samples.age.is_multiple_of(RENEWED)
+        {
+            self.compete(trial.since_ns, trial.base);
+            self.trial = Some(trial);
         }
     }
 
