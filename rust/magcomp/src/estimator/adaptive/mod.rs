@@ -80,6 +80,8 @@ const RECENT: usize = 5;
 const GATED: usize = 3;
 /// log B of a small change: e^-14 is one in 1.2 million.
 const SMALL_CHANGE: f64 = 14.0;
+/// ... and no more than so many of them leapt.
+const ALONE: usize = 1;
 /// Samples of a segment before small changes in it are looked for.
 const SCANNED_FROM: usize = 32;
 /// Former calibrations that are remembered.
@@ -128,6 +130,7 @@ struct Late {
     time_ns: i64,
     raw_ut: Vector3<f64>,
     gated: bool,
+    alone: bool,
 }
 
 /// The estimator. All state is plain numbers.
@@ -206,8 +209,9 @@ impl Adaptive {
             self.noise.learn_period((time_ns - before.time_ns) as f64 * 1e-9);
         }
         self.late.rotate_left(1);
-        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated });
-        if self.late.iter().flatten().filter(|late| late.gated).count() >= GATED {
+        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
+        let gated_late = || self.late.iter().flatten().filter(|late| late.gated);
+        if gated_late().count() >= GATED && gated_late().filter(|late| late.alone).count() <= ALONE {
             self.large_change();
         } else if !gated {
             self.samples.add(raw_ut);
@@ -386,7 +390,7 @@ impl Adaptive {
         }
         let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
         self.compete(since_ns, base);
-        for late in late.iter().flatten().skip(first) {
+        for late in late.iter().flatten().skip(first).filter(|late| !late.alone) {
             self.samples.add(&late.raw_ut);
         }
         self.fit();
