@@ -111,7 +111,7 @@ impl Hypothesis {
     pub fn move_to(&mut self, likelihood: &Likelihood, tau: &Vector9) {
         self.posterior.mean = *tau;
         self.damping = FIRST_DAMPING;
-        self.refine(likelihood, ITERATIONS_ELSEWHERE, f64::NEG_INFINITY);
+        self.refine(likelihood, ITERATIONS_ELSEWHERE);
     }
 
     /// F on more samples, where it stands: keeps the evidence comparable between iterations.
@@ -144,7 +144,7 @@ impl Hypothesis {
     }
 
     /// So many iterations, then the evidence, and the covariance where the evidence exceeds `worth`.
-    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize, worth: f64) {
+    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
             self.posterior.mean = self.prior_mean;
@@ -176,11 +176,11 @@ impl Hypothesis {
             }
         }
         self.damping = self.damping.min(1e3);
-        self.settle(likelihood, &tau, cost, &point, worth);
+        self.settle(likelihood, &tau, cost, &point);
     }
 
     /// From the minimum of F to the estimate: see the module.
-    fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point, worth: f64) {
+    fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point) {
         (self.posterior.mean, self.cost) = (*tau, cost);
         (self.misfit, self.distance_squared) = (point.cost, point.distance_squared);
         let (gradient, raw) = likelihood.derivatives(tau, point);
@@ -208,10 +208,8 @@ impl Hypothesis {
         let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
         self.log_volume = 0.5 * self.log_det_prior - volume;
         self.log_evidence = self.log_prior + self.log_volume - 0.5 * self.cost;
-        if self.log_evidence > worth {
-            let inverse = cholesky.inverse();
-            self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
-        }
+        let inverse = cholesky.inverse();
+        self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
     }
 }
 

@@ -100,8 +100,13 @@ const UNLIKELY: f64 = 3.0;
 const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
 const OLDER: f64 = 3.0;
+/// Hypotheses besides the best that iterate with a sample, in the first 32 of a segment and later.
+const MOST_TURNS: usize = 8;
+const FEWER_TURNS: usize = 4;
 /// Samples after which hypotheses that fit none of them begin anew.
 const RENEWED: usize = 64;
+/// Hypotheses that look elsewhere before a change is called.
+const RECONSIDERED: usize = 5;
 /// Share of its samples that must fit for a segment to be one.
 const FITTING_SHARE: f64 = 0.9;
 
@@ -111,6 +116,8 @@ const CLOSE_DEG: f64 = 5.0;
 const MARGIN: f64 = 4.0;
 /// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
 const DOUBT: f64 = 1.5;
+/// Expected mean square error, over that of what was held before, from which the latter is in force again.
+const REGRET: f64 = 1.5;
 
 /// What competes since the latest change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -118,6 +125,8 @@ struct Trial {
     since_ns: i64,
     /// What was known before; None at the start.
     base: Option<Gaussian>,
+    /// What was in force before.
+    held: Option<Published>,
     /// Its result has been released.
     released: bool,
     /// The samples fit no ellipsoid.
@@ -253,7 +262,8 @@ impl Adaptive {
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);
         }
-        if let Some(published) = &mut self.published {
+        let held = self.trial.as_mut().and_then(|trial| trial.held.as_mut());
+        for published in self.published.iter_mut().chain(held) {
             (0..3).for_each(|i| published.tau[6 + i] += by[i]);
         }
         self.samples.clear(self.centre_ut);
@@ -272,7 +282,9 @@ impl Adaptive {
         let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
         self.rivals =
             Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
-        self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
+        // a trial that begins anew before anything was released still holds what the first one held
+        let held = self.trial.filter(|trial| !trial.released).map_or(self.published, |trial| trial.held);
+        self.trial = Some(Trial { since_ns, base, held, released: false, misfit: false });
         self.noise.forget_block();
         self.drift.reset();
         self.late.iter_mut().for_each(|late| *late = None);
@@ -314,14 +326,12 @@ impl Adaptive {
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        let (turns, iterations) = if age < 12 {
-            (rivals::MOST, 2)
-        } else if age < 32 {
-            (8, 1)
-        } else {
-            (4, 1)
+        let turns = match age {
+            0..12 => rivals::MOST,
+            12..32 => MOST_TURNS,
+            _ => FEWER_TURNS,
         };
-        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
+        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 });
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
             self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
         }
@@ -334,13 +344,10 @@ impl Adaptive {
         let (centre_ut, unit_ut) = (self.centre_ut, self.unit_ut);
         let (rivals, noise) = (&self.rivals, &self.noise);
         let mut index = 0;
-        let dropped = self.samples.review(|raw_ut| {
+        self.samples.review(|raw_ut| {
             index += 1;
             index > older && rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE
         });
-        if dropped > 0 {
-            self.fit();
-        }
     }
 
     /// How many samples at the segment's start fit what was in force before better than what is best now.
@@ -412,14 +419,11 @@ impl Adaptive {
         for late in late.iter().flatten().filter(|late| late.gated) {
             self.samples.add(&late.raw_ut);
         }
-        for turn in 0..rivals::MOST {
-            let likelihood = self.likelihood_of(self.samples.segment());
-            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), turn);
+        let likelihood = self.likelihood_of(self.samples.segment());
+        for turn in 0..RECONSIDERED {
+            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), self.count as usize + turn);
         }
-        for _ in 0..2 {
-            let likelihood = self.likelihood_of(self.samples.segment());
-            self.rivals.refine(&likelihood, 0, rivals::MOST, 1);
-        }
+        self.rivals.refine(&likelihood, 0, MOST_TURNS);
         let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
         let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
         let count = self.samples.age.min(64);
@@ -459,8 +463,6 @@ impl Adaptive {
         self.remember(Some(base));
         self.samples.cut(span);
         self.compete(time_ns, Some(base));
-        self.fit();
-        self.fit();
     }
 
     /// Blocks of samples are absorbed into what was known before them once that is nearly linear.
@@ -495,7 +497,7 @@ impl Adaptive {
         let known = self.drift.walk(&known, self.unit_ut, seconds);
         if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
             next.posterior.mean = tau;
-            next.refine(&rest, 2, f64::NEG_INFINITY);
+            next.refine(&rest, 2);
             self.rivals = Rivals::new([next], &[]);
             if let Some(trial) = self.trial.filter(|trial| trial.released) {
                 self.remember(trial.base);
@@ -558,6 +560,13 @@ impl Adaptive {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
                     published.covariance = self.rivals.spread_about(&published.tau);
+                    // released too soon: what was held before is predicted to be better by far
+                    if let Some(mut held) = trial.held.filter(|_| trial.released) {
+                        held.covariance = self.rivals.spread_about(&held.tau);
+                        if weight.expected(&held.covariance) * REGRET < weight.expected(&published.covariance) {
+                            *published = held;
+                        }
+                    }
                 }
             }
         }

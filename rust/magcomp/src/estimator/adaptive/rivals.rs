@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most hypotheses at a time.
 pub(super) const MOST: usize = 20;
+/// Twins at a time: they are neighbours, so that each call looks after one.
+const TWINS: usize = 4;
 /// A twin closer than this to its sibling (units) has lost its own place.
 const SAME_PLACE: f64 = 0.1;
 /// Hypotheses whose log evidence lies this far below the best one's are given up ...
@@ -163,13 +165,13 @@ impl Rivals {
     }
 
     /// The samples have become more: the best and `turns` others iterate, all are weighed.
-    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
+    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize) {
         let best = self.best;
         for slot in self.all.iter_mut().flatten() {
             slot.rescore(likelihood);
         }
         if let Some(hypothesis) = &mut self.all[best] {
-            hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
+            hypothesis.refine(likelihood, 1);
         }
         // where the best one stands may be the better place for another, too
         let place = self.best().map(|h| h.posterior.mean);
@@ -187,7 +189,7 @@ impl Rivals {
                 if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
                     hypothesis.consider(likelihood, place, MARGIN);
                 }
-                hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
+                hypothesis.refine(likelihood, 1);
                 done += 1;
             }
         }
@@ -205,7 +207,7 @@ impl Rivals {
     /// Other places to iterate from, for the hypotheses that may go there; one of them at a time, so that no sample costs much.
     pub fn look_elsewhere(&mut self, likelihood: &Likelihood, segment: &Moments, turn: usize) {
         let (mean, covariance) = segment.cloud();
-        for k in (turn % 2..MOST).step_by(2) {
+        for k in (turn % TWINS..MOST).step_by(TWINS) {
             let Some(place) = self.sibling[k].and_then(|other| self.all[other].as_ref()).map(|h| h.posterior.mean)
             else {
                 continue;
