@@ -1,8 +1,12 @@
-//! A hypothesis: what was known of tau before the samples of the segment, a Gaussian N(tau_0, Lambda^-1), and the maximum a
-//! posteriori estimate it leads to.
-//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)      minimised by Levenberg-Marquardt
-//!     P = (H + Lambda)^-1,                                        H the information of the samples
-//!     log evidence = -F/2 + (log det Lambda - log det (H + Lambda)) / 2 + log prior    (Laplace)
+//! A hypothesis: what was known of tau before the samples of the segment, a Gaussian N(tau_0, Lambda^-1), and the estimate it
+//! leads to. First towards the minimum of
+//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)      by Levenberg-Marquardt
+//! Noise alone moves it along what the motion does not see: half the score g of L has the variance R = w/D J^T S J, but the
+//! curvature there is only H = w/D J^T (S - s^2 N) J. The score that counts is therefore H R^-1 g, its information
+//! G = H R^-1 H (Godambe 1960), and from where F has led
+//!     tau <- tau - (G + Lambda)^-1 (H R^-1 g + Lambda (tau - tau_0)),     P = (G + Lambda)^-1
+//!     log evidence = -F/2 + (log det Lambda - log det (G + Lambda)) / 2 + log prior     (Laplace)
+//! Where the samples say all, G = H = R.
 
 use super::likelihood::{Likelihood, Point};
 use super::parameters::{Matrix9, Seen, Vector9, is_bounded, radius_gradient, see};
@@ -27,14 +31,14 @@ pub(super) struct Hypothesis {
     prior_information: Matrix9,
     log_prior: f64,
     log_det_prior: f64,
-    /// (log det Lambda - log det (H + Lambda)) / 2.
+    /// (log det Lambda - log det (G + Lambda)) / 2.
     log_volume: f64,
     /// The estimate and its covariance P.
     pub posterior: Gaussian,
     /// C / D there, units^2.
     pub distance_squared: f64,
     /// L and F there.
-    pub misfit: f64,
+    pub samples_cost: f64,
     pub cost: f64,
     /// Logarithm of the evidence, comparable between hypotheses on the same samples.
     pub log_evidence: f64,
@@ -56,8 +60,12 @@ const DAMPINGS: usize = 3;
 const ITERATIONS_ELSEWHERE: usize = 2;
 /// Step of a finite difference, units.
 const BESIDE: f64 = 1e-4;
+/// Share of Lambda that is added to R, which few samples leave singular.
 const SOFTENING: f64 = 0.01;
+/// The step from there is tried in so many sizes, each SHORTER than the one before, until L rises by no more than a half
+/// over what its curvature predicts, and LEAST_RISE: beyond that it is not linear.
 const PARTS: usize = 3;
+const SHORTER: f64 = 0.4;
 const LEAST_RISE: f64 = 1.0;
 
 impl Hypothesis {
@@ -75,7 +83,7 @@ impl Hypothesis {
             log_volume: 0.0,
             posterior: *prior,
             distance_squared: 0.0,
-            misfit: 0.0,
+            samples_cost: 0.0,
             cost: NO_COST,
             log_evidence: log_prior,
             damping: FIRST_DAMPING,
@@ -117,7 +125,7 @@ impl Hypothesis {
     /// F on more samples, where it stands: keeps the evidence comparable between iterations.
     pub fn rescore(&mut self, likelihood: &Likelihood) {
         if let Some((cost, point)) = self.total(likelihood, &self.posterior.mean) {
-            (self.cost, self.misfit, self.distance_squared) = (cost, point.cost, point.distance_squared);
+            (self.cost, self.samples_cost, self.distance_squared) = (cost, point.cost, point.distance_squared);
             self.log_evidence = self.log_prior + self.log_volume - 0.5 * cost;
         }
     }
@@ -143,7 +151,7 @@ impl Hypothesis {
         (0..3).for_each(|i| self.prior_mean[6 + i] += by[i]);
     }
 
-    /// So many iterations, then the evidence, and the covariance where the evidence exceeds `worth`.
+    /// So many iterations, then the estimate, its covariance and the evidence.
     pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
@@ -179,10 +187,10 @@ impl Hypothesis {
         self.settle(likelihood, &tau, cost, &point);
     }
 
-    /// From the minimum of F to the estimate: see the module.
+    /// From where F has led to the estimate: see the module.
     fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point) {
         (self.posterior.mean, self.cost) = (*tau, cost);
-        (self.misfit, self.distance_squared) = (point.cost, point.distance_squared);
+        (self.samples_cost, self.distance_squared) = (point.cost, point.distance_squared);
         let (gradient, raw) = likelihood.derivatives(tau, point);
         let curvature = likelihood.information(tau, point);
         let weighed = (raw + self.prior_information * SOFTENING).cholesky();
@@ -200,10 +208,10 @@ impl Hypothesis {
                 && at.cost - point.cost < rise.max(0.0) * 1.5 + LEAST_RISE
             {
                 (self.posterior.mean, self.cost) = (tau + step, higher);
-                (self.misfit, self.distance_squared) = (at.cost, at.distance_squared);
+                (self.samples_cost, self.distance_squared) = (at.cost, at.distance_squared);
                 break;
             }
-            part *= 0.4;
+            part *= SHORTER;
         }
         let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
         self.log_volume = 0.5 * self.log_det_prior - volume;

@@ -6,16 +6,19 @@
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
 //! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
-//! `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) · `output`.
+//! `notice` (changes) · `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) ·
+//! `answer` (what is in force) · `output`.
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
+mod answer;
 mod change;
 mod drift;
 mod hypothesis;
 mod ladder;
 mod likelihood;
 mod noise;
+mod notice;
 mod output;
 mod parameters;
 mod publish;
@@ -26,18 +29,18 @@ mod steadiness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
-use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
+use crate::reading::{Event, ModelOrder};
 use drift::Drift;
-use hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
+use hypothesis::{Gaussian, Hypothesis};
 use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
 pub(crate) use output::AdaptiveOutput;
 use parameters::Vector9;
-use publish::{Published, compare, directions, may_compare};
+use publish::Published;
 use rivals::Rivals;
-use samples::{SPANS, Samples, span_length};
+use samples::{Samples, span_length};
 use serde::{Deserialize, Serialize};
 use steadiness::Steadiness;
 
@@ -78,8 +81,6 @@ const FARTHEST: f64 = 4.0;
 const RECENT: usize = 5;
 /// ... when so many of them are gated.
 const GATED: usize = 3;
-/// log B of a small change: e^-14 is one in 1.2 million.
-const SMALL_CHANGE: f64 = 14.0;
 /// ... and no more than so many of them leapt.
 const ALONE: usize = 1;
 /// Samples of a segment before small changes in it are looked for.
@@ -90,34 +91,14 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// Samples before a first answer is tried.
-const JUDGED_FROM: usize = 16;
-/// Age of a segment up to which a prior that is strained counts as misfit too.
-const UNSURE: usize = 24;
-/// Standard deviations of chi-squared above which the samples fit no ellipsoid.
-const UNLIKELY: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
-/// Log odds by which a prefix of the segment must be older than the change before it is dropped.
-const OLDER: f64 = 3.0;
 /// Hypotheses besides the best that iterate with a sample, in the first 32 of a segment and later.
 const MOST_TURNS: usize = 8;
 const FEWER_TURNS: usize = 4;
-/// Samples after which hypotheses that fit none of them begin anew.
-const RENEWED: usize = 64;
-/// Hypotheses that look elsewhere before a change is called.
-const RECONSIDERED: usize = 5;
-/// Share of its samples that must fit for a segment to be one.
-const FITTING_SHARE: f64 = 0.9;
 
-/// Above this expected error (degrees) the linearised covariance is not taken at its word: new parameters must be better
-/// by a margin (in squares).
+/// Above this expected error (degrees) the linearised covariance is not taken at its word.
 const CLOSE_DEG: f64 = 5.0;
-const MARGIN: f64 = 4.0;
-/// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
-const DOUBT: f64 = 1.5;
-/// Expected mean square error, over that of what was held before, from which the latter is in force again.
-const REGRET: f64 = 1.5;
 
 /// What competes since the latest change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -337,134 +318,6 @@ impl Adaptive {
         }
     }
 
-    /// Spikes that came in before the fit was good enough to see them leave again, and so do samples that are older than
-    /// the change.
-    fn review(&mut self) {
-        let older = self.older_than_the_change();
-        let (centre_ut, unit_ut) = (self.centre_ut, self.unit_ut);
-        let (rivals, noise) = (&self.rivals, &self.noise);
-        let mut index = 0;
-        self.samples.review(|raw_ut| {
-            index += 1;
-            index > older && rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE
-        });
-    }
-
-    /// How many samples at the segment's start fit what was in force before better than what is best now.
-    fn older_than_the_change(&self) -> usize {
-        let Some((base, best)) = self.trial.and_then(|trial| trial.base).zip(self.rivals.best()) else { return 0 };
-        let distance = |tau: &Vector9, u: &Vector3<f64>| {
-            parameters::see(tau, u).map_or(0.0, |seen| ((seen.radius - 1.0) / seen.slope).powi(2))
-        };
-        let (mut sum, mut largest, mut older) = (0.0, OLDER * 2.0 * self.noise.variance, 0);
-        for back in (0..self.samples.age.min(samples::REVIEWED)).rev() {
-            let u = self.unit(self.samples.latest(back));
-            sum += distance(&best.posterior.mean, &u) - distance(&base.mean, &u);
-            if sum > largest {
-                (largest, older) = (sum, self.samples.age - back);
-            }
-        }
-        older
-    }
-
-    /// Most of the latest samples are gated.
-    fn large_change(&mut self) {
-        let late = self.late;
-        let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
-        let Some(start) = late.iter().flatten().nth(first).copied() else { return };
-        let base = match self.trial {
-            // while it is open what is right, neither the fit nor the noise is known well enough to call it a change
-            Some(trial) if self.is_open() => {
-                if self.reconsider() {
-                    return;
-                }
-                let begun = trial.released && self.noise.is_known();
-                trial.base.or_else(|| self.rivals.best().filter(|_| begun).map(|best| best.posterior))
-            }
-            _ => self.rivals.best().map(|best| best.posterior),
-        };
-        if let Some(trial) = self.trial.filter(|trial| trial.released) {
-            self.remember(trial.base);
-        }
-        if self.trial.is_none_or(|trial| trial.released) {
-            self.remember(base);
-        }
-        let mut base = base;
-        let by = (self.centre_ut - start.raw_ut) / self.unit_ut;
-        self.move_centre(&start.raw_ut);
-        if let Some(base) = &mut base {
-            base.shift(&by);
-        }
-        let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
-        self.compete(since_ns, base);
-        for late in late.iter().flatten().skip(first).filter(|late| !late.alone) {
-            self.samples.add(&late.raw_ut);
-        }
-        self.fit();
-    }
-
-    /// Whether the hypotheses since the latest change still disagree, or the best of them is not sure.
-    fn is_open(&self) -> bool {
-        self.trial.is_some_and(|trial| {
-            !trial.released
-                || (trial.base.is_none() && !self.noise.is_known())
-                || self.direction_sigma_deg > CLOSE_DEG
-                || !self.rivals.agree()
-        })
-    }
-
-    /// A young segment that suddenly fits no more may have been fitted wrongly: with all its samples, once more. Whether that helped.
-    fn reconsider(&mut self) -> bool {
-        let late = self.late;
-        for late in late.iter().flatten().filter(|late| late.gated) {
-            self.samples.add(&late.raw_ut);
-        }
-        let likelihood = self.likelihood_of(self.samples.segment());
-        for turn in 0..RECONSIDERED {
-            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), self.count as usize + turn);
-        }
-        self.rivals.refine(&likelihood, 0, MOST_TURNS);
-        let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
-        let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
-        let count = self.samples.age.min(64);
-        let all = (0..count).filter(|back| fits(self.samples.latest(*back))).count();
-        let good = latest + 2 > RECENT && all as f64 >= FITTING_SHARE * count as f64;
-        if good {
-            self.late.iter_mut().flatten().for_each(|late| late.gated = false);
-        }
-        good
-    }
-
-    /// A calibration that held for a while may come back.
-    fn remember(&mut self, known: Option<Gaussian>) {
-        let Some(known) = known else { return };
-        let near = |former: &Gaussian| (former.mean - known.mean).norm() < 0.02;
-        let place = self.former.iter().position(|former| former.as_ref().is_some_and(near)).unwrap_or(FORMER - 1);
-        self.former[..=place].rotate_right(1);
-        self.former[0] = Some(known);
-    }
-
-    /// One span a time, each as often as it is renewed by a quarter.
-    fn look_for_small_change(&mut self, time_ns: i64) {
-        let span = ((self.count / 2).trailing_zeros() as usize).min(SPANS - 1);
-        let length = span_length(span);
-        let age = self.samples.age;
-        let too_young = age < SCANNED_FROM || age < 2 * length || !self.noise.is_known();
-        if too_young || self.trial.is_some_and(|trial| !trial.released) || (self.drift.is_on() && span > BLOCK_SPAN) {
-            return;
-        }
-        let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
-        let likelihood = self.likelihood_of(self.samples.span(span));
-        if change::log_evidence_of_jump(&likelihood, &posterior, SMALL_CHANGE) < SMALL_CHANGE {
-            return;
-        }
-        let base = change::without(&posterior, &likelihood);
-        self.remember(self.trial.and_then(|trial| trial.base));
-        self.remember(Some(base));
-        self.samples.cut(span);
-        self.compete(time_ns, Some(base));
-    }
-
     /// Blocks of samples are absorbed into what was known before them once that is nearly linear.
     fn absorb(&mut self, time_ns: i64) {
         let block = span_length(BLOCK_SPAN);
@@ -503,113 +356,6 @@ impl Adaptive {
                 self.remember(trial.base);
                 self.trial = None;
             }
-        }
-    }
-
-    /// Whether the samples of the segment lie on any ellipsoid.
-    fn judge(&mut self) {
-        let Some(best) = self.rivals.best() else { return };
-        if best.log_evidence <= NO_EVIDENCE {
-            // no hypothesis is near these samples: as at the start
-            let Some(latest) = self.late[RECENT - 1] else { return };
-            self.move_centre(&latest.raw_ut);
-            self.compete(latest.time_ns, None);
-            return;
-        }
-        // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
-        let unlikely =
-            |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
-        let count = self.samples.segment().count() as f64 / self.noise.correlation();
-        let samples = best.distance_squared / self.noise.variance * count;
-        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
-        if let Some(trial) = &mut self.trial {
-            trial.misfit = misfit;
-        }
-        if let Some(trial) = self.trial.filter(|trial| misfit && trial.base.is_some())
-            && self.samples.age.is_multiple_of(RENEWED)
-        {
-            self.compete(trial.since_ns, trial.base);
-            self.trial = Some(trial);
-        }
-    }
-
-    /// The gate.
-    fn publish(&mut self, time_ns: i64) {
-        let Some(best) = self.rivals.best().copied() else { return };
-        let tau = best.posterior.mean;
-        match self.trial {
-            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
-            Some(trial) => {
-                let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
-                let likelihood = self.likelihood_of(self.samples.segment());
-                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
-                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
-                let limit = self.release_below_deg.to_radians();
-                let better = match &self.published {
-                    // once released, it may become better, not worse: a doubt that comes up later is waited for
-                    Some(published) if trial.released => {
-                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
-                    }
-                    // nothing has changed: what is in force is what is best
-                    Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
-                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
-                    Some(_) => compared.new < compared.held,
-                    None => compared.new < limit * limit,
-                };
-                if !trial.misfit && better {
-                    self.release(time_ns, trial, &best, compared.new);
-                } else if let Some(published) = &mut self.published {
-                    published.covariance = self.rivals.spread_about(&published.tau);
-                    // released too soon: what was held before is predicted to be better by far
-                    if let Some(mut held) = trial.held.filter(|_| trial.released) {
-                        held.covariance = self.rivals.spread_about(&held.tau);
-                        if weight.expected(&held.covariance) * REGRET < weight.expected(&published.covariance) {
-                            *published = held;
-                        }
-                    }
-                }
-            }
-        }
-        if self.count.is_multiple_of(16) || self.trial.is_some() {
-            self.summarise();
-        }
-    }
-
-    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
-        let tau = best.posterior.mean;
-        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
-        self.order = best.order;
-        if !trial.released {
-            let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-            if trial.base.is_some() && best.order != ModelOrder::Nothing {
-                self.event = Some(Event { kind, since_ns: trial.since_ns, decided_ns: time_ns });
-            }
-            self.trial = Some(Trial { released: true, ..trial });
-        }
-    }
-
-    /// Expected errors over the sphere, degrees.
-    fn summarise(&mut self) {
-        let Some(published) = &self.published else { return };
-        let expected = angle::AngularWeight::sphere(&published.tau).expected(&published.covariance);
-        self.direction_sigma_deg = expected.sqrt().to_degrees().min(180.0);
-        if self.count.is_multiple_of(16) {
-            let largest = published.covariance.symmetric_eigenvalues().max();
-            self.worst_sigma_deg = largest.max(0.0).sqrt().to_degrees().min(180.0);
-        }
-    }
-
-    fn status(&self) -> Status {
-        match (self.trial, self.published) {
-            (_, None) => Status::Collecting(if self.samples.age < JUDGED_FROM {
-                Missing::Samples { have: self.samples.age, need: JUDGED_FROM }
-            } else {
-                Missing::Directions
-            }),
-            (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
-            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
-            _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
-            _ => Status::Tracking,
         }
     }
 

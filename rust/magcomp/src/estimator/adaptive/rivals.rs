@@ -4,6 +4,10 @@
 //!     sum weight_i (P_i + (tau_i - tau)(tau_i - tau)^T).
 //! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
 //! that the doubt is in the mixture.
+//!
+//! Two places differ in L by delta, and noise alone makes differences of variance 4 n (1 - rho^2), rho the correlation of
+//! their residuals (`likelihood`), which for a flat arc and its mirror image is most of n. If delta were expected, its log odds
+//! were delta/2 of delta / (delta + n (1 - rho^2)): so much of the difference counts.
 
 use super::angle::AngularWeight;
 use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
@@ -25,8 +29,6 @@ const SAME_PLACE: f64 = 0.1;
 const HOPELESS: f64 = 30.0;
 /// ... but not before so many samples: the first ones fit many.
 const PATIENCE: usize = 96;
-/// The covariance of hypotheses whose log evidence lies this far below is not needed.
-const UNCOUNTED: f64 = 12.0;
 /// Mean square error by all, over that by the best, below which they agree.
 const AGREEMENT: f64 = 1.5;
 /// Weights below this are left out of the mixture.
@@ -41,7 +43,6 @@ pub(super) struct Rivals {
     /// Whose twin each is.
     sibling: [Option<usize>; MOST],
     weights: [f64; MOST],
-    logs: [f64; MOST],
     best: usize,
     turn: usize,
 }
@@ -69,45 +70,34 @@ impl Rivals {
         for (k, other) in (count..MOST).zip(twinned) {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
-        let mut rivals = Self { all, sibling, weights: [0.0; MOST], logs: [0.0; MOST], best: 0, turn: 0 };
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
         rivals.weigh(None);
         rivals
     }
 
-    fn weigh(&mut self, likelihood: Option<&Likelihood>) {
-        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
-        let logs = self.all.each_ref().map(log);
-        let mut first = self.best;
-        for (k, value) in logs.iter().enumerate() {
-            if *value > logs[first] || self.all[first].is_none() {
-                first = k;
-            }
-        }
-        let reference = self.all[first];
-        let against = |slot: &Option<Hypothesis>| {
-            let (Some(likelihood), Some(h), Some(reference)) = (likelihood, slot.as_ref(), reference.as_ref()) else {
-                return log(slot);
-            };
-            if h.log_evidence <= NO_EVIDENCE {
-                return f64::NEG_INFINITY;
-            }
-            let gain = (h.misfit - reference.misfit).abs();
-            let noise = likelihood.disagreement(&h.posterior.mean, &reference.posterior.mean);
-            let share = if gain > 0.0 { gain / (gain + noise) } else { 1.0 };
-            h.log_evidence + 0.5 * (h.misfit - reference.misfit) * (1.0 - share)
+    /// Weights, and the best. Returns the log evidences they are of.
+    fn weigh(&mut self, likelihood: Option<&Likelihood>) -> [f64; MOST] {
+        let largest = |logs: &[f64; MOST], from: usize| {
+            (0..MOST).fold(from, |best, k| if logs[k] > logs[best] { k } else { best })
         };
-        self.logs = self.all.each_ref().map(against);
-        let mut best = first;
-        for (k, value) in self.logs.iter().enumerate() {
-            if *value > self.logs[best] {
-                best = k;
+        let own = self.all.each_ref().map(|slot| slot.as_ref().map_or(NO_EVIDENCE, |h| h.log_evidence));
+        let reference = self.all[largest(&own, self.best)];
+        let mut logs = own;
+        if let (Some(likelihood), Some(reference)) = (likelihood, reference) {
+            for (log, h) in logs.iter_mut().zip(&self.all) {
+                if let Some(h) = h.as_ref().filter(|h| h.log_evidence > NO_EVIDENCE) {
+                    let delta = h.samples_cost - reference.samples_cost;
+                    let noise = likelihood.disagreement(&h.posterior.mean, &reference.posterior.mean);
+                    *log += 0.5 * delta * noise / (delta.abs() + noise).max(f64::MIN_POSITIVE);
+                }
             }
         }
-        self.best = best;
-        let largest = self.logs[best];
-        let weights = self.logs.map(|log| if log > NO_EVIDENCE { (log - largest).exp() } else { 0.0 });
+        self.best = largest(&logs, self.best);
+        let most = logs[self.best];
+        let weights = logs.map(|log| if log > NO_EVIDENCE { (log - most).exp() } else { 0.0 });
         let sum: f64 = weights.iter().sum();
         self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
+        logs
     }
 
     /// The one with the most evidence.
@@ -193,10 +183,10 @@ impl Rivals {
                 done += 1;
             }
         }
-        self.weigh(Some(likelihood));
-        let largest = self.logs[self.best];
+        let logs = self.weigh(Some(likelihood));
+        let largest = logs[self.best];
         if samples >= PATIENCE {
-            for (slot, log) in self.all.iter_mut().zip(self.logs) {
+            for (slot, log) in self.all.iter_mut().zip(logs) {
                 if log < largest - HOPELESS {
                     *slot = None;
                 }
