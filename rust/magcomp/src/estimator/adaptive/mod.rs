@@ -93,7 +93,8 @@ const BLOCK_SPAN: usize = 3;
 const ABSORBED_BELOW_DEG: f64 = 1.5;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
-/// Hypotheses besides the best that iterate with a sample, in the first 32 of a segment and later.
+/// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
+const FIRST_TURNS: usize = 12;
 const MOST_TURNS: usize = 8;
 const FEWER_TURNS: usize = 4;
 
@@ -308,7 +309,7 @@ impl Adaptive {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
         let turns = match age {
-            0..12 => rivals::MOST,
+            0..12 => FIRST_TURNS,
             12..32 => MOST_TURNS,
             _ => FEWER_TURNS,
         };

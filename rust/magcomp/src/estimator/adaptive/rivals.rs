@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Most hypotheses at a time.
-pub(super) const MOST: usize = 20;
+const MOST: usize = 20;
 /// Twins at a time: they are neighbours, so that each call looks after one.
 const TWINS: usize = 4;
 /// A twin closer than this to its sibling (units) has lost its own place.
