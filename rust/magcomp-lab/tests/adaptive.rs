@@ -41,21 +41,24 @@ fn noise_three_times_off_at_the_start_does_not_matter() {
 fn a_hand_is_enough() {
     let result = adaptive(Case::PhoneHand, 6, 740);
     assert!(result.score.before_deg < 0.6, "{}", result.score.before_deg);
-    assert!(result.score.told_deg[2] < 10.0, "{:?}", result.score.told_deg);
-    assert!(result.score.told_deg[4] < 2.0, "{:?}", result.score.told_deg);
+    assert!(result.score.told_deg[2] < 5.0, "{:?}", result.score.told_deg);
+    assert!(result.score.told_deg[4] < 1.0, "{:?}", result.score.told_deg);
 }
 
 #[test]
 fn walking_is_enough_for_b_where_m_is_known() {
     let result = adaptive(Case::PhoneWalkKnown, 6, 760);
-    assert!(result.score.told_deg[3] < 2.0, "{:?}", result.score.told_deg);
+    assert!(result.score.told_deg[2] < 1.0, "{:?}", result.score.told_deg);
+    assert!(result.score.settled[1].is_some_and(|samples| samples <= 800), "{:?}", result.score.settled);
 }
 
 #[test]
 fn spikes_hardly_cost_anything() {
-    let clean = adaptive(Case::PhoneHand, 4, 780).score.before_deg;
-    let spiky = adaptive(Case::PhoneSpikes, 4, 780).score.before_deg;
-    assert!(spiky < 1.5 * clean.max(0.1), "{spiky} against {clean}");
+    let clean = adaptive(Case::PhoneHand, 4, 780).score;
+    let spiky = adaptive(Case::PhoneSpikes, 4, 780).score;
+    for (spiky, clean) in [(spiky.before_deg, clean.before_deg), (spiky.after_deg, clean.after_deg)] {
+        assert!(spiky < 1.5 * clean.max(0.1), "{spiky} against {clean}");
+    }
 }
 
 #[test]
@@ -80,19 +83,19 @@ fn a_ramp_is_followed() {
 /// Over the runs and 50 samples, what is released is hardly ever worse than what was in force.
 #[test]
 fn never_much_worse_than_holding() {
-    for case in [Case::StepHand, Case::SmallStepHand, Case::PhoneHand, Case::PhoneWalk] {
+    for case in [Case::StepHand, Case::StepWalk, Case::SmallStepHand, Case::PhoneHand, Case::PhoneWalk] {
         let result = adaptive(case, 6, 860);
-        assert!(result.score.worst_over_held < 2.0, "{case:?}: {}", result.score.worst_over_held);
+        assert!(result.score.worst_over_held < 1.2, "{case:?}: {}", result.score.worst_over_held);
     }
 }
 
 #[test]
 fn sigmas_are_honest_where_nothing_changes() {
-    for case in [Case::Constant, Case::PhoneSteady] {
+    for (case, period) in [(Case::Constant, 3), (Case::PhoneSteady, 3), (Case::PhoneWalkSteady, 0)] {
         let result = adaptive(case, 6, 880);
-        let [one, two] = result.honesty[3].within_sigma;
+        let [one, two] = result.honesty[period].within_sigma;
         assert!((one - 0.68).abs() < 0.05 && (two - 0.95).abs() < 0.05, "{case:?}: {one} {two}");
-        let nees = result.honesty[3].nees.expect("a covariance");
+        let nees = result.honesty[period].nees.expect("a covariance");
         assert!((0.3..3.0).contains(&nees), "{case:?}: {nees}");
     }
 }

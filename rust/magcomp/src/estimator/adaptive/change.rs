@@ -12,8 +12,9 @@ use super::parameters::{Matrix9, Vector9, is_bounded};
 /// Standard deviations of the jumps looked for: T's diagonal, off-diagonal, beta.
 const JUMPS: [[f64; 3]; 4] = [[1e-3, 1e-3, 0.05], [1e-3, 1e-3, 0.3], [0.06, 0.04, 0.1], [0.4, 0.15, 0.6]];
 
-/// The largest log B over the jumps.
-pub(super) fn log_evidence_of_jump(likelihood: &Likelihood, tau: &Vector9) -> f64 {
+/// The largest log B over the jumps; where it exceeds `enough`, less what the posterior itself could still take up.
+pub(super) fn log_evidence_of_jump(likelihood: &Likelihood, posterior: &Gaussian, enough: f64) -> f64 {
+    let tau = &posterior.mean;
     let Some(point) = likelihood.at(tau) else { return f64::NEG_INFINITY };
     let score = likelihood.score(tau, &point);
     let (_, raw) = likelihood.derivatives(tau, &point);
@@ -28,6 +29,13 @@ pub(super) fn log_evidence_of_jump(likelihood: &Likelihood, tau: &Vector9) -> f6
         let l = cholesky.l_dirty();
         let volume: f64 = (0..9).map(|i| l[(i, i)].ln()).sum();
         largest = largest.max(gain - volume);
+    }
+    if largest > enough
+        && let Some(l) = posterior.covariance.cholesky().map(|c| c.l())
+        && let Some(open) = (l.tr_mul(&(raw * l)) + Matrix9::identity()).cholesky()
+    {
+        let g = l.tr_mul(&score);
+        largest -= 0.5 * g.dot(&open.solve(&g));
     }
     largest
 }

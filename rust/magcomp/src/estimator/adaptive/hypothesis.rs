@@ -1,11 +1,15 @@
-//! A hypothesis: what was known of tau before the samples of the segment, a Gaussian N(tau_0, Lambda^-1), and the maximum a
-//! posteriori estimate it leads to.
-//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)      minimised by Levenberg-Marquardt
-//!     P = (H + Lambda)^-1,                                        H the information of the samples
-//!     log evidence = -F/2 + (log det Lambda - log det (H + Lambda)) / 2 + log prior    (Laplace)
+//! A hypothesis: what was known of tau before the samples of the segment, a Gaussian N(tau_0, Lambda^-1), and the estimate it
+//! leads to. First towards the minimum of
+//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)      by Levenberg-Marquardt
+//! Noise alone moves it along what the motion does not see: half the score g of L has the variance R = w/D J^T S J, but the
+//! curvature there is only H = w/D J^T (S - s^2 N) J. The score that counts is therefore H R^-1 g, its information
+//! G = H R^-1 H (Godambe 1960), and from where F has led
+//!     tau <- tau - (G + Lambda)^-1 (H R^-1 g + Lambda (tau - tau_0)),     P = (G + Lambda)^-1
+//!     log evidence = -F/2 + (log det Lambda - log det (G + Lambda)) / 2 + log prior     (Laplace)
+//! Where the samples say all, G = H = R.
 
 use super::likelihood::{Likelihood, Point};
-use super::parameters::{Matrix9, Vector9, is_bounded};
+use super::parameters::{Matrix9, Seen, Vector9, is_bounded, radius_gradient, see};
 use crate::ellipsoid::ldl;
 use crate::reading::ModelOrder;
 use nalgebra::Vector3;
@@ -27,11 +31,14 @@ pub(super) struct Hypothesis {
     prior_information: Matrix9,
     log_prior: f64,
     log_det_prior: f64,
+    /// (log det Lambda - log det (G + Lambda)) / 2.
+    log_volume: f64,
     /// The estimate and its covariance P.
     pub posterior: Gaussian,
     /// C / D there, units^2.
     pub distance_squared: f64,
-    /// F there.
+    /// L and F there.
+    pub samples_cost: f64,
     pub cost: f64,
     /// Logarithm of the evidence, comparable between hypotheses on the same samples.
     pub log_evidence: f64,
@@ -50,6 +57,16 @@ const NO_COST: f64 = f64::MAX;
 pub(super) const NO_EVIDENCE: f64 = f64::MIN;
 const FIRST_DAMPING: f64 = 1e-6;
 const DAMPINGS: usize = 3;
+const ITERATIONS_ELSEWHERE: usize = 2;
+/// Step of a finite difference, units.
+const BESIDE: f64 = 1e-4;
+/// Share of Lambda that is added to R, which few samples leave singular.
+const SOFTENING: f64 = 0.01;
+/// The step from there is tried in so many sizes, each SHORTER than the one before, until L rises by no more than a half
+/// over what its curvature predicts, and LEAST_RISE: beyond that it is not linear.
+const PARTS: usize = 3;
+const SHORTER: f64 = 0.4;
+const LEAST_RISE: f64 = 1.0;
 
 impl Hypothesis {
     /// None when the prior is no Gaussian (numerically).
@@ -63,8 +80,10 @@ impl Hypothesis {
             prior_information: (information + information.transpose()) * 0.5,
             log_prior,
             log_det_prior,
+            log_volume: 0.0,
             posterior: *prior,
             distance_squared: 0.0,
+            samples_cost: 0.0,
             cost: NO_COST,
             log_evidence: log_prior,
             damping: FIRST_DAMPING,
@@ -97,21 +116,33 @@ impl Hypothesis {
     }
 
     /// Iterates from elsewhere.
-    pub fn move_to(&mut self, tau: &Vector9) {
+    pub fn move_to(&mut self, likelihood: &Likelihood, tau: &Vector9) {
         self.posterior.mean = *tau;
         self.damping = FIRST_DAMPING;
-        self.cost = NO_COST;
+        self.refine(likelihood, ITERATIONS_ELSEWHERE);
     }
 
     /// F on more samples, where it stands: keeps the evidence comparable between iterations.
     pub fn rescore(&mut self, likelihood: &Likelihood) {
-        let before = self.cost;
         if let Some((cost, point)) = self.total(likelihood, &self.posterior.mean) {
-            (self.cost, self.distance_squared) = (cost, point.distance_squared);
-            if before < NO_COST {
-                self.log_evidence -= 0.5 * (cost - before);
+            (self.cost, self.samples_cost, self.distance_squared) = (cost, point.cost, point.distance_squared);
+            self.log_evidence = self.log_prior + self.log_volume - 0.5 * cost;
+        }
+    }
+
+    /// Variance of the radius of a sample through the parameters; what the sample's own noise adds by turning the gradient
+    /// is taken off.
+    pub fn variance_at(&self, u: &Vector3<f64>, seen: &Seen, noise: f64) -> f64 {
+        let (tau, p) = (&self.posterior.mean, &self.posterior.covariance);
+        let g = radius_gradient(tau, seen);
+        let mut turned = 0.0;
+        for axis in 0..3 {
+            if let Some(beside) = see(tau, &(u + Vector3::ith(axis, BESIDE))) {
+                let d = (radius_gradient(tau, &beside) - g) / BESIDE;
+                turned += d.dot(&(p * d));
             }
         }
+        (g.dot(&(p * g)) - noise * turned).max(0.0)
     }
 
     /// The coordinates move by `by`: beta with them.
@@ -120,8 +151,8 @@ impl Hypothesis {
         (0..3).for_each(|i| self.prior_mean[6 + i] += by[i]);
     }
 
-    /// So many iterations, then the evidence, and the covariance where the evidence exceeds `worth`.
-    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize, worth: f64) {
+    /// So many iterations, then the estimate, its covariance and the evidence.
+    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
             self.posterior.mean = self.prior_mean;
@@ -153,20 +184,40 @@ impl Hypothesis {
             }
         }
         self.damping = self.damping.min(1e3);
-        self.posterior.mean = tau;
-        self.cost = cost;
-        self.distance_squared = point.distance_squared;
-        let information = likelihood.information(&tau, &point) + self.prior_information;
-        // poor coverage can leave the samples' own share of it indefinite: then they say nothing new
-        let cholesky = information.cholesky().or_else(|| self.prior_information.cholesky());
-        if let Some(cholesky) = cholesky {
-            let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
-            self.log_evidence = self.log_prior - 0.5 * cost + 0.5 * self.log_det_prior - volume;
-            if self.log_evidence > worth {
-                let inverse = cholesky.inverse();
-                self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
+        self.settle(likelihood, &tau, cost, &point);
+    }
+
+    /// From where F has led to the estimate: see the module.
+    fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point) {
+        (self.posterior.mean, self.cost) = (*tau, cost);
+        (self.samples_cost, self.distance_squared) = (point.cost, point.distance_squared);
+        let (gradient, raw) = likelihood.derivatives(tau, point);
+        let curvature = likelihood.information(tau, point);
+        let weighed = (raw + self.prior_information * SOFTENING).cholesky();
+        let Some(weighed) = weighed else { return };
+        let share = weighed.solve(&curvature);
+        let information = curvature.tr_mul(&share);
+        let information = (information + information.transpose()) * 0.5 + self.prior_information;
+        let Some(cholesky) = information.cholesky() else { return };
+        let towards = -cholesky.solve(&(share.tr_mul(&gradient) + self.prior_information * (tau - self.prior_mean)));
+        let mut part = 1.0;
+        for _ in 0..PARTS {
+            let step = towards * part;
+            let rise = 2.0 * gradient.dot(&step) + step.dot(&(curvature * step));
+            if let Some((higher, at)) = self.total(likelihood, &(tau + step))
+                && at.cost - point.cost < rise.max(0.0) * 1.5 + LEAST_RISE
+            {
+                (self.posterior.mean, self.cost) = (tau + step, higher);
+                (self.samples_cost, self.distance_squared) = (at.cost, at.distance_squared);
+                break;
             }
+            part *= SHORTER;
         }
+        let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
+        self.log_volume = 0.5 * self.log_det_prior - volume;
+        self.log_evidence = self.log_prior + self.log_volume - 0.5 * self.cost;
+        let inverse = cholesky.inverse();
+        self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
     }
 }
 

@@ -2,7 +2,7 @@
 //!     L(tau) = w C / D,   C = p^T S p,  D = p^T N p  (means over the samples),   w = n / (kappa s^2)
 //! twice the negative logarithm, up to a constant, for white noise of variance s^2 (kappa: see `noise`). C / D is the mean
 //! square of the residual over its own gradient: a distance, free of the noise bias up to s^4 (`ellipsoid/fit`).
-//! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J; information w/D J^T (S - s^2 N) J, the noise's own
+//! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J; curvature w/D J^T (S - s^2 N) J, the noise's own
 //! share taken off, so that poor coverage is not taken for knowledge.
 
 use super::parameters::{Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric};
@@ -35,6 +35,15 @@ impl Likelihood {
     pub fn new(moments: &Moments, variance: f64, samples: f64) -> Self {
         let (s, n) = moments.scatter();
         Self { s, n, weight: samples / variance, variance }
+    }
+
+    /// A quarter of the variance that the noise alone gives the difference of L between two tau: n (1 - rho^2), rho the
+    /// correlation of their residuals, that of their gradients.
+    pub fn disagreement(&self, a: &Vector9, b: &Vector9) -> f64 {
+        let (a, b) = (quadric(a), quadric(b));
+        let (na, nb) = (self.n * a, self.n * b);
+        let agreement = a.dot(&nb).powi(2) / (a.dot(&na) * b.dot(&nb));
+        self.weight * self.variance * (1.0 - agreement).clamp(0.0, 1.0)
     }
 
     /// None where tau is no ellipsoid near the samples.

@@ -6,16 +6,19 @@
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
 //! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
-//! `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) · `output`.
+//! `notice` (changes) · `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) ·
+//! `answer` (what is in force) · `output`.
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
+mod answer;
 mod change;
 mod drift;
 mod hypothesis;
 mod ladder;
 mod likelihood;
 mod noise;
+mod notice;
 mod output;
 mod parameters;
 mod publish;
@@ -26,18 +29,18 @@ mod steadiness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
-use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
+use crate::reading::{Event, ModelOrder};
 use drift::Drift;
-use hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
+use hypothesis::{Gaussian, Hypothesis};
 use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
 pub(crate) use output::AdaptiveOutput;
 use parameters::Vector9;
-use publish::{Published, compare, directions, may_compare};
+use publish::Published;
 use rivals::Rivals;
-use samples::{SPANS, Samples, span_length};
+use samples::{Samples, span_length};
 use serde::{Deserialize, Serialize};
 use steadiness::Steadiness;
 
@@ -78,8 +81,8 @@ const FARTHEST: f64 = 4.0;
 const RECENT: usize = 5;
 /// ... when so many of them are gated.
 const GATED: usize = 3;
-/// log B of a small change: e^-14 is one in 1.2 million.
-const SMALL_CHANGE: f64 = 14.0;
+/// ... and no more than so many of them leapt.
+const ALONE: usize = 1;
 /// Samples of a segment before small changes in it are looked for.
 const SCANNED_FROM: usize = 32;
 /// Former calibrations that are remembered.
@@ -88,27 +91,15 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// Weight of the best hypothesis from which the others are given up.
-const DECIDED: f64 = 0.95;
-/// Samples from which a segment is absorbed nevertheless.
-const LONGEST: usize = 1024;
-/// Samples before a first answer is tried.
-const JUDGED_FROM: usize = 16;
-/// Age of a segment up to which a prior that is strained counts as misfit too.
-const UNSURE: usize = 24;
-/// Standard deviations of chi-squared above which the samples fit no ellipsoid.
-const UNLIKELY: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
-const REVIEWS: [usize; 4] = [24, 48, 96, 192];
-/// Share of its samples that must fit for a segment to be one.
-const FITTING_SHARE: f64 = 0.9;
+const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
+/// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
+const FIRST_TURNS: usize = 12;
+const MOST_TURNS: usize = 8;
+const FEWER_TURNS: usize = 4;
 
-/// Above this expected error (degrees) the linearised covariance is not taken at its word: new parameters must be better
-/// by a margin (in squares).
+/// Above this expected error (degrees) the linearised covariance is not taken at its word.
 const CLOSE_DEG: f64 = 5.0;
-const MARGIN: f64 = 4.0;
-/// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
-const DOUBT: f64 = 1.5;
 
 /// What competes since the latest change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,6 +107,8 @@ struct Trial {
     since_ns: i64,
     /// What was known before; None at the start.
     base: Option<Gaussian>,
+    /// What was in force before.
+    held: Option<Published>,
     /// Its result has been released.
     released: bool,
     /// The samples fit no ellipsoid.
@@ -128,6 +121,7 @@ struct Late {
     time_ns: i64,
     raw_ut: Vector3<f64>,
     gated: bool,
+    alone: bool,
 }
 
 /// The estimator. All state is plain numbers.
@@ -206,8 +200,9 @@ impl Adaptive {
             self.noise.learn_period((time_ns - before.time_ns) as f64 * 1e-9);
         }
         self.late.rotate_left(1);
-        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated });
-        if self.late.iter().flatten().filter(|late| late.gated).count() >= GATED {
+        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
+        let gated_late = || self.late.iter().flatten().filter(|late| late.gated);
+        if gated_late().count() >= GATED && gated_late().filter(|late| late.alone).count() <= ALONE {
             self.large_change();
         } else if !gated {
             self.samples.add(raw_ut);
@@ -249,7 +244,8 @@ impl Adaptive {
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);
         }
-        if let Some(published) = &mut self.published {
+        let held = self.trial.as_mut().and_then(|trial| trial.held.as_mut());
+        for published in self.published.iter_mut().chain(held) {
             (0..3).for_each(|i| published.tau[6 + i] += by[i]);
         }
         self.samples.clear(self.centre_ut);
@@ -268,7 +264,9 @@ impl Adaptive {
         let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
         self.rivals =
             Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
-        self.trial = Some(Trial { since_ns, base, released: false, misfit: false });
+        // a trial that begins anew before anything was released still holds what the first one held
+        let held = self.trial.filter(|trial| !trial.released).map_or(self.published, |trial| trial.held);
+        self.trial = Some(Trial { since_ns, base, held, released: false, misfit: false });
         self.noise.forget_block();
         self.drift.reset();
         self.late.iter_mut().for_each(|late| *late = None);
@@ -277,18 +275,25 @@ impl Adaptive {
 
     /// Whether a sample is too far from where it is expected; the noise learns from it.
     fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let Some(expected) = self.rivals.predict(&self.unit(raw_ut)) else { return false };
+        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), self.noise.variance) else { return false };
         let slope_squared = expected.slope * expected.slope;
         let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
-        self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
-        if self.samples.age >= SCANNED_FROM && z.abs() < GATE {
+        if !self.is_cold() {
+            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
+        }
+        if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
             self.noise.learn_colour(z);
         }
         if self.trial.is_some() && self.samples.age < UNGATED {
             return self.unit(raw_ut).norm() > FARTHEST;
         }
         z.abs() > GATE
+    }
+
+    /// Whether nothing was known before this segment.
+    fn is_cold(&self) -> bool {
+        self.trial.is_some_and(|trial| trial.base.is_none())
     }
 
     fn likelihood_of(&self, moments: &crate::ellipsoid::Moments) -> Likelihood {
@@ -303,116 +308,15 @@ impl Adaptive {
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        let (turns, iterations) = if age < 12 {
-            (rivals::MOST, 2)
-        } else if age < 32 {
-            (8, 1)
-        } else {
-            (4, 1)
+        let turns = match age {
+            0..12 => FIRST_TURNS,
+            12..32 => MOST_TURNS,
+            _ => FEWER_TURNS,
         };
-        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 }, iterations);
-    }
-
-    /// Spikes that came in before the fit was good enough to see them leave again.
-    fn review(&mut self) {
-        let (centre_ut, unit_ut) = (self.centre_ut, self.unit_ut);
-        let (rivals, noise) = (&self.rivals, &self.noise);
-        let dropped = self.samples.review(|raw_ut| rivals.fits(&((raw_ut - centre_ut) / unit_ut), noise) < GATE * GATE);
-        if dropped > 0 {
-            self.fit();
+        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 });
+        if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
+            self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
         }
-    }
-
-    /// Most of the latest samples are gated.
-    fn large_change(&mut self) {
-        let late = self.late;
-        let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
-        let Some(start) = late.iter().flatten().nth(first).copied() else { return };
-        let base = match self.trial {
-            // at the start neither the fit nor the noise is known well enough to call it a change
-            Some(trial) if !trial.released || (trial.base.is_none() && !self.noise.is_known()) => {
-                if self.reconsider() {
-                    return;
-                }
-                trial.base
-            }
-            _ => self.rivals.best().map(|best| best.posterior),
-        };
-        if let Some(trial) = self.trial.filter(|trial| trial.released) {
-            self.remember(trial.base);
-        }
-        if self.trial.is_none_or(|trial| trial.released) {
-            self.remember(base);
-        }
-        let mut base = base;
-        let by = (self.centre_ut - start.raw_ut) / self.unit_ut;
-        self.move_centre(&start.raw_ut);
-        if let Some(base) = &mut base {
-            base.shift(&by);
-        }
-        let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
-        self.compete(since_ns, base);
-        for late in late.iter().flatten().skip(first) {
-            self.samples.add(&late.raw_ut);
-        }
-        self.fit();
-    }
-
-    /// A young segment that suddenly fits no more may have been fitted wrongly: with all its samples, once more. Whether that helped.
-    fn reconsider(&mut self) -> bool {
-        let late = self.late;
-        for late in late.iter().flatten().filter(|late| late.gated) {
-            self.samples.add(&late.raw_ut);
-        }
-        for turn in 0..rivals::MOST {
-            let likelihood = self.likelihood_of(self.samples.segment());
-            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), turn);
-        }
-        for _ in 0..2 {
-            let likelihood = self.likelihood_of(self.samples.segment());
-            self.rivals.refine(&likelihood, 0, rivals::MOST, 1);
-        }
-        let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
-        let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
-        let count = self.samples.age.min(64);
-        let all = (0..count).filter(|back| fits(self.samples.latest(*back))).count();
-        let good = latest + 2 > RECENT && all as f64 >= FITTING_SHARE * count as f64;
-        if good {
-            self.late.iter_mut().flatten().for_each(|late| late.gated = false);
-        }
-        good
-    }
-
-    /// A calibration that held for a while may come back.
-    fn remember(&mut self, known: Option<Gaussian>) {
-        let Some(known) = known else { return };
-        let near = |former: &Gaussian| (former.mean - known.mean).norm() < 0.02;
-        let place = self.former.iter().position(|former| former.as_ref().is_some_and(near)).unwrap_or(FORMER - 1);
-        self.former[..=place].rotate_right(1);
-        self.former[0] = Some(known);
-    }
-
-    /// One span a time, each as often as it is renewed by a quarter.
-    fn look_for_small_change(&mut self, time_ns: i64) {
-        let span = ((self.count / 2).trailing_zeros() as usize).min(SPANS - 1);
-        let length = span_length(span);
-        let age = self.samples.age;
-        let too_young = age < SCANNED_FROM || age < 2 * length || !self.noise.is_known();
-        if too_young || self.trial.is_some_and(|trial| !trial.released) || (self.drift.is_on() && span > BLOCK_SPAN) {
-            return;
-        }
-        let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
-        let likelihood = self.likelihood_of(self.samples.span(span));
-        if change::log_evidence_of_jump(&likelihood, &posterior.mean) < SMALL_CHANGE {
-            return;
-        }
-        let base = change::without(&posterior, &likelihood);
-        self.remember(self.trial.and_then(|trial| trial.base));
-        self.remember(Some(base));
-        self.samples.cut(span);
-        self.compete(time_ns, Some(base));
-        self.fit();
-        self.fit();
     }
 
     /// Blocks of samples are absorbed into what was known before them once that is nearly linear.
@@ -421,7 +325,7 @@ impl Adaptive {
         let count = self.samples.segment().count();
         let narrow = self.trial.is_none_or(|trial| trial.released) && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
         // what is still in doubt must not be taken for decided
-        if count < 2 * block || !(narrow || count >= LONGEST) || self.rivals.best_weight() < DECIDED {
+        if count < 2 * block || !narrow || !self.rivals.agree() {
             return;
         }
         let Some(best) = self.rivals.best().copied() else { return };
@@ -447,106 +351,12 @@ impl Adaptive {
         let known = self.drift.walk(&known, self.unit_ut, seconds);
         if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
             next.posterior.mean = tau;
-            next.refine(&rest, 2, f64::NEG_INFINITY);
+            next.refine(&rest, 2);
             self.rivals = Rivals::new([next], &[]);
             if let Some(trial) = self.trial.filter(|trial| trial.released) {
                 self.remember(trial.base);
                 self.trial = None;
             }
-        }
-    }
-
-    /// Whether the samples of the segment lie on any ellipsoid.
-    fn judge(&mut self) {
-        let Some(best) = self.rivals.best() else { return };
-        if best.log_evidence <= NO_EVIDENCE {
-            // no hypothesis is near these samples: as at the start
-            let Some(latest) = self.late[RECENT - 1] else { return };
-            self.move_centre(&latest.raw_ut);
-            self.compete(latest.time_ns, None);
-            return;
-        }
-        // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
-        let unlikely =
-            |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
-        let count = self.samples.segment().count() as f64 / self.noise.correlation();
-        let samples = best.distance_squared / self.noise.variance * count;
-        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
-        if let Some(trial) = &mut self.trial {
-            trial.misfit = misfit;
-        }
-    }
-
-    /// The gate.
-    fn publish(&mut self, time_ns: i64) {
-        let Some(best) = self.rivals.best().copied() else { return };
-        let tau = best.posterior.mean;
-        match self.trial {
-            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
-            Some(trial) => {
-                let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
-                let likelihood = self.likelihood_of(self.samples.segment());
-                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
-                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
-                let limit = self.release_below_deg.to_radians();
-                let better = match &self.published {
-                    // once released, it may become better, not worse: a doubt that comes up later is waited for
-                    Some(published) if trial.released => {
-                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
-                    }
-                    // nothing has changed: what is in force is what is best
-                    Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
-                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
-                    Some(_) => compared.new < compared.held,
-                    None => compared.new < limit * limit,
-                };
-                if !trial.misfit && better {
-                    self.release(time_ns, trial, &best, compared.new);
-                } else if let Some(published) = &mut self.published {
-                    published.covariance = self.rivals.spread_about(&published.tau);
-                }
-            }
-        }
-        if self.count.is_multiple_of(16) || self.trial.is_some() {
-            self.summarise();
-        }
-    }
-
-    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
-        let tau = best.posterior.mean;
-        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
-        self.order = best.order;
-        if !trial.released {
-            let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-            if trial.base.is_some() && best.order != ModelOrder::Nothing {
-                self.event = Some(Event { kind, since_ns: trial.since_ns, decided_ns: time_ns });
-            }
-            self.trial = Some(Trial { released: true, ..trial });
-        }
-    }
-
-    /// Expected errors over the sphere, degrees.
-    fn summarise(&mut self) {
-        let Some(published) = &self.published else { return };
-        let expected = angle::AngularWeight::sphere(&published.tau).expected(&published.covariance);
-        self.direction_sigma_deg = expected.sqrt().to_degrees().min(180.0);
-        if self.count.is_multiple_of(16) {
-            let largest = published.covariance.symmetric_eigenvalues().max();
-            self.worst_sigma_deg = largest.max(0.0).sqrt().to_degrees().min(180.0);
-        }
-    }
-
-    fn status(&self) -> Status {
-        match (self.trial, self.published) {
-            (_, None) => Status::Collecting(if self.samples.age < JUDGED_FROM {
-                Missing::Samples { have: self.samples.age, need: JUDGED_FROM }
-            } else {
-                Missing::Directions
-            }),
-            (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
-            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
-            _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
-            _ => Status::Tracking,
         }
     }
 

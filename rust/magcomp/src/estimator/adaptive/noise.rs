@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 const START_SAMPLES: f64 = 20.0;
 /// Samples after which the start no longer matters much.
 const KNOWN_FROM: f64 = 100.0;
+/// Parameters of a fit.
+const PARAMETERS: f64 = 9.0;
 /// Memory of the level, samples: 3 % of scatter.
 const MEMORY: f64 = 1000.0;
 /// Larger innovations count as this many standard deviations.
@@ -39,6 +41,7 @@ pub(super) struct Noise {
     /// v, units^2 per axis.
     pub variance: f64,
     least: f64,
+    start: f64,
     samples: f64,
     sum: f64,
     in_block: u32,
@@ -56,6 +59,7 @@ impl Noise {
         Self {
             variance: sigma * sigma,
             least: least * least,
+            start: sigma * sigma,
             samples: START_SAMPLES,
             sum: 0.0,
             in_block: 0,
@@ -98,6 +102,17 @@ impl Noise {
         let square = (innovation * innovation).min(CLIP * CLIP * expected) / CLIPPED_MEAN;
         self.samples = (self.samples + share).min(MEMORY);
         self.variance = (self.variance + share * (square - expected) / self.samples).max(self.least);
+    }
+
+    /// Before anything is known innovations tell little: the mean square distance of `count` samples from their own fit.
+    pub fn learn_from_fit(&mut self, distance_squared: f64, count: f64) {
+        let free = count - PARAMETERS;
+        if free > 0.0 {
+            let samples = START_SAMPLES + free;
+            self.variance = (START_SAMPLES * self.start + distance_squared * count) / samples;
+            self.variance = self.variance.max(self.least);
+            self.samples = samples.min(MEMORY);
+        }
     }
 
     /// A normalised innovation of the calibration in force.

@@ -4,26 +4,33 @@
 //!     sum weight_i (P_i + (tau_i - tau)(tau_i - tau)^T).
 //! A flat arc of samples leaves two places for b. Wide hypotheses therefore have a twin that is kept on the other side, so
 //! that the doubt is in the mixture.
+//!
+//! Two places differ in L by delta, and noise alone makes differences of variance 4 n (1 - rho^2), rho the correlation of
+//! their residuals (`likelihood`), which for a flat arc and its mirror image is most of n. If delta were expected, its log odds
+//! were delta/2 of delta / (delta + n (1 - rho^2)): so much of the difference counts.
 
-use super::hypothesis::{Hypothesis, NO_EVIDENCE};
+use super::angle::AngularWeight;
+use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
 use super::noise::Noise;
-use super::parameters::{Matrix9, Vector9, radius_gradient, see};
+use super::parameters::{Matrix9, Vector9, see, shape};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Most hypotheses at a time.
-pub(super) const MOST: usize = 20;
+const MOST: usize = 20;
+/// Twins at a time: they are neighbours, so that each call looks after one.
+const TWINS: usize = 4;
 /// A twin closer than this to its sibling (units) has lost its own place.
 const SAME_PLACE: f64 = 0.1;
 /// Hypotheses whose log evidence lies this far below the best one's are given up ...
 const HOPELESS: f64 = 30.0;
 /// ... but not before so many samples: the first ones fit many.
 const PATIENCE: usize = 96;
-/// The covariance of hypotheses whose log evidence lies this far below is not needed.
-const UNCOUNTED: f64 = 12.0;
+/// Mean square error by all, over that by the best, below which they agree.
+const AGREEMENT: f64 = 1.5;
 /// Weights below this are left out of the mixture.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
@@ -64,24 +71,33 @@ impl Rivals {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
         let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
-        rivals.weigh();
+        rivals.weigh(None);
         rivals
     }
 
-    fn weigh(&mut self) {
-        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
-        let logs = self.all.each_ref().map(log);
-        let mut best = self.best;
-        for (k, value) in logs.iter().enumerate() {
-            if *value > logs[best] || self.all[best].is_none() {
-                best = k;
+    /// Weights, and the best. Returns the log evidences they are of.
+    fn weigh(&mut self, likelihood: Option<&Likelihood>) -> [f64; MOST] {
+        let largest = |logs: &[f64; MOST], from: usize| {
+            (0..MOST).fold(from, |best, k| if logs[k] > logs[best] { k } else { best })
+        };
+        let own = self.all.each_ref().map(|slot| slot.as_ref().map_or(NO_EVIDENCE, |h| h.log_evidence));
+        let reference = self.all[largest(&own, self.best)];
+        let mut logs = own;
+        if let (Some(likelihood), Some(reference)) = (likelihood, reference) {
+            for (log, h) in logs.iter_mut().zip(&self.all) {
+                if let Some(h) = h.as_ref().filter(|h| h.log_evidence > NO_EVIDENCE) {
+                    let delta = h.samples_cost - reference.samples_cost;
+                    let noise = likelihood.disagreement(&h.posterior.mean, &reference.posterior.mean);
+                    *log += 0.5 * delta * noise / (delta.abs() + noise).max(f64::MIN_POSITIVE);
+                }
             }
         }
-        self.best = best;
-        let largest = logs[best];
-        let weights = logs.map(|log| if log > NO_EVIDENCE { (log - largest).exp() } else { 0.0 });
+        self.best = largest(&logs, self.best);
+        let most = logs[self.best];
+        let weights = logs.map(|log| if log > NO_EVIDENCE { (log - most).exp() } else { 0.0 });
         let sum: f64 = weights.iter().sum();
         self.weights = weights.map(|weight| if sum > 0.0 { weight / sum } else { 0.0 });
+        logs
     }
 
     /// The one with the most evidence.
@@ -89,9 +105,13 @@ impl Rivals {
         self.all[self.best].as_ref()
     }
 
-    /// Its weight among all, 0 to 1.
-    pub fn best_weight(&self) -> f64 {
-        self.weights[self.best]
+    /// Whether all that have weight lead to about the same directions as the best.
+    pub fn agree(&self) -> bool {
+        self.best().is_some_and(|best| {
+            let Gaussian { mean, covariance } = &best.posterior;
+            let weight = AngularWeight::sphere(mean);
+            weight.expected(&self.spread_about(mean)) < AGREEMENT * weight.expected(covariance)
+        })
     }
 
     fn weighty(&self) -> impl Iterator<Item = (&Hypothesis, f64)> {
@@ -109,39 +129,42 @@ impl Rivals {
         sum
     }
 
-    /// What is expected of a sample, by all of them.
-    pub fn predict(&self, u: &Vector3<f64>) -> Option<Prediction> {
+    /// What is expected of a sample with noise of variance `noise`, by all of them. The sample's own noise turns the
+    /// gradients, too: its share of their spread is no uncertainty of the prediction and is taken off.
+    pub fn predict(&self, u: &Vector3<f64>, noise: f64) -> Option<Prediction> {
         let (mut sum, mut squares, mut slope, mut total) = (0.0, 0.0, 0.0, 0.0);
+        let (mut steep, mut steepest) = (Vector3::zeros(), 0.0);
         for (hypothesis, weight) in self.weighty() {
             let tau = &hypothesis.posterior.mean;
             let Some(seen) = see(tau, u) else { continue };
-            let g = radius_gradient(tau, &seen);
             let excess = seen.radius - 1.0;
             sum += weight * excess;
-            squares += weight * (excess * excess + g.dot(&(hypothesis.posterior.covariance * g)));
+            squares += weight * (excess * excess + hypothesis.variance_at(u, &seen, noise));
             slope += weight * seen.slope;
+            steep += shape(tau) * seen.direction * weight;
+            steepest += weight * seen.slope * seen.slope;
             total += weight;
         }
         if total <= 0.0 {
             return None;
         }
         let excess = sum / total;
-        let variance = (squares / total - excess * excess).max(0.0);
+        let turned = steepest / total - (steep / total).norm_squared();
+        let variance = (squares / total - excess * excess - noise * turned).max(0.0);
         Some(Prediction { excess, variance, slope: slope / total })
     }
 
     /// The samples have become more: the best and `turns` others iterate, all are weighed.
-    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
+    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize) {
         let best = self.best;
         for slot in self.all.iter_mut().flatten() {
             slot.rescore(likelihood);
         }
         if let Some(hypothesis) = &mut self.all[best] {
-            hypothesis.refine(likelihood, iterations, f64::NEG_INFINITY);
+            hypothesis.refine(likelihood, 1);
         }
         // where the best one stands may be the better place for another, too
         let place = self.best().map(|h| h.posterior.mean);
-        let worth = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence) - UNCOUNTED;
         let mut done = 0;
         for _ in 0..MOST {
             self.turn = (self.turn + 1) % MOST;
@@ -156,15 +179,15 @@ impl Rivals {
                 if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
                     hypothesis.consider(likelihood, place, MARGIN);
                 }
-                hypothesis.refine(likelihood, iterations, worth);
+                hypothesis.refine(likelihood, 1);
                 done += 1;
             }
         }
-        self.weigh();
-        let best = self.best().map_or(f64::NEG_INFINITY, |h| h.log_evidence);
+        let logs = self.weigh(Some(likelihood));
+        let largest = logs[self.best];
         if samples >= PATIENCE {
-            for slot in &mut self.all {
-                if slot.is_some_and(|h| h.log_evidence < best - HOPELESS) {
+            for (slot, log) in self.all.iter_mut().zip(logs) {
+                if log < largest - HOPELESS {
                     *slot = None;
                 }
             }
@@ -174,15 +197,15 @@ impl Rivals {
     /// Other places to iterate from, for the hypotheses that may go there; one of them at a time, so that no sample costs much.
     pub fn look_elsewhere(&mut self, likelihood: &Likelihood, segment: &Moments, turn: usize) {
         let (mean, covariance) = segment.cloud();
-        for k in (turn % 2..MOST).step_by(2) {
+        for k in (turn % TWINS..MOST).step_by(TWINS) {
             let Some(place) = self.sibling[k].and_then(|other| self.all[other].as_ref()).map(|h| h.posterior.mean)
             else {
                 continue;
             };
             if let Some(twin) = &mut self.all[k]
-                && (twin.posterior.mean - place).norm() < SAME_PLACE
+                && (twin.log_evidence <= NO_EVIDENCE || (twin.posterior.mean - place).norm() < SAME_PLACE)
             {
-                twin.move_to(&mirrored(&place, &mean, &covariance));
+                twin.move_to(likelihood, &mirrored(&place, &mean, &covariance));
             }
         }
         if self.sibling[turn % MOST].is_some() {
@@ -204,8 +227,7 @@ impl Rivals {
         let fit = || {
             let best = self.best()?;
             let seen = see(&best.posterior.mean, u)?;
-            let g = radius_gradient(&best.posterior.mean, &seen);
-            let variance = noise.total() * seen.slope * seen.slope + g.dot(&(best.posterior.covariance * g));
+            let variance = noise.total() * seen.slope * seen.slope + best.variance_at(u, &seen, noise.variance);
             Some((seen.radius - 1.0).powi(2) / variance)
         };
         fit().unwrap_or(f64::INFINITY)

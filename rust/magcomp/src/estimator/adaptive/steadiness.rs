@@ -22,16 +22,22 @@ pub(super) struct Steadiness {
     usual: f64,
     count: u32,
     misses: u32,
+    alone: bool,
 }
 
 impl Steadiness {
     pub fn new() -> Self {
-        Self { previous: None, good: None, usual: 0.0, count: 0, misses: 0 }
+        Self { previous: None, good: None, usual: 0.0, count: 0, misses: 0, alone: false }
     }
 
     /// Whether enough has been seen to tell a leap.
     pub fn is_known(&self) -> bool {
         self.count >= KNOWN_FROM
+    }
+
+    /// Whether the latest sample leapt away from the one before it: of a change only the first does, of spikes every one.
+    pub fn is_alone(&self) -> bool {
+        self.alone
     }
 
     /// Whether a sample (field strengths) leaps.
@@ -40,6 +46,7 @@ impl Steadiness {
             let step = (sample - previous).norm();
             self.count = (self.count + 1).min(1000);
             let clipped = if self.count > 2 { step.min(3.0 * self.usual) } else { step };
+            self.alone = self.is_known() && step > (LEAP * self.usual).max(LEAST_LEAP);
             self.usual += (clipped - self.usual) / f64::from(self.count).min(MEMORY);
         }
         let reach = (LEAP * self.usual).max(LEAST_LEAP) * f64::from(1 + self.misses);

@@ -1,0 +1,130 @@
+//! What is answered: whether the samples lie on any ellipsoid, what is in force, how sure it is and the status.
+
+use super::hypothesis::{Hypothesis, NO_EVIDENCE};
+use super::publish::{Published, compare, directions, may_compare};
+use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle};
+use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
+
+/// Samples before a first answer is tried.
+const JUDGED_FROM: usize = 16;
+/// Age of a segment up to which a prior that is strained counts as misfit too.
+const UNSURE: usize = 24;
+/// Standard deviations of chi-squared above which the samples fit no ellipsoid.
+const UNLIKELY: f64 = 3.0;
+/// Samples after which hypotheses that fit none of them begin anew.
+const RENEWED: usize = 64;
+/// Above CLOSE_DEG new parameters must be better by this (in squares).
+const MARGIN: f64 = 4.0;
+/// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
+const DOUBT: f64 = 1.5;
+/// Expected mean square error, over that of what was held before, from which the latter is in force again.
+const REGRET: f64 = 1.5;
+
+impl Adaptive {
+    /// Whether the samples of the segment lie on any ellipsoid.
+    pub(super) fn judge(&mut self) {
+        let Some(best) = self.rivals.best() else { return };
+        if best.log_evidence <= NO_EVIDENCE {
+            // no hypothesis is near these samples: as at the start
+            let Some(latest) = self.late[RECENT - 1] else { return };
+            self.move_centre(&latest.raw_ut);
+            self.compete(latest.time_ns, None);
+            return;
+        }
+        // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
+        let unlikely =
+            |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
+        let count = self.samples.segment().count() as f64 / self.noise.correlation();
+        let samples = best.distance_squared / self.noise.variance * count;
+        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
+        if let Some(trial) = &mut self.trial {
+            trial.misfit = misfit;
+        }
+        if let Some(trial) = self.trial.filter(|trial| misfit && trial.base.is_some())
+            && self.samples.age.is_multiple_of(RENEWED)
+        {
+            self.compete(trial.since_ns, trial.base);
+            self.trial = Some(trial);
+        }
+    }
+
+    /// The gate.
+    pub(super) fn publish(&mut self, time_ns: i64) {
+        let Some(best) = self.rivals.best().copied() else { return };
+        let tau = best.posterior.mean;
+        match self.trial {
+            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
+            Some(trial) => {
+                let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
+                let likelihood = self.likelihood_of(self.samples.segment());
+                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
+                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
+                let limit = self.release_below_deg.to_radians();
+                let better = match &self.published {
+                    // once released, it may become better, not worse: a doubt that comes up later is waited for
+                    Some(published) if trial.released => {
+                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
+                    }
+                    // nothing has changed: what is in force is what is best
+                    Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
+                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
+                    Some(_) => compared.new < compared.held,
+                    None => compared.new < limit * limit,
+                };
+                if !trial.misfit && better {
+                    self.release(time_ns, trial, &best, compared.new);
+                } else if let Some(published) = &mut self.published {
+                    published.covariance = self.rivals.spread_about(&published.tau);
+                    // released too soon: what was held before is predicted to be better by far
+                    if let Some(mut held) = trial.held.filter(|_| trial.released) {
+                        held.covariance = self.rivals.spread_about(&held.tau);
+                        if weight.expected(&held.covariance) * REGRET < weight.expected(&published.covariance) {
+                            *published = held;
+                        }
+                    }
+                }
+            }
+        }
+        if self.count.is_multiple_of(16) || self.trial.is_some() {
+            self.summarise();
+        }
+    }
+
+    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
+        let tau = best.posterior.mean;
+        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
+        self.order = best.order;
+        if !trial.released {
+            let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+            if trial.base.is_some() && best.order != ModelOrder::Nothing {
+                self.event = Some(Event { kind, since_ns: trial.since_ns, decided_ns: time_ns });
+            }
+            self.trial = Some(Trial { released: true, ..trial });
+        }
+    }
+
+    /// Expected errors over the sphere, degrees.
+    fn summarise(&mut self) {
+        let Some(published) = &self.published else { return };
+        let expected = angle::AngularWeight::sphere(&published.tau).expected(&published.covariance);
+        self.direction_sigma_deg = expected.sqrt().to_degrees().min(180.0);
+        if self.count.is_multiple_of(16) {
+            let largest = published.covariance.symmetric_eigenvalues().max();
+            self.worst_sigma_deg = largest.max(0.0).sqrt().to_degrees().min(180.0);
+        }
+    }
+
+    pub(super) fn status(&self) -> Status {
+        match (self.trial, self.published) {
+            (_, None) => Status::Collecting(if self.samples.age < JUDGED_FROM {
+                Missing::Samples { have: self.samples.age, need: JUDGED_FROM }
+            } else {
+                Missing::Directions
+            }),
+            (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
+            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
+            _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
+            _ => Status::Tracking,
+        }
+    }
+}
