@@ -4,6 +4,8 @@ use magcomp::nalgebra::Vector3;
 use magcomp::{Compensator, Config, HeadingConfig, Reading, SensorMode};
 use magcomp_lab::phone::Phone;
 use magcomp_lab::random::{Purpose, Random};
+use magcomp_lab::recording;
+use magcomp_lab::replay::{Ignore, replay};
 use magcomp_lab::simulate::Simulation;
 
 /// Samples a second of the stream that others are picked from.
@@ -133,5 +135,47 @@ fn a_gyroscope_that_goes_and_comes_back() {
         let (alone, back) = (rms_deg(alone), rms_deg(within(&answers, 44.0, 60.0)));
         println!("seed {seed}: {alone:.2} deg alone, {back:.2} deg from 4 s after its return");
         assert!(alone < 5.0 && back < 2.0, "seed {seed}: {alone} deg alone, {back} deg after it");
+    }
+}
+
+/// The heading as an app shows it, by the accelerometer's own up, against the optical reference. A moved accelerometer leans:
+/// without a gyroscope to carry up, that is most of the error (27 degrees where the field's direction is off by 6).
+#[test]
+fn headings_of_a_recording_err_as_their_sigma_says() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
+    for (name, gyroscope) in [
+        ("broad_34_attached_magnet_3cm.csv.gz", true),
+        ("broad_34_attached_magnet_3cm.csv.gz", false),
+        ("broad_01_slow_rotation_A.csv.gz", true),
+        ("broad_01_slow_rotation_A.csv.gz", false),
+    ] {
+        let recording = recording::read(&path.join(name)).unwrap();
+        let ignore = Ignore { gyroscope: !gyroscope, accelerometer: false };
+        let steps = replay(&recording, &Config::default(), ignore).unwrap();
+        let mut errors: Vec<(f64, f64)> = Vec::new();
+        for (row, step) in recording.rows.iter().zip(&steps).filter(|(row, _)| row.time_s > 60.0) {
+            let (Some(attitude), Some(heading)) = (row.attitude, step.reading.heading) else { continue };
+            let top = attitude * Vector3::y();
+            // a top edge that points up has no heading
+            if let Some(sigma) = heading.heading_sigma_deg.filter(|_| top.z.abs() < 0.5) {
+                errors.push((heading.heading_deg - top.x.atan2(top.y).to_degrees(), sigma));
+            }
+        }
+        // north of the reference is not magnetic north: their angle, and all errors from it
+        let (sin, cos) = errors.iter().fold((0.0, 0.0), |(sin, cos), (error, _)| {
+            let angle = error.to_radians();
+            (sin + angle.sin(), cos + angle.cos())
+        });
+        let north = f64::atan2(sin, cos).to_degrees();
+        let off = |error: f64| ((error - north + 180.0).rem_euclid(360.0) - 180.0).abs();
+        let share = |sigmas: f64| {
+            errors.iter().filter(|(error, sigma)| off(*error) < sigmas * sigma).count() as f64 / errors.len() as f64
+        };
+        let (one, two) = (share(1.0), share(2.0));
+        println!(
+            "{name}, gyroscope {gyroscope}: {} headings, {one:.2} within a sigma, {two:.2} within two",
+            errors.len()
+        );
+        assert!(errors.len() > 1000 && one > 0.6 && two > 0.9, "{name}, gyroscope {gyroscope}: {one} {two}");
     }
 }
