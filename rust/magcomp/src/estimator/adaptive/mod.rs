@@ -23,6 +23,8 @@ mod rivals;
 mod samples;
 mod starts;
 mod steadiness;
+#[cfg(test)]
+mod tests;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
