@@ -16,7 +16,7 @@ use proptest::prelude::*;
 /// Where the raw samples lie, uT, and their unit.
 const UNIT_UT: f64 = 45.0;
 /// Step of the differences.
-const STEP: f64 = 1e-5;
+const STEP: f64 = 1e-4;
 
 fn vector(range: f64) -> impl Strategy<Value = Vector3<f64>> {
     [-range..range, -range..range, -range..range].prop_map(Vector3::from)
@@ -82,14 +82,14 @@ fn d(u: &Vector3<f64>) -> Vector10 {
     Vector10::from_column_slice(&[x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z, x, y, z, 1.0])
 }
 
-/// Central difference along parameter k.
+/// Central difference along parameter k, of fourth order.
 fn difference<const N: usize>(
     tau: &Vector9,
     k: usize,
     value: impl Fn(&Vector9) -> nalgebra::SVector<f64, N>,
 ) -> nalgebra::SVector<f64, N> {
-    let by = Vector9::ith(k, STEP);
-    (value(&(tau + by)) - value(&(tau - by))) / (2.0 * STEP)
+    let across = |by: f64| value(&(tau + Vector9::ith(k, by))) - value(&(tau - Vector9::ith(k, by)));
+    (across(STEP) * 8.0 - across(2.0 * STEP)) / (12.0 * STEP)
 }
 
 fn scalar(value: f64) -> nalgebra::Vector1<f64> {
@@ -137,7 +137,7 @@ proptest! {
         let likelihood = likelihood(&samples, SIGMA);
         let tau = beside(&truth, &by);
         // near the pole of C / D differences are no measure
-        let Some(point) = likelihood.at(&tau).filter(|_| slope(&tau, &samples) > 0.2) else { return Ok(()) };
+        let Some(point) = likelihood.at(&tau).filter(|_| slope(&tau, &samples) > 1.0) else { return Ok(()) };
         let (gradient, hessian) = likelihood.derivatives(&tau, &point);
         let size = (point.cost * hessian.amax()).sqrt();
         for k in 0..9 {
@@ -197,7 +197,7 @@ proptest! {
         prop_assert!((point.distance_squared / (sigma * sigma) - 1.0).abs() < 1e-4, "{}", point.distance_squared);
         let expected = without.derivatives(&truth, &without.at(&truth).expect("near the samples")).1;
         let information = with.information(&truth, &point);
-        prop_assert!(apart(&information, &expected) < 1e-4, "{}", apart(&information, &expected));
+        prop_assert!(apart(&information, &expected) < 1e-3, "{}", apart(&information, &expected));
         // one standard deviation of the score is the root of the information
         prop_assert!(with.score(&truth, &point).amax() < 0.01 * expected.amax().sqrt());
         // raw, the noise's own share is left in: cautious
