@@ -6,7 +6,7 @@
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
 //! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
-//! `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) · `output`.
+//! `change` (small ones) · `drift` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) · `publish` (the gate) · `output`.
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
@@ -25,6 +25,7 @@ mod starts;
 mod steadiness;
 #[cfg(test)]
 mod tests;
+mod witness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
@@ -42,6 +43,7 @@ use rivals::Rivals;
 use samples::{SPANS, Samples, span_length};
 use serde::{Deserialize, Serialize};
 use steadiness::Steadiness;
+use witness::Witness;
 
 /// The few numbers of the adaptive estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -147,6 +149,7 @@ pub(crate) struct Adaptive {
     former: [Option<Gaussian>; FORMER],
     noise: Noise,
     steadiness: Steadiness,
+    witness: Witness,
     drift: Drift,
     late: [Option<Late>; RECENT],
     published: Option<Published>,
@@ -181,6 +184,7 @@ impl Adaptive {
                 config.heading.field_sigma_ut / unit_ut,
             ),
             steadiness: Steadiness::new(),
+            witness: Witness::new(),
             drift: Drift::default(),
             late: [None; RECENT],
             published: None,
@@ -224,6 +228,7 @@ impl Adaptive {
             }
         }
         self.judge();
+        self.attest(time_ns, raw_ut);
         self.publish(time_ns);
         self.output(raw_ut)
     }
@@ -247,6 +252,7 @@ impl Adaptive {
         let by = (self.centre_ut - raw_ut) / self.unit_ut;
         self.centre_ut = *raw_ut;
         self.rivals.shift(&by);
+        self.witness.shift(&by);
         self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);
@@ -502,7 +508,7 @@ impl Adaptive {
                     Some(_) => compared.new < compared.held,
                     None => compared.new < limit * limit,
                 };
-                if !trial.misfit && better {
+                if !trial.misfit && better && !self.witness.holds(best.order) {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
                     published.covariance = self.rivals.spread_about(&published.tau);
@@ -545,6 +551,7 @@ impl Adaptive {
             } else {
                 Missing::Directions
             }),
+            _ if let Some(since_ns) = self.witness.disturbed() => Status::Disturbed { since_ns },
             (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
             (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
             _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
