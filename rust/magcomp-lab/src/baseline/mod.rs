@@ -86,8 +86,8 @@ pub struct Known {
     pub parameters: Option<Parameters>,
     /// A calibration from an earlier session, where there is one: for ours.
     pub initial: Option<Calibration>,
-    /// True directions of the samples before the change, or as far as there is a reference to learn from.
-    pub reference: Vec<Vector3<f64>>,
+    /// True directions of the samples before the change, or of a recording's first part, where it has them.
+    pub reference: Vec<Option<Vector3<f64>>>,
     /// Not simulated: rooms are uneven.
     pub real: bool,
 }
@@ -145,7 +145,7 @@ impl Contestant {
             Self::Sphere => Some(Box::new(Windowed::new(Surface::Sphere, length))),
             Self::Extended => Some(Box::new(Kalman::new(false, value, known.noise_ut))),
             Self::Unscented => Some(Box::new(Kalman::new(true, value, known.noise_ut))),
-            Self::Network if known.reference.is_empty() => None,
+            Self::Network if known.reference.iter().all(Option::is_none) => None,
             Self::Network => Some(Box::new(Network::new(value, known.seed, known.reference.clone()))),
             Self::Helmholtz => {
                 let coil = |parameters| Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed);
