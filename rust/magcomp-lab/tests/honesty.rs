@@ -56,11 +56,12 @@ const POINTS: [f64; PERIODS] = [5.0, 12.0, 5.0, 5.0];
 
 /// Where the shares are further off than that, the least they must be: what was measured less four points. To be tightened;
 /// turned about one axis (`PhonePlanar`) the sigma is wrong and nothing is claimed.
-const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 9] = [
+const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 10] = [
     (Case::StepHand, [NEAR, [81.0, 91.0], NEAR, NEAR]),
     (Case::StepWalk, [[48.0, 80.0], [77.0, 89.0], NEAR, [48.0, 79.0]]),
     (Case::PhoneHand, [NEAR, NEAR, [55.0, 83.0], NEAR]),
-    (Case::PhoneWalk, [[58.0, 88.0], NEAR, [58.0, 91.0], [57.0, 86.0]]),
+    (Case::PhoneWalk, [[58.0, 88.0], NEAR, [53.0, 90.0], [56.0, 86.0]]),
+    (Case::PhoneWalkKnown, [NEAR, NEAR, [73.0, 90.0], NEAR]),
     (Case::PhoneDrift, [[40.0, 70.0], [27.0, 55.0], [50.0, 76.0], [47.0, 72.0]]),
     (Case::PhoneWalkSteady, [[58.0, 88.0], NEAR, [59.0, 87.0], [57.0, 87.0]]),
     (Case::PhonePlanar, [[2.0, 12.0], [0.0, 2.0], [0.0, 0.0], [0.0, 4.0]]),

@@ -24,19 +24,19 @@ const DEVICE_SD: f64 = 0.6;
 const RAMP_S: f64 = 0.5;
 const RAMP_SD: f64 = 0.5;
 const WALK: f64 = 0.03;
-/// Difference of the logarithms that decides, and what is kept of it at most.
-const DECIDED: f64 = 6.0;
+/// Difference of the log likelihoods that decides, and what is kept of it at most.
+const DECIDED: f64 = 4.0;
 const LARGEST: f64 = 20.0;
 /// Without a decision new parameters wait no longer than this, s.
-const UNDECIDED_S: f64 = 4.0;
-/// A place that differs by less than this beyond a room's own unevenness, field strengths, is the one from before.
+const UNDECIDED_S: f64 = 3.0;
+/// A place that differs by less than this, beyond a room's own unevenness and what v is uncertain by, field strengths, is the one from before.
 const NOTICEABLE: f64 = 0.03;
 /// So is one with this share of the largest difference there was: the calibration may have moved a little with it.
 const REMAINDER: f64 = 0.25;
 /// So long it must be that again, s.
 const BACK_S: f64 = 0.2;
 /// Samples over which the curvature of |c - d| stays the same error.
-const BEND_CORRELATION: f64 = 5.0;
+const BEND_CORRELATION: f64 = 2.0;
 /// Mean z^2 / S above which a hypothesis does not fit, and its memory, measurements.
 const FITS: f64 = 3.0;
 const MEMORY: f64 = 20.0;
@@ -62,8 +62,8 @@ struct Filter<const N: usize> {
     count: f64,
 }
 
-/// A measurement of a hypothesis: innovation z, gradient, variance.
-struct Row<const N: usize>(f64, SVector<f64, N>, f64);
+/// A measurement of a hypothesis: innovation z, gradient, variance; and the share of a white error in that.
+struct Row<const N: usize>(f64, SVector<f64, N>, f64, f64);
 
 impl<const N: usize> Filter<N> {
     fn new(sd: f64) -> Self {
@@ -86,7 +86,9 @@ impl<const N: usize> Filter<N> {
     fn take(&mut self, row: &Row<N>) {
         let (pg, s) = self.expected(row);
         let square = (row.0 * row.0 / s).min(SPIKE);
-        self.log -= 0.5 * (square + s.ln());
+        // correlated samples are fewer, in the likelihood too
+        let white = s - row.2 * (1.0 - row.3);
+        self.log -= 0.5 * row.3 * ((row.0 * row.0 / white).min(SPIKE) + white.ln());
         self.count = (self.count + 1.0).min(MEMORY);
         self.misfit += (square - self.misfit) / self.count;
         self.x += pg * (row.0 / s);
@@ -97,12 +99,14 @@ impl<const N: usize> Filter<N> {
 /// A change that is not decided yet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Doubt {
+    /// Names the change.
+    change_ns: i64,
     since_ns: i64,
     latest_ns: i64,
-    /// The calibration from before, its expected direction error, rad^2, and variance of white noise of the same weight.
+    /// The calibration from before, its expected direction error, rad^2, and variance of white noise of the same weight and the share of it that is white.
     tau: Vector9,
     known: f64,
-    noise: f64,
+    noise: (f64, f64),
     noticeable: f64,
     largest: f64,
     place: Filter<2>,
@@ -125,6 +129,8 @@ pub(super) struct Witness {
     /// v and its variance.
     vertical: f64,
     variance: f64,
+    /// Expected direction error when nothing was in doubt, rad^2.
+    known: f64,
     latest_ns: Option<i64>,
     doubt: Option<Doubt>,
 }
@@ -134,13 +140,14 @@ struct Corrected {
     c: Vector3<f64>,
     size: f64,
     variance: f64,
-    level: Option<(Vector3<f64>, f64)>,
+    white: f64,
+    level: Option<(Vector3<f64>, f64, f64)>,
 }
 
 impl Witness {
     pub fn new() -> Self {
         let variance = VERTICAL_SD * VERTICAL_SD;
-        Self { up_m_s2: None, vertical: 0.0, variance, latest_ns: None, doubt: None }
+        Self { up_m_s2: None, vertical: 0.0, variance, known: f64::MAX, latest_ns: None, doubt: None }
     }
 
     /// What the accelerometer says with the next sample.
@@ -148,7 +155,7 @@ impl Witness {
         self.up_m_s2 = up_m_s2;
     }
 
-    fn corrected(&self, tau: &Vector9, u: &Vector3<f64>, noise: f64) -> Option<Corrected> {
+    fn corrected(&self, tau: &Vector9, u: &Vector3<f64>, (noise, white): (f64, f64)) -> Option<Corrected> {
         let seen = see(tau, u)?;
         let c = shape(tau) * (u - centre(tau));
         let variance = noise * seen.slope * seen.slope;
@@ -156,25 +163,35 @@ impl Witness {
             let size_g = up.norm() / GRAVITY_M_S2;
             let up = up.try_normalize(0.1 * GRAVITY_M_S2)?;
             let tilt = TILT_SD.powi(2) + (size_g - 1.0).powi(2);
-            let across = (c - up * up.dot(&c)).norm_squared() + 0.01;
-            Some((up, variance + TILT_CORRELATION * across * tilt))
+            let tilted = ((c - up * up.dot(&c)).norm_squared() + 0.01) * tilt;
+            let lasting = variance + TILT_CORRELATION * tilted;
+            Some((up, lasting, (white * variance + tilted) / lasting))
         });
-        Some(Corrected { c, size: seen.radius, variance, level })
+        Some(Corrected { c, size: seen.radius, variance, white, level })
     }
 
-    /// One sample u; `doubtful` while a change is undecided, `known` the expected direction error of what is in force (rad^2).
-    pub fn look(&mut self, time_ns: i64, u: &Vector3<f64>, tau: &Vector9, known: f64, doubtful: bool, noise: &Noise) {
+    /// One sample u; `doubtful` since when a change is undecided, `known` the expected direction error of what is in force (rad^2).
+    pub fn look(
+        &mut self,
+        time_ns: i64,
+        u: &Vector3<f64>,
+        tau: &Vector9,
+        known: f64,
+        doubtful: Option<i64>,
+        noise: &Noise,
+    ) {
         let seconds =
             self.latest_ns.map_or(0.0, |latest| time_ns.saturating_sub(latest) as f64 * 1e-9).clamp(0.0, 10.0);
         self.latest_ns = Some(time_ns);
         self.variance = (self.variance + VERTICAL_WALK * VERTICAL_WALK * seconds).min(VERTICAL_SD * VERTICAL_SD);
         let uneven = (noise.total() - noise.variance).sqrt();
         // correlated errors as white ones of the same weight
-        let noise = noise.variance * noise.correlation();
-        if !doubtful {
-            self.doubt = None;
+        let weighed = noise.variance * noise.correlation();
+        let noise = (weighed, noise.total().min(weighed) / weighed);
+        let Some(change_ns) = doubtful else {
+            (self.doubt, self.known) = (None, known);
             if known < KNOWN_RAD2
-                && let Some(Corrected { c, level: Some((up, variance)), .. }) = self.corrected(tau, u, noise)
+                && let Some(Corrected { c, level: Some((up, variance, _)), .. }) = self.corrected(tau, u, noise)
             {
                 let s = self.variance + variance + known;
                 let z = up.dot(&c) - self.vertical;
@@ -184,9 +201,16 @@ impl Witness {
                 }
             }
             return;
-        }
+        };
+        self.doubt = self.doubt.filter(|doubt| doubt.change_ns == change_ns);
+        // what is in doubt now was known that well before
+        let known = self.known;
         if self.doubt.is_none() && known < KNOWN_RAD2 {
-            self.doubt = Some(Doubt { noticeable: NOTICEABLE + uneven, ..Doubt::new(time_ns, tau, known, noise) });
+            self.doubt = Some(Doubt {
+                noticeable: NOTICEABLE + uneven + self.variance.sqrt(),
+                change_ns,
+                ..Doubt::new(time_ns, tau, known, noise)
+            });
         }
         let Some(mut doubt) = self.doubt else { return };
         if let Some(corrected) = self.corrected(&doubt.tau, u, doubt.noise) {
@@ -230,9 +254,10 @@ impl Witness {
 }
 
 impl Doubt {
-    fn new(since_ns: i64, tau: &Vector9, known: f64, noise: f64) -> Self {
+    fn new(since_ns: i64, tau: &Vector9, known: f64, noise: (f64, f64)) -> Self {
         let (place, device) = (Filter::new(PLACE_SD), Filter::new(DEVICE_SD));
         Self {
+            change_ns: since_ns,
             since_ns,
             latest_ns: since_ns,
             tau: *tau,
@@ -293,9 +318,9 @@ impl Doubt {
         let (lift, bend) = (across.trace() / (2.0 * size), across.norm_squared() / (2.0 * size * size));
         let level = at.level.as_ref().zip(vertical);
         let noise = at.variance + known;
-        let place = Row(at.size - 1.0 - self.place.x[0], SVector::from([1.0, 0.0]), noise);
+        let place = Row(at.size - 1.0 - self.place.x[0], SVector::from([1.0, 0.0]), noise, at.white);
         // as long as the device points the same way it is the same error
-        let device = Row(size + lift - 1.0, n, noise + BEND_CORRELATION * bend);
+        let device = Row(size + lift - 1.0, n, noise + BEND_CORRELATION * bend, at.white);
         if self.place.square(&place) > SPIKE && self.device.square(&device) > SPIKE {
             self.place.walk(RAMP_SD * RAMP_SD * 0.01);
             self.device.walk(RAMP_SD * RAMP_SD * 0.01);
@@ -308,12 +333,12 @@ impl Doubt {
             // d is hardly known yet: what that costs its likelihood is no evidence
             (self.place.log, self.device.log) = logs;
         }
-        if let Some(((up, variance), (v, unsure))) = level {
+        if let Some(((up, variance, white), (v, unsure))) = level {
             self.levelled = true;
             let z = up.dot(&at.c) - v;
             let noise = variance + known;
-            self.place.take(&Row(z - self.place.x[1], SVector::from([0.0, 1.0]), noise));
-            self.device.take(&Row(z - up.dot(&self.device.x), *up, noise + unsure));
+            self.place.take(&Row(z - self.place.x[1], SVector::from([0.0, 1.0]), noise, *white));
+            self.device.take(&Row(z - up.dot(&self.device.x), *up, noise + unsure, *white));
         }
         let ratio = if ramp { 0.0 } else { self.ratio().clamp(-LARGEST, LARGEST) };
         (self.device.log, self.place.log) = (ratio, 0.0);
@@ -341,7 +366,9 @@ impl Adaptive {
     /// Whether it is the place that changed.
     pub(super) fn attest(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) {
         let Some(published) = self.published else { return };
-        let doubtful = self.trial.is_some_and(|trial| !trial.released && trial.base.is_some());
+        // that nothing has changed may be released too early: it is no decision
+        let open = |trial: &Trial| trial.base.is_some() && (!trial.released || self.order == ModelOrder::Nothing);
+        let doubtful = self.trial.filter(open).map(|trial| trial.since_ns);
         let known = self.direction_sigma_deg.to_radians().powi(2);
         let u = self.unit(raw_ut);
         self.witness.look(time_ns, &u, &published.tau, known, doubtful, &self.noise);
