@@ -104,7 +104,7 @@ impl Contestant {
     pub fn grid(self) -> &'static [f64] {
         match self {
             Self::Linear | Self::Enclosing | Self::Sphere => &[150.0, 300.0, 600.0, 1200.0, 2000.0],
-            Self::Extended | Self::Unscented => &[1e-9, 1e-8, 1e-7, 1e-6, 1e-5],
+            Self::Extended | Self::Unscented => &[1e-9, 1e-8, 1e-7, 1e-6, 1e-5, -1e-9, -1e-8, -1e-7, -1e-6, -1e-5],
             Self::PaperHalfRange | Self::PaperEvenSphere | Self::WindowedHalfRange | Self::WindowedEvenSphere => {
                 &[0.1, 0.3, 0.5, 0.65]
             }

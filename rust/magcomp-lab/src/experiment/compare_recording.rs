@@ -21,7 +21,7 @@ const DIP_DEG: f64 = 65.0;
 /// Value of a method's one free number: the middle of its grid, since there are no other seeds of a recording.
 fn middle(contestant: Contestant) -> f64 {
     let grid = contestant.grid();
-    grid[grid.len() / 2]
+    grid[grid.iter().filter(|value| **value >= 0.0).count() / 2]
 }
 
 /// A method on a recording.

@@ -72,11 +72,8 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
         .next()
         .map_or_else(Vec::new, |(_, methods)| methods.iter().map(|m| m.name.as_str()).collect());
     let columns: Vec<&str> = std::iter::once("").chain(names.iter().copied()).collect();
-    let value: [(&str, fn(&MethodScore) -> f64); 2] = [
-        ("Direction error rms after the change, deg", |m| m.after_deg),
-        ("The same from 1000 samples after it", |m| m.steady_deg),
-    ];
-    let tables = value.map(|(title, value)| {
+    let tables = ["Direction error rms after the change, deg", "The same from 1000 samples after it"].map(|title| {
+        let value = |m: &MethodScore| if title.starts_with("The same") { m.steady_deg } else { m.after_deg };
         let mut table = Table::new(title, &columns);
         let mut won = Vec::new();
         for (scenario, methods) in scenarios.clone() {
