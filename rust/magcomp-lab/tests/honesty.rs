@@ -54,9 +54,8 @@ const PERIODS: usize = 4;
 /// Points by which shares may differ from 68 and 95: in the first hundred samples after a change a run has few errors, all alike.
 const POINTS: [f64; PERIODS] = [5.0, 12.0, 5.0, 5.0];
 
-/// Where the shares are further off than that, the least they must be: what was measured less four points. To be tightened;
-/// turned about one axis (`PhonePlanar`) the sigma is wrong and nothing is claimed.
-const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 10] = [
+/// Where the shares are further off than that, the least they must be: what was measured less four points. To be tightened.
+const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 8] = [
     (Case::StepHand, [NEAR, [81.0, 91.0], NEAR, NEAR]),
     (Case::StepWalk, [[48.0, 80.0], [77.0, 89.0], NEAR, [48.0, 79.0]]),
     (Case::PhoneHand, [NEAR, NEAR, [55.0, 83.0], NEAR]),
@@ -64,10 +63,10 @@ const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 10] = [
     (Case::PhoneWalkKnown, [NEAR, NEAR, [73.0, 90.0], NEAR]),
     (Case::PhoneDrift, [[40.0, 70.0], [27.0, 55.0], [50.0, 76.0], [47.0, 72.0]]),
     (Case::PhoneWalkSteady, [[58.0, 88.0], NEAR, [59.0, 87.0], [57.0, 87.0]]),
-    (Case::PhonePlanar, [[2.0, 12.0], [0.0, 2.0], [0.0, 0.0], [0.0, 4.0]]),
-    (Case::PhoneStill, [[19.0, 26.0], [32.0, 43.0], [27.0, 39.0], [21.0, 36.0]]),
     (Case::PhoneSpikes, [NEAR, NEAR, [51.0, 80.0], NEAR]),
 ];
+/// Where nothing can be known and nothing may be said.
+const SILENT: [Case; 2] = [Case::PhonePlanar, Case::PhoneStill];
 const NEAR: [f64; 2] = [f64::INFINITY; 2];
 
 #[test]
@@ -80,6 +79,11 @@ fn shares_of_errors_within_their_sigmas_are_right() {
         let name = case.name();
         for (period, honesty) in result.honesty.iter().enumerate() {
             let [one, two] = honesty.within_sigma.map(|share| 100.0 * share);
+            if SILENT.contains(case) {
+                println!("{name:17} {:12} no heading", honesty.period);
+                assert!(one.is_nan(), "{name}: a heading");
+                continue;
+            }
             let near = (one - 68.3).abs() <= POINTS[period] && (two - 95.4).abs() <= POINTS[period];
             let kept = short.is_some_and(|least| one >= least[period][0] && two >= least[period][1]);
             let mark = if near {

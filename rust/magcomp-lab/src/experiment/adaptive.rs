@@ -46,7 +46,7 @@ pub struct AdaptiveOptions {
 pub struct Honesty {
     /// Which.
     pub period: &'static str,
-    /// Share of heading errors within one and two of their sigmas.
+    /// Share of heading errors within one and two of their sigmas; NaN where there was no heading.
     pub within_sigma: [f64; 2],
     /// Mean NEES of b, and of all parameters.
     pub nees: Option<[f64; 2]>,
@@ -121,7 +121,7 @@ pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
     bar.finish_and_clear();
     tally.delays.sort_unstable();
     let share = |values: &[f64], limit: f64| {
-        values.iter().filter(|value| **value <= limit).count() as f64 / values.len().max(1) as f64
+        values.iter().filter(|value| **value <= limit).count() as f64 / values.len() as f64
     };
     let honesty = (0..4).map(|period| Honesty {
         period: PERIOD_NAMES[period],

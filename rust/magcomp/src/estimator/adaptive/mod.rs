@@ -5,7 +5,7 @@
 //! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
-//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
+//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `noise` ·
 //! `change` (small ones) · `drift` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) · `publish` (the gate) · `output`.
 //! The derivation is in docs/METHOD.md.
 
@@ -21,6 +21,7 @@ mod parameters;
 mod publish;
 mod rivals;
 mod samples;
+mod spread;
 mod starts;
 mod steadiness;
 #[cfg(test)]
@@ -506,7 +507,7 @@ impl Adaptive {
                     Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
                     Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
-                    None => compared.new < limit * limit,
+                    None => compared.new < limit * limit && spread::fills_space(&self.samples, self.noise.variance),
                 };
                 if !trial.misfit && better && !self.witness.holds(best.order) {
                     self.release(time_ns, trial, &best, compared.new);
