@@ -37,6 +37,24 @@ impl Table {
     }
 }
 
+impl Table {
+    /// As markdown; a cell that begins with * is bold.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let line = |cells: &[String]| {
+            let cell = |cell: &String| match cell.strip_prefix('*') {
+                Some(best) => format!(" **{best}** |"),
+                None => format!(" {cell} |"),
+            };
+            format!("|{}\n", cells.iter().map(cell).collect::<String>())
+        };
+        let rule = format!("|{}\n", "---|".repeat(self.columns.len()));
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
+        format!("{}\n\n{}{rule}{rows}\n{notes}", self.title, line(&self.columns))
+    }
+}
+
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines = || std::iter::once(&self.columns).chain(&self.rows);
@@ -79,5 +97,9 @@ mod tests {
         let expected =
             "Title\n  name        uT\n  --------------\n  a          1.2\n  long name    -\n  what it means\n";
         assert_eq!(table.to_string(), expected);
+        table.row(vec!["best".into(), "*0.5".into()]);
+        let expected =
+            "Title\n\n| name | uT |\n|---|---|\n| a | 1.2 |\n| long name | - |\n| best | **0.5** |\n\nwhat it means\n";
+        assert_eq!(table.markdown(), expected);
     }
 }

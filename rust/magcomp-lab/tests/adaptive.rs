@@ -95,7 +95,7 @@ fn sigmas_are_honest_where_nothing_changes() {
         let result = adaptive(case, 6, 880);
         let [one, two] = result.honesty[period].within_sigma;
         assert!((one - 0.68).abs() < 0.05 && (two - 0.95).abs() < 0.05, "{case:?}: {one} {two}");
-        let nees = result.honesty[period].nees.expect("a covariance");
+        let [nees, _] = result.honesty[period].nees.expect("a covariance");
         assert!((0.3..3.0).contains(&nees), "{case:?}: {nees}");
     }
 }

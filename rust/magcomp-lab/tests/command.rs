@@ -189,3 +189,24 @@ fn json_parses_and_the_report_shows_its_pictures() {
     assert!(html.contains("fig2_bound.svg") && html.contains("magcomp crb --runs 5"));
     assert!(fs::read_to_string(pages.join("fig2_bound.svg")).unwrap().starts_with("<svg"));
 }
+
+#[test]
+fn compare_says_who_is_better_as_markdown() {
+    let methods = ["--method", "adaptive,none", "--scenario", "constant,pulse", "--runs", "1"];
+    let (code, text, error) = run(&[&["compare", "--markdown"], methods.as_slice()].concat());
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(text.contains("|  | adaptive | none |\n|---|---|---|\n| constant | **"), "{text}");
+    assert!(text.contains("adaptive is the best or as good in all of them."), "{text}");
+}
+
+#[test]
+fn compare_on_a_recording_has_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, pages) = (simulated(folder.path(), "30"), folder.path().join("pages"));
+    let (code, table, error) =
+        run(&["compare", text(&input), "--method", "adaptive,network", "--report", text(&pages)]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(table.contains("adaptive") && table.contains("network"), "{table}");
+    let picture = fs::read_to_string(pages.join("compare_in.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.contains("adaptive"), "{picture}");
+}

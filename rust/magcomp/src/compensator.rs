@@ -228,6 +228,7 @@ impl Compensator {
             self.inputs.aided = false;
             self.adaptive = Adaptive::new(&self.config, self.aided.calibration());
         }
+        self.adaptive.level(paired.up_m_s2);
         let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
         let known = if self.windowed.wants_calibration() { self.adaptive.calibration() } else { None };
         self.windowed.note(&sample.field_ut, known);

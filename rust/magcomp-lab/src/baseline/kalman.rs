@@ -1,6 +1,7 @@
 //! Kalman filters over the nine parameters x = (W, b) of |W (h - b)| = 1 (Beravs, Begus, Podobnik, Munih), W symmetric:
 //! random walk of variance q a sample, extended or unscented, innovations above five standard deviations gated, and a
-//! restart of the covariance when most of the latest are. Units: |h| of the first sphere.
+//! restart of the covariance when most of the latest are, or none. They start from the sphere through the first samples
+//! that are well spread. Units: |h| of that sphere.
 //!
 //! Unscented: 19 sigma points x +- sqrt(9 + lambda) L_i, weights 1 / (2 (9 + lambda)), lambda = 0 (S. Julier, J. Uhlmann).
 
@@ -12,10 +13,16 @@ use magcomp::{Calibration, MagneticSample};
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
 
-/// Samples for the sphere it starts from.
+/// Fewest and most samples for the sphere it starts from, and how evenly they must be spread before the most: smallest over
+/// largest eigenvalue of their covariance. From a short arc it would never find back.
 const START: usize = 100;
-/// Standard deviations of W and b at the start and after a restart.
-const START_SD: (f64, f64) = (0.2, 0.5);
+const LONGEST_START: usize = 1500;
+const SPREAD: f64 = 0.15;
+/// Samples from one look at that to the next.
+const STRIDE: usize = 20;
+/// Standard deviations of W and b at the start, from a sphere that is about right, and after a restart.
+const START_SD: (f64, f64) = (0.1, 0.1);
+const RESTART_SD: (f64, f64) = (0.2, 0.5);
 /// Innovations above this many standard deviations are not used.
 const GATE: f64 = 5.0;
 /// Share of gated samples (a mean over some 10) that restarts the covariance.
@@ -26,8 +33,10 @@ const RESTART: f64 = 0.4;
 pub struct Kalman {
     unscented: bool,
     walk: f64,
+    restarts: bool,
     noise_ut: f64,
     first: Vec<Vector3<f64>>,
+    started: bool,
     unit_ut: f64,
     centre_ut: Vector3<f64>,
     x: Vector9,
@@ -36,14 +45,16 @@ pub struct Kalman {
 }
 
 impl Kalman {
-    /// With a random walk of variance `walk` a sample and the true noise of the samples, uT.
+    /// With a random walk of variance `walk` a sample, negative for one that never restarts, and the true noise of the samples, uT.
     #[must_use]
     pub fn new(unscented: bool, walk: f64, noise_ut: f64) -> Self {
         Self {
             unscented,
-            walk,
+            walk: walk.abs(),
+            restarts: walk > 0.0,
             noise_ut,
             first: Vec::new(),
+            started: false,
             unit_ut: 0.0,
             centre_ut: Vector3::zeros(),
             x: Vector9::zeros(),
@@ -52,22 +63,30 @@ impl Kalman {
         }
     }
 
-    fn widen(&mut self) {
+    fn widen(&mut self, by: (f64, f64)) {
         for i in 0..9 {
-            let sd = if i < 6 { START_SD.0 } else { START_SD.1 };
+            let sd = if i < 6 { by.0 } else { by.1 };
             self.p[(i, i)] += sd * sd;
         }
     }
 
+    fn is_spread(&self) -> bool {
+        let mean = self.first.iter().sum::<Vector3<f64>>() / self.first.len() as f64;
+        let scatter: Matrix3<f64> = self.first.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+        let values = scatter.symmetric_eigenvalues();
+        values.min() > SPREAD * values.max()
+    }
+
     fn begin(&mut self) {
+        self.started = true;
         let sphere = algebraic::sphere(&self.first);
-        let mean = self.first.iter().sum::<Vector3<f64>>() / START as f64;
+        let mean = self.first.iter().sum::<Vector3<f64>>() / self.first.len() as f64;
         // a short arc says little: then the centre is looked for from the middle of the samples
         let (radius, centre) = sphere.map_or((50.0, mean), |(a, b)| (a.m11.sqrt().recip(), b));
         self.unit_ut = if (20.0..80.0).contains(&radius) { radius } else { 50.0 };
         self.centre_ut = if (centre - mean).norm() < 1.5 * self.unit_ut { centre } else { mean };
         self.x = Vector9::from_column_slice(&[1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        self.widen();
+        self.widen(START_SD);
     }
 
     fn predicted(x: &Vector9, u: &Vector3<f64>) -> f64 {
@@ -112,9 +131,11 @@ fn shape(x: &Vector9) -> Matrix3<f64> {
 
 impl Baseline for Kalman {
     fn push(&mut self, sample: &MagneticSample) {
-        if self.first.len() < START {
+        if !self.started {
             self.first.push(sample.field_ut);
-            if self.first.len() == START {
+            let count = self.first.len();
+            let looked = count >= START && count.is_multiple_of(STRIDE);
+            if count == LONGEST_START || (looked && self.is_spread()) {
                 self.begin();
             }
             return;
@@ -124,7 +145,7 @@ impl Baseline for Kalman {
         let moments = if self.unscented { self.unscented(&u) } else { Some(self.extended(&u)) };
         let Some((mean, variance, cross)) = moments else {
             self.p = Matrix9::zeros();
-            self.widen();
+            self.widen(RESTART_SD);
             return;
         };
         let slope = shape(&self.x).norm_squared() / 3.0;
@@ -132,8 +153,8 @@ impl Baseline for Kalman {
         let innovation = 1.0 - mean;
         let gated = innovation.abs() > GATE * s.sqrt();
         self.share += 0.1 * (f64::from(u8::from(gated)) - self.share);
-        if self.share > RESTART {
-            self.widen();
+        if self.restarts && self.share > RESTART {
+            self.widen(RESTART_SD);
             self.share = 0.0;
         } else if !gated {
             self.x += cross * (innovation / s);
@@ -147,7 +168,7 @@ impl Baseline for Kalman {
     }
 
     fn calibration(&self) -> Option<Calibration> {
-        if self.first.len() < START {
+        if !self.started {
             return None;
         }
         let w = shape(&self.x) / self.unit_ut;

@@ -86,8 +86,8 @@ pub struct Known {
     pub parameters: Option<Parameters>,
     /// A calibration from an earlier session, where there is one: for ours.
     pub initial: Option<Calibration>,
-    /// True directions of the samples before the change, or as far as there is a reference to learn from.
-    pub reference: Vec<Vector3<f64>>,
+    /// True directions of the samples before the change, or of a recording's first part, where it has them.
+    pub reference: Vec<Option<Vector3<f64>>>,
     /// Not simulated: rooms are uneven.
     pub real: bool,
 }
@@ -104,7 +104,7 @@ impl Contestant {
     pub fn grid(self) -> &'static [f64] {
         match self {
             Self::Linear | Self::Enclosing | Self::Sphere => &[150.0, 300.0, 600.0, 1200.0, 2000.0],
-            Self::Extended | Self::Unscented => &[1e-9, 1e-8, 1e-7, 1e-6, 1e-5],
+            Self::Extended | Self::Unscented => &[1e-9, 1e-8, 1e-7, 1e-6, 1e-5, -1e-9, -1e-8, -1e-7, -1e-6, -1e-5],
             Self::PaperHalfRange | Self::PaperEvenSphere | Self::WindowedHalfRange | Self::WindowedEvenSphere => {
                 &[0.1, 0.3, 0.5, 0.65]
             }
@@ -145,7 +145,7 @@ impl Contestant {
             Self::Sphere => Some(Box::new(Windowed::new(Surface::Sphere, length))),
             Self::Extended => Some(Box::new(Kalman::new(false, value, known.noise_ut))),
             Self::Unscented => Some(Box::new(Kalman::new(true, value, known.noise_ut))),
-            Self::Network if known.reference.is_empty() => None,
+            Self::Network if known.reference.iter().all(Option::is_none) => None,
             Self::Network => Some(Box::new(Network::new(value, known.seed, known.reference.clone()))),
             Self::Helmholtz => {
                 let coil = |parameters| Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed);

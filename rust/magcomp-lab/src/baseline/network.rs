@@ -21,7 +21,7 @@ pub struct Network {
     second: SVector<f64, WEIGHTS>,
     steps: i32,
     rate: f64,
-    reference: Vec<Vector3<f64>>,
+    reference: Vec<Option<Vector3<f64>>>,
     count: usize,
     origin_ut: Vector3<f64>,
 }
@@ -49,9 +49,9 @@ impl Layers {
 }
 
 impl Network {
-    /// Learns at `rate` from the first `reference.len()` samples, whose true directions these are.
+    /// Learns at `rate` from the first `reference.len()` samples, whose true directions these are, where they are known.
     #[must_use]
-    pub fn new(rate: f64, seed: u64, reference: Vec<Vector3<f64>>) -> Self {
+    pub fn new(rate: f64, seed: u64, reference: Vec<Option<Vector3<f64>>>) -> Self {
         let mut random = Random::new(seed, Purpose::Bootstrap);
         let weights = SVector::from_fn(|_, _| random.normal() * 0.3);
         let none = SVector::zeros();
@@ -91,7 +91,7 @@ impl Baseline for Network {
             self.origin_ut = sample.field_ut;
         }
         let x = self.input(&sample.field_ut);
-        if let Some(target) = self.reference.get(self.count).copied().filter(|_| x.norm() < 10.0) {
+        if let Some(target) = self.reference.get(self.count).copied().flatten().filter(|_| x.norm() < 10.0) {
             self.learn(&x, &target);
         }
         self.count += 1;

@@ -5,13 +5,14 @@ use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_case, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_recording};
-use crate::experiment::compare_view::{add_case, case_table, recording_table};
+use crate::experiment::compare_view::{add_case, case_table, overview, recording_figure, recording_table};
 use crate::progress;
 use crate::recording;
 use crate::report::Report;
 use crate::scenario::Case;
 use clap::{Args, ValueEnum, value_parser};
 use serde::Serialize;
+use std::io::Write;
 use std::path::PathBuf;
 
 /// Methods side by side on the same samples: scenarios, or recordings.
@@ -35,6 +36,9 @@ pub(super) struct Compare {
     /// Signal-to-noise ratio of a scenario, dB; 30, or 40 for the phones, when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
+    /// Scenarios: print the overview alone, as markdown
+    #[arg(long, conflicts_with_all = ["recordings", "json"])]
+    markdown: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -80,12 +84,19 @@ impl Compare {
             all.push(Scenario { scenario: case.name(), runs: self.runs, methods: scores });
         }
         bar.finish_and_clear();
-        let tables: Vec<_> = all.iter().flat_map(|one| case_table(&one.scenario, one.runs, &one.methods)).collect();
+        let overview = overview(all.iter().map(|one| (one.scenario.as_str(), one.methods.as_slice())));
+        if self.markdown {
+            overview.iter().try_for_each(|table| writeln!(std::io::stdout(), "{}", table.markdown()))?;
+            return Ok(());
+        }
+        let tables = all.iter().flat_map(|one| case_table(&one.scenario, one.runs, &one.methods));
+        let tables: Vec<_> = tables.chain(overview.clone()).collect();
         self.common.finish(&tables, &all, || {
             let mut report = Report::new(
                 "Methods side by side",
                 "Direction error of what each method makes of the noise-free sample, over the samples since the change.",
             );
+            overview.iter().for_each(|table| report.table(table));
             for one in &all {
                 add_case(&mut report, &one.scenario, one.runs, &one.methods)?;
             }
@@ -104,7 +115,12 @@ impl Compare {
         let tables: Vec<_> = all.iter().map(|one| recording_table(&one.recording, &one.methods)).collect();
         self.common.finish(&tables, &all, || {
             let mut report = Report::new("Methods side by side on recordings", "Each on the same samples, causal.");
-            tables.iter().for_each(|table| report.table(table));
+            for (one, table) in all.iter().zip(&tables) {
+                report.section(&one.recording, "Heading error, rms over a second, up to one constant.");
+                let name = one.recording.split('.').next().unwrap_or_default();
+                report.figure(&format!("compare_{name}"), recording_figure(&one.methods)?, &one.recording);
+                report.table(table);
+            }
             Ok(report)
         })
     }

@@ -2,12 +2,13 @@
 //! change that was none, and what a sample costs.
 //!
 //! * sigma: the heading error of each reading, of the noisy sample, in its own sigmas, up being known exactly;
-//! * NEES of theta: e^T P^-1 e / 9 of [b, M |h|] with the covariance given, 1 on average where that is right;
+//! * NEES: of b, and of all parameters (see `nees`), 1 on average where the covariance given is right;
 //! * false alarms: device steps declared before the change, and afterwards more than there were;
 //! * cost: the least over repeated runs of the same stream, sample by sample, so that it is ours and not the scheduler's.
 
 use super::aided::config;
 use super::compare::{MethodScore, Run, follow};
+use super::nees::Nees;
 use crate::error::LabError;
 use crate::progress;
 use crate::scenario::Case;
@@ -45,10 +46,10 @@ pub struct AdaptiveOptions {
 pub struct Honesty {
     /// Which.
     pub period: &'static str,
-    /// Share of heading errors within one and two of their sigmas.
+    /// Share of heading errors within one and two of their sigmas; NaN where there was no heading.
     pub within_sigma: [f64; 2],
-    /// Mean NEES of the parameters over their number.
-    pub nees: Option<f64>,
+    /// Mean NEES of b, and of all parameters.
+    pub nees: Option<[f64; 2]>,
 }
 
 /// What came out.
@@ -77,7 +78,7 @@ pub struct AdaptiveResult {
 #[derive(Default)]
 struct Tally {
     sigmas: [Vec<f64>; 4],
-    nees: [Vec<f64>; 4],
+    nees: [Vec<Nees>; 4],
     false_alarms: usize,
     suspected: usize,
     before: usize,
@@ -120,13 +121,15 @@ pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
     bar.finish_and_clear();
     tally.delays.sort_unstable();
     let share = |values: &[f64], limit: f64| {
-        values.iter().filter(|value| **value <= limit).count() as f64 / values.len().max(1) as f64
+        values.iter().filter(|value| **value <= limit).count() as f64 / values.len() as f64
     };
     let honesty = (0..4).map(|period| Honesty {
         period: PERIOD_NAMES[period],
         within_sigma: [1.0, 2.0].map(|limit| share(&tally.sigmas[period], limit)),
-        nees: (!tally.nees[period].is_empty())
-            .then(|| tally.nees[period].iter().sum::<f64>() / tally.nees[period].len() as f64),
+        nees: (!tally.nees[period].is_empty()).then(|| {
+            [|nees: &Nees| nees.hard_iron, |nees: &Nees| nees.mean_square]
+                .map(|of| tally.nees[period].iter().map(of).sum::<f64>() / tally.nees[period].len() as f64)
+        }),
     });
     Ok(AdaptiveResult {
         scenario: options.case.name(),
@@ -181,18 +184,11 @@ impl Tally {
                 self.sigmas[period].push(error.abs() / sigma);
             }
             if k % 100 == 50 {
-                self.nees[period].extend(nees(&compensator, truth));
+                self.nees[period].extend(Nees::of(&compensator, truth));
             }
         }
         Ok(())
     }
-}
-
-/// e^T P^-1 e over the number of parameters, of b, since M's scale goes with the field strength.
-fn nees(compensator: &Compensator, truth: &crate::simulate::Truth) -> Option<f64> {
-    let error = compensator.calibration()?.hard_iron_ut() - truth.hard_iron_ut;
-    let covariance = compensator.covariance()?.fixed_view::<3, 3>(0, 0).into_owned();
-    Some(error.dot(&(covariance.try_inverse()? * error)) / 3.0)
 }
 
 impl AdaptiveResult {
@@ -201,17 +197,18 @@ impl AdaptiveResult {
     pub fn tables(&self) -> Vec<Table> {
         let mut tables =
             super::compare_view::case_table(&self.scenario, self.runs as u32, std::slice::from_ref(&self.score));
-        let columns = ["", "within 1 sigma %", "within 2 sigma %", "NEES of b"];
+        let columns = ["", "within 1 sigma %", "within 2 sigma %", "NEES of b", "of all"];
         let mut table = Table::new(&format!("{}: are the sigmas honest?", self.scenario), &columns);
         for honesty in &self.honesty {
             table.row(vec![
                 honesty.period.to_owned(),
                 number(Some(100.0 * honesty.within_sigma[0]), 1),
                 number(Some(100.0 * honesty.within_sigma[1]), 1),
-                number(honesty.nees, 2),
+                number(honesty.nees.map(|[b, _]| b), 2),
+                number(honesty.nees.map(|[_, all]| all), 2),
             ]);
         }
-        table.note("share of heading errors within their own sigmas (68 and 95 where honest), and of b's error in its covariance (1)");
+        table.note("share of heading errors within their own sigmas (68 and 95 where honest), and mean square error of b, and of all parameters, in their covariance (1)");
         table.note(&format!(
             "device steps declared before the change: {} in all runs; after it: {:.2} a run, the first {} samples late; suspected before: {:.3} % of samples",
             self.false_alarms,

@@ -6,6 +6,7 @@
 use super::Spread;
 use super::aided_change::Noticed;
 use super::aided_score::{Answer, Outcome, score};
+use super::nees::Nees;
 use crate::error::LabError;
 use crate::motion::Motion;
 use crate::phone::{Phone, PhoneChange};
@@ -120,10 +121,7 @@ pub fn follow(
 ) -> Result<(Vec<Step>, Vec<Option<f64>>), LabError> {
     let mut nees = Vec::with_capacity(stream.truth.len());
     let steps = replay_with(recording, &config(method), Ignore::default(), |k, compensator: &Compensator| {
-        let error = compensator.calibration().map(|found| found.hard_iron_ut() - stream.truth[k].hard_iron_ut);
-        let covariance = compensator.covariance().map(|all| all.fixed_view::<3, 3>(0, 0).into_owned());
-        let inverse = covariance.and_then(|covariance| covariance.try_inverse());
-        nees.push(error.zip(inverse).map(|(error, inverse)| error.dot(&(inverse * error)) / 3.0));
+        nees.push(Nees::of(compensator, &stream.truth[k]).map(|nees| nees.hard_iron));
     })?;
     Ok((steps, nees))
 }

@@ -144,7 +144,7 @@ fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Kno
         noise_ut: plan.scenario.noise.sigma_ut(field_ut),
         field_ut,
         parameters: Some(plan.scenario.parameters.start),
-        reference: stream.truth[..plan.before].iter().map(|truth| truth.field_ut.normalize()).collect(),
+        reference: stream.truth[..plan.before].iter().map(|truth| Some(truth.field_ut.normalize())).collect(),
         initial: case.initial(&plan),
         real: false,
     };

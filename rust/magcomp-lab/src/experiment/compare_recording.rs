@@ -4,7 +4,7 @@
 use crate::baseline::{Contestant, Known};
 use crate::error::LabError;
 use crate::recording::Recording;
-use crate::replay::{Vectors, judge_vectors};
+use crate::replay::{Vectors, heading_course, judge_vectors};
 use magcomp::MagneticSample;
 use magcomp::nalgebra::Vector3;
 use serde::Serialize;
@@ -21,7 +21,7 @@ const DIP_DEG: f64 = 65.0;
 /// Value of a method's one free number: the middle of its grid, since there are no other seeds of a recording.
 fn middle(contestant: Contestant) -> f64 {
     let grid = contestant.grid();
-    grid[grid.len() / 2]
+    grid[grid.iter().filter(|value| **value >= 0.0).count() / 2]
 }
 
 /// A method on a recording.
@@ -33,6 +33,9 @@ pub struct RecordingScore {
     pub value: Option<f64>,
     /// What it came to.
     pub vectors: Vectors,
+    /// Heading error rms over a second, degrees, over time, s: for the picture. Empty without a reference.
+    #[serde(skip)]
+    pub course_deg: Vec<(f64, f64)>,
 }
 
 /// Runs methods on a recording.
@@ -47,7 +50,7 @@ pub fn compare_recording(
     let taught = (recording.rows.len() as f64 * LEARNED) as usize;
     let (down, north) = DIP_DEG.to_radians().sin_cos();
     let field = Vector3::new(0.0, north, -down);
-    let directions = recording.rows[..taught].iter().map_while(|row| Some(row.attitude?.inverse() * field));
+    let directions = recording.rows[..taught].iter().map(|row| Some(row.attitude?.inverse() * field));
     let reference = directions.collect();
     let known =
         Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference, real: true };
@@ -67,6 +70,7 @@ pub fn compare_recording(
             name: contestant.name(),
             value: (contestant.grid().len() > 1).then_some(value),
             vectors: judge_vectors(recording, &found),
+            course_deg: heading_course(recording, &found, 1.0),
         });
     }
     Ok(scores)

@@ -63,6 +63,41 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore]) -> Vec<Tab
     tables
 }
 
+/// All scenarios in two tables, a line for each, a column for each method: over all samples after the change, and from 1000
+/// after it; and in which of them ours is not the best.
+#[must_use]
+pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])> + Clone) -> Vec<Table> {
+    let names: Vec<&str> = scenarios
+        .clone()
+        .next()
+        .map_or_else(Vec::new, |(_, methods)| methods.iter().map(|m| m.name.as_str()).collect());
+    let columns: Vec<&str> = std::iter::once("").chain(names.iter().copied()).collect();
+    let tables = ["Direction error rms after the change, deg", "The same from 1000 samples after it"].map(|title| {
+        let value = |m: &MethodScore| if title.starts_with("The same") { m.steady_deg } else { m.after_deg };
+        let mut table = Table::new(title, &columns);
+        let mut won = Vec::new();
+        for (scenario, methods) in scenarios.clone() {
+            let text = |m: &MethodScore| number(Some(value(m)), if value(m) < 10.0 { 2 } else { 0 });
+            let Some(best) = methods.iter().min_by(|a, b| value(a).total_cmp(&value(b))) else { continue };
+            let cells = names.iter().map(|name| match methods.iter().find(|m| m.name == *name) {
+                Some(m) if text(m) == text(best) => format!("*{}", text(m)),
+                Some(m) => text(m),
+                None => "-".to_owned(),
+            });
+            table.row(std::iter::once(scenario.to_owned()).chain(cells).collect());
+            if let Some(ours) = methods.iter().find(|m| m.name == names[0] && text(m) != text(best)) {
+                won.push(format!("{scenario} ({} {} against {})", best.name, text(best), text(ours)));
+            }
+        }
+        table.note(&match won.as_slice() {
+            [] => format!("{} is the best or as good in all of them.", names.first().unwrap_or(&"")),
+            won => format!("Another one is better in: {}.", won.join(", ")),
+        });
+        table
+    });
+    tables.to_vec()
+}
+
 /// A section with the picture and the tables.
 ///
 /// # Errors
@@ -86,6 +121,25 @@ pub fn add_case(report: &mut Report, scenario: &str, runs: u32, methods: &[Metho
     Ok(())
 }
 
+/// The picture of a recording.
+///
+/// # Errors
+/// [`LabError::Plot`].
+pub fn recording_figure(methods: &[RecordingScore]) -> Result<String, LabError> {
+    let series = DRAWN.iter().filter_map(|(name, colour)| {
+        let method = methods.iter().find(|m| m.name == *name)?;
+        Some(Series::new(name, *colour, method.course_deg.iter().map(|(t, error)| (*t, error.min(SHOWN_DEG)))))
+    });
+    let panel = Panel {
+        title: "heading error against the reference".to_owned(),
+        x_label: "s".to_owned(),
+        y_label: "deg".to_owned(),
+        series: series.collect(),
+        ..Panel::default()
+    };
+    draw(&[panel], 1, (1100, 300))
+}
+
 /// A line for each method on a recording.
 #[must_use]
 pub fn recording_table(recording: &str, methods: &[RecordingScore]) -> Table {
@@ -103,6 +157,6 @@ pub fn recording_table(recording: &str, methods: &[RecordingScore]) -> Table {
         ]);
     }
     table.note("without the first 20 s; heading against the reference orientation, up to one constant; the network has learned from");
-    table.note("that reference over the first 40 %");
+    table.note("that reference over the first 40 %; a coil there is not");
     table
 }

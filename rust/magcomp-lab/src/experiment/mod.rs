@@ -9,6 +9,7 @@ pub mod bound;
 pub mod compare;
 pub mod compare_recording;
 pub mod compare_view;
+pub mod nees;
 pub mod step;
 mod step_score;
 mod step_view;

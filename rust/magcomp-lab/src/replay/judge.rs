@@ -211,6 +211,24 @@ pub fn judge_vectors(recording: &Recording, vectors: &[Option<Vector3<f64>>]) ->
     Vectors { answered, spread_percent: spread_percent(&live, |_| true), heading: heading_error(&live, |_| true) }
 }
 
+/// Heading error rms over every `span_s`: (middle, s; degrees), where there are a reference and vectors.
+#[must_use]
+pub fn heading_course(recording: &Recording, vectors: &[Option<Vector3<f64>>], span_s: f64) -> Vec<(f64, f64)> {
+    let azimuths = recording.rows.iter().zip(vectors).map(|(row, vector)| azimuth_deg(row, &(*vector)?));
+    let errors = centred(azimuths.collect());
+    let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
+    let span = |row: &Row| ((row.time_s - start_s) / span_s) as usize;
+    let mut sums = vec![(0.0, 0.0); recording.rows.last().map_or(0, |row| span(row) + 1)];
+    for (row, error) in recording.rows.iter().zip(errors) {
+        if let Some(error) = error {
+            sums[span(row)].0 += error * error;
+            sums[span(row)].1 += 1.0;
+        }
+    }
+    let known = sums.iter().enumerate().filter(|(_, (_, count))| *count > 0.0);
+    known.map(|(k, (sum, count))| ((k as f64 + 0.5) * span_s, (sum / count).sqrt())).collect()
+}
+
 fn spread_percent(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<f64> {
     let rows = rows.iter().filter(|(row, ..)| inside(row));
     let strengths: Vec<f64> = rows.map(|(_, h, _)| h.norm()).filter(|strength| strength.is_finite()).collect();

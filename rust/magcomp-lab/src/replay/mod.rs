@@ -7,7 +7,9 @@ mod output;
 mod view;
 
 pub use figures::figures;
-pub use judge::{Declared, Disturbance, HeadingError, Judgement, Vectors, judge, judge_vectors, usual_part};
+pub use judge::{
+    Declared, Disturbance, HeadingError, Judgement, Vectors, heading_course, judge, judge_vectors, usual_part,
+};
 pub use legs::{LegJudgement, Waypoint, judge_legs, read_waypoints};
 pub use output::write;
 pub use view::table;

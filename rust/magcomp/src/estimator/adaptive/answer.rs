@@ -2,7 +2,7 @@
 
 use super::hypothesis::{Hypothesis, NO_EVIDENCE};
 use super::publish::{Published, compare, directions, may_compare};
-use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle};
+use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle, spread};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
 
 /// Samples before a first answer is tried.
@@ -69,9 +69,9 @@ impl Adaptive {
                     Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
                     Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
-                    None => compared.new < limit * limit,
+                    None => compared.new < limit * limit && spread::fills_space(&self.samples, self.noise.variance),
                 };
-                if !trial.misfit && better {
+                if !trial.misfit && better && !self.witness.holds(best.order) {
                     self.release(time_ns, trial, &best, compared.new);
                 } else if let Some(published) = &mut self.published {
                     published.covariance = self.rivals.spread_about(&published.tau);
@@ -121,6 +121,7 @@ impl Adaptive {
             } else {
                 Missing::Directions
             }),
+            _ if let Some(since_ns) = self.witness.disturbed() => Status::Disturbed { since_ns },
             (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
             (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
             _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),

@@ -5,9 +5,9 @@
 //! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
-//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `samples` (segment and spans) · `noise` ·
-//! `notice` (changes) · `change` (small ones) · `drift` (slow ones) · `angle` (errors as angles) · `publish` (the gate) ·
-//! `answer` (what is in force) · `output`.
+//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `noise` ·
+//! `notice` (changes) · `change` (small ones) · `drift` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
+//! `publish` (the gate) · `answer` (what is in force) · `output`.
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
@@ -24,8 +24,12 @@ mod parameters;
 mod publish;
 mod rivals;
 mod samples;
+mod spread;
 mod starts;
 mod steadiness;
+#[cfg(test)]
+mod tests;
+mod witness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
@@ -43,6 +47,7 @@ use rivals::Rivals;
 use samples::{Samples, span_length};
 use serde::{Deserialize, Serialize};
 use steadiness::Steadiness;
+use witness::Witness;
 
 /// The few numbers of the adaptive estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -139,6 +144,7 @@ pub(crate) struct Adaptive {
     former: [Option<Gaussian>; FORMER],
     noise: Noise,
     steadiness: Steadiness,
+    witness: Witness,
     drift: Drift,
     late: [Option<Late>; RECENT],
     published: Option<Published>,
@@ -173,6 +179,7 @@ impl Adaptive {
                 config.heading.field_sigma_ut / unit_ut,
             ),
             steadiness: Steadiness::new(),
+            witness: Witness::new(),
             drift: Drift::default(),
             late: [None; RECENT],
             published: None,
@@ -217,6 +224,7 @@ impl Adaptive {
             }
         }
         self.judge();
+        self.attest(time_ns, raw_ut);
         self.publish(time_ns);
         self.output(raw_ut)
     }
@@ -240,6 +248,7 @@ impl Adaptive {
         let by = (self.centre_ut - raw_ut) / self.unit_ut;
         self.centre_ut = *raw_ut;
         self.rivals.shift(&by);
+        self.witness.shift(&by);
         self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);

@@ -37,9 +37,9 @@ const IRON_WALK: f64 = 0.0001;
 /// The smallest eigenvalue of the scatter of the directions that a sphere can be found from, times the largest.
 const SMALLEST_SPREAD: f64 = 0.15;
 /// Error of gravity's direction in a quiet hand, rad.
-const TILT_SD: f64 = 0.02;
+pub(crate) const TILT_SD: f64 = 0.02;
 /// Samples over which a hand's acceleration stays the same: its error is no white noise.
-const TILT_CORRELATION: f64 = 20.0;
+pub(crate) const TILT_CORRELATION: f64 = 20.0;
 /// The vertical part is not known at the start, uT.
 const VERTICAL_SD_UT: f64 = 100.0;
 /// A sphere through what is an ellipsoid has a radius this wrong, uT.

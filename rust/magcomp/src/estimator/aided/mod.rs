@@ -10,7 +10,7 @@ mod adapt;
 mod config;
 mod events;
 mod learn;
-mod magnitude;
+pub(crate) mod magnitude;
 mod measure;
 mod motion;
 mod output;

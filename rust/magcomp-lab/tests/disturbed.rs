@@ -1,0 +1,113 @@
+//! Disturbed or changed, from the magnetometer alone and with gravity: a place whose field changes by 20 uT for ten seconds,
+//! a device whose hard iron does, and recordings where nothing does. The accelerometer is that of a shaking hand.
+
+use magcomp::nalgebra::Vector3;
+use magcomp::{Compensator, Config, Method, Status};
+use magcomp_lab::experiment::aided::config;
+use magcomp_lab::inertial::InertialSensor;
+use magcomp_lab::motion::Motion;
+use magcomp_lab::phone::{CHANGE_S, PLACE_S, Phone, PhoneChange};
+use magcomp_lab::recording::read;
+use magcomp_lab::replay::{Ignore, replay};
+use magcomp_lab::simulate::Simulation;
+
+/// Standard deviation of the accelerometer's noise, m/s^2: a hand that shakes, not the sensor.
+const SHAKE_M_S2: f64 = 0.3;
+
+fn stream(seed: u64, motion: Motion, change: PhoneChange) -> Simulation {
+    let mut scenario = Phone { seed, motion, change, ..Phone::default() }.scenario();
+    scenario.gyroscope = None;
+    scenario.accelerometer = Some(InertialSensor { noise: SHAKE_M_S2, ..InertialSensor::accelerometer() });
+    scenario.run()
+}
+
+struct Seen {
+    statuses: Vec<Status>,
+    hard_iron_ut: Vec<Option<Vector3<f64>>>,
+    errors_deg: Vec<f64>,
+}
+
+fn follow(stream: &Simulation, gravity: bool) -> Seen {
+    let mut compensator = Compensator::new(config(Method::Adaptive)).expect("the default config");
+    let mut ups = stream.ups.iter().peekable();
+    let mut seen = Seen { statuses: Vec::new(), hard_iron_ut: Vec::new(), errors_deg: Vec::new() };
+    for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {
+        while let Some(up) = ups.next_if(|up| up.time_ns <= sample.time_ns) {
+            if gravity {
+                compensator.push_up(*up).expect("events in order");
+            }
+        }
+        seen.statuses.push(compensator.push(*sample).status);
+        let found = compensator.calibration();
+        seen.hard_iron_ut.push(found.map(|found| *found.hard_iron_ut()));
+        let error = found.map(|found| found.correct(&truth.clean_ut).angle(&truth.field_ut).to_degrees());
+        seen.errors_deg.push(error.unwrap_or(90.0));
+    }
+    seen
+}
+
+/// Samples from the change to the end of the disturbance, and to its having been over for a second and a half.
+const CHANGED: usize = (CHANGE_S * 100.0) as usize;
+const OVER: usize = ((CHANGE_S + PLACE_S) * 100.0) as usize;
+const SETTLED: usize = OVER + 200;
+
+impl Seen {
+    fn disturbed(&self, range: std::ops::Range<usize>) -> impl Iterator<Item = usize> {
+        range.filter(|k| matches!(self.statuses[*k], Status::Disturbed { .. }))
+    }
+
+    /// How far b has gone from where it was before the change, uT.
+    fn moved_ut(&self, range: std::ops::Range<usize>) -> f64 {
+        let before = self.hard_iron_ut[CHANGED - 1].expect("a calibration");
+        self.hard_iron_ut[range].iter().flatten().map(|b| (b - before).norm()).fold(0.0, f64::max)
+    }
+}
+
+#[test]
+fn with_gravity_a_disturbed_place_is_reported_and_not_learned() {
+    let (mut reported, mut kept) = (0, 0);
+    for seed in 900..916 {
+        let seen = follow(&stream(seed, Motion::Tumble, PhoneChange::Place), true);
+        let first = seen.disturbed(CHANGED..OVER).next().map(|k| k - CHANGED);
+        let share = seen.disturbed(CHANGED + 300..OVER).count() as f64 / (OVER - CHANGED - 300) as f64;
+        let (moved, end) = (seen.moved_ut(CHANGED..seen.statuses.len()), seen.errors_deg[SETTLED..].iter());
+        let worst = end.fold(0.0_f64, |worst, error| worst.max(*error));
+        let late = seen.disturbed(SETTLED..seen.statuses.len()).count();
+        println!(
+            "{seed}: disturbed after {first:?}, {:.0} % of the time from 3 s on; b by {moved:.2} uT; then {worst:.2} deg, \
+             disturbed for {late} samples more",
+            100.0 * share
+        );
+        reported += usize::from(first.is_some_and(|samples| samples <= 300) && share > 0.9);
+        kept += usize::from(moved < 3.0 && worst < 2.0 && late == 0);
+    }
+    assert!(reported >= 15 && kept >= 15, "reported {reported}, kept {kept} of 16");
+}
+
+#[test]
+fn with_gravity_a_device_that_changes_is_relearned_nearly_as_soon() {
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    for seed in 920..936 {
+        let stream = stream(seed, Motion::Tumble, PhoneChange::Offset);
+        for (gravity, settled) in [(true, &mut with), (false, &mut without)] {
+            let seen = follow(&stream, gravity);
+            let last = seen.errors_deg[CHANGED..].iter().rposition(|error| *error > 5.0);
+            settled.push(last.map_or(0, |last| last + 1));
+        }
+    }
+    println!("below 5 deg after, with gravity: {with:?}, without: {without:?}");
+    with.sort_unstable();
+    without.sort_unstable();
+    assert!(with[8] < 300 && with[8] < without[8] + 150, "median {} against {}", with[8], without[8]);
+}
+
+#[test]
+fn on_recordings_of_undisturbed_places_nothing_is_reported() {
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings/broad_01_slow_rotation_A.csv.gz");
+    let recording = read(&path).expect("a recording");
+    let config = Config { method: Method::Adaptive, ..Config::default() };
+    let steps = replay(&recording, &config, Ignore { gyroscope: true, ..Ignore::default() }).expect("a valid config");
+    let disturbed = steps.iter().filter(|step| matches!(step.reading.status, Status::Disturbed { .. })).count();
+    assert_eq!(disturbed, 0, "of {}", steps.len());
+}

@@ -1,0 +1,3 @@
+//! Tests of the adaptive estimator that look inside it.
+
+mod derivatives;
