@@ -14,7 +14,7 @@ const UNLIKELY: f64 = 3.0;
 /// Samples after which hypotheses that fit none of them begin anew.
 const RENEWED: usize = 64;
 /// Above CLOSE_DEG new parameters must be better by this (in squares).
-const MARGIN: f64 = 4.0;
+const MARGIN: f64 = 2.0;
 /// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
 const DOUBT: f64 = 1.5;
 /// Expected mean square error, over that of what was held before, from which the latter is in force again.
