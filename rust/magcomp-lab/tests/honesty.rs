@@ -64,16 +64,6 @@ const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 7] = [
     (Case::PhoneWalkSteady, [NEAR, NEAR, [71.0, 93.0], [71.0, 93.0]]),
     (Case::PhoneSpikes, [NEAR, [35.0, 73.0], [56.0, 84.0], NEAR]),
 ];
-PERIODS]); 8] = [
-    (Case::StepHand, [NEAR, [81.0, 91.0], NEAR, NEAR]),
-    (Case::StepWalk, [[48.0, 80.0], [77.0, 89.0], NEAR, [48.0, 79.0]]),
-    (Case::PhoneHand, [NEAR, NEAR, [55.0, 83.0], NEAR]),
-    (Case::PhoneWalk, [[58.0, 88.0], NEAR, [53.0, 90.0], [56.0, 86.0]]),
-    (Case::PhoneWalkKnown, [NEAR, NEAR, [73.0, 90.0], NEAR]),
-    (Case::PhoneDrift, [[40.0, 70.0], [27.0, 55.0], [50.0, 76.0], [47.0, 72.0]]),
-    (Case::PhoneWalkSteady, [[58.0, 88.0], NEAR, [59.0, 87.0], [57.0, 87.0]]),
-    (Case::PhoneSpikes, [NEAR, NEAR, [51.0, 80.0], NEAR]),
-];
 /// Where nothing can be known and nothing may be said.
 const SILENT: [Case; 2] = [Case::PhonePlanar, Case::PhoneStill];
 const NEAR: [f64; 2] = [f64::INFINITY; 2];
