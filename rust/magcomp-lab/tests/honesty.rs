@@ -71,9 +71,20 @@ const NEAR: [f64; 2] = [f64::INFINITY; 2];
 #[test]
 fn shares_of_errors_within_their_sigmas_are_right() {
     let mut wrong = Vec::new();
-    for case in Case::value_variants() {
+    let cases = Case::value_variants();
+    let of = |case: &Case| {
         let options = AdaptiveOptions { case: *case, runs: 16, seed: 71_000, snr_db: None, noise_ut: None, repeats: 1 };
-        let result = run(&options).expect("the default config");
+        run(&options).expect("the default config")
+    };
+    // two at a time
+    let results: Vec<_> = std::thread::scope(|scope| {
+        let halves =
+            [0, 1].map(|half| scope.spawn(move || cases.iter().skip(half).step_by(2).map(of).collect::<Vec<_>>()));
+        let [even, odd] = halves.map(|half| half.join().expect("no panic"));
+        even.into_iter().zip(odd).flat_map(|(even, odd)| [even, odd]).collect()
+    });
+    assert_eq!(results.len(), cases.len(), "an even number of scenarios");
+    for (case, result) in cases.iter().zip(results) {
         let short = SHORT_OF_IT.iter().find(|(other, _)| other == case).map(|(_, least)| least);
         let name = case.name();
         for (period, honesty) in result.honesty.iter().enumerate() {
