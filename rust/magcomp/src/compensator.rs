@@ -1,6 +1,7 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, gives it to the estimator, corrects it, and
 //! forms the heading from the corrected field and the latest `up`.
 
+use crate::answer::Answer;
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError, HeadingConfig, Method};
 use crate::coverage::Coverage;
@@ -10,7 +11,7 @@ use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::windowed::{Windowed, WindowedState};
 use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
-use crate::reading::{Event, ModelOrder, Reading, RejectReason, SensorMode, Status};
+use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::snapshot::{Restored, SnapshotError, open, seal};
 use crate::tilt::Tilt;
@@ -78,22 +79,6 @@ struct State {
     aided: Aided,
     adaptive: Adaptive,
     windowed: WindowedState,
-}
-
-/// What an estimator says of one sample.
-struct Answer {
-    field_ut: Option<Vector3<f64>>,
-    field_covariance_ut2: Option<Matrix3<f64>>,
-    filtered_field_ut: Option<Vector3<f64>>,
-    filtered_covariance_ut2: Option<Matrix3<f64>>,
-    up: Option<Vector3<f64>>,
-    sigma_t: Option<f64>,
-    direction_sigma_deg: Option<f64>,
-    worst_sigma_deg: Option<f64>,
-    model_order: Option<ModelOrder>,
-    mode: SensorMode,
-    event: Option<Event>,
-    status: Status,
 }
 
 impl Compensator {
@@ -443,24 +428,5 @@ impl Compensator {
             return Err(RejectReason::Stuck { repeats });
         }
         Ok(())
-    }
-}
-
-impl Answer {
-    fn none(mode: SensorMode, status: Status) -> Self {
-        Self {
-            field_ut: None,
-            field_covariance_ut2: None,
-            filtered_field_ut: None,
-            filtered_covariance_ut2: None,
-            up: None,
-            sigma_t: None,
-            direction_sigma_deg: None,
-            worst_sigma_deg: None,
-            model_order: None,
-            mode,
-            event: None,
-            status,
-        }
     }
 }

@@ -14,6 +14,7 @@
 
 pub use nalgebra;
 
+mod answer;
 mod calibration;
 mod compensator;
 mod config;
