@@ -115,15 +115,17 @@ impl Adaptive {
     }
 
     pub(super) fn status(&self) -> Status {
-        match (self.trial, self.published) {
-            (_, None) => Status::Collecting(if self.samples.age < JUDGED_FROM {
+        match (self.trial, self.published, self.witness.disturbed()) {
+            (_, None, _) => Status::Collecting(if self.samples.age < JUDGED_FROM {
                 Missing::Samples { have: self.samples.age, need: JUDGED_FROM }
             } else {
                 Missing::Directions
             }),
-            _ if let Some(since_ns) = self.witness.disturbed() => Status::Disturbed { since_ns },
-            (Some(trial), _) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
-            (Some(trial), _) if !trial.released && trial.base.is_some() => Status::Suspect { since_ns: trial.since_ns },
+            (_, _, Some(since_ns)) => Status::Disturbed { since_ns },
+            (Some(trial), ..) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
+            (Some(trial), ..) if !trial.released && trial.base.is_some() => {
+                Status::Suspect { since_ns: trial.since_ns }
+            }
             _ if self.direction_sigma_deg > self.release_below_deg => Status::Held(HoldReason::TooLittleRotation),
             _ => Status::Tracking,
         }
