@@ -139,7 +139,7 @@ fn a_gyroscope_that_goes_and_comes_back() {
 }
 
 /// The heading as an app shows it, by the accelerometer's own up, against the optical reference. A moved accelerometer leans:
-/// without a gyroscope to carry up, that is most of the error (27 degrees where the field's direction is off by 6).
+/// without a gyroscope to carry up, that is most of the error.
 #[test]
 fn headings_of_a_recording_err_as_their_sigma_says() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
