@@ -77,7 +77,7 @@ pub(crate) struct Trial {
     pub(crate) recalled: bool,
     /// Began when the calibration was young: no step is told then, only relearned.
     pub(crate) young: bool,
-    /// `device` has failed since the onset: it is no clean step of the device.
+    /// `device` has failed since the onset, or a misfit passed by itself lately: hardly a clean step of the device.
     pub(crate) unclean: bool,
     log_ratio: f64,
     device_misfit: f64,

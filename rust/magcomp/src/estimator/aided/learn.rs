@@ -42,6 +42,8 @@ pub(super) const LONGEST_DRIFT_S: f64 = 225.0;
 /// Share of gated samples at which the offset is freed before a calibration was found, and the least freedom, uT.
 const UNADOPTED_SHARE: f64 = 0.451;
 const UNADOPTED_STEP_UT: f64 = 8.0;
+/// A misfit within this time of one that passed by itself is likelier the place's again than the device's, ns.
+const UNREST_NS: i64 = 120_000_000_000;
 /// NIS beyond which a sample is a spike and says nothing about the local field.
 const SPIKE_NIS: f64 = 200.0;
 /// Seconds of motion for which the calibration still holds after a disturbance: what bends a field bends it around too.
@@ -150,6 +152,7 @@ impl Aided {
                 filter.keep(dense);
                 let mut trial = Trial::start(filter, &self.watch, self.former.as_ref());
                 trial.young = self.strength.young();
+                trial.unclean = self.passed_ns.is_some_and(|passed| step.time_ns.saturating_sub(passed) < UNREST_NS);
                 self.trial = Some(trial);
             }
         } else if self.watch.share > UNADOPTED_SHARE && self.watch.rotation_rad > self.config.decide_rotation_rad {
@@ -232,6 +235,7 @@ impl Aided {
                 self.adaptation.local_ut = self.config.local_max_ut;
                 self.hold_s = HOLD_S;
             }
+            self.passed_ns = Some(step.time_ns);
             return; // nothing happened, or it is over
         }
         if trial.phase == Phase::Erratic {

@@ -70,6 +70,8 @@ pub(crate) struct Aided {
     magnitude: Magnitude,
     event: Option<Event>,
     strength: Strength,
+    /// When the latest misfit passed by itself.
+    passed_ns: Option<i64>,
     /// Seconds of motion for which the calibration still holds.
     hold_s: f64,
     /// Time since the prior on |m| was applied, s.
@@ -96,6 +98,7 @@ impl Aided {
             magnitude: Magnitude::new(),
             event: None,
             strength: Strength::default(),
+            passed_ns: None,
             hold_s: 0.0,
             prior_age_s: 0.0,
             lost_strength_ut: None,
