@@ -106,3 +106,34 @@ fn a_misfit_soon_after_the_first_calibration_is_relearned_without_an_event() {
     let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
     assert!(error < 2.5, "offset wrong by {error} uT");
 }
+
+/// Samples called suspect and disturbed while the place's field is too strong for 0.4 s and in the second after it.
+fn pass_a_magnet(world: &mut World, aided: &mut Aided) -> [usize; 2] {
+    let earth = world.field_ut;
+    let mut called = [0; 2];
+    for k in 0..140 {
+        world.field_ut = if k < 40 { earth * 1.4 } else { earth };
+        let sample = world.sample(0.01);
+        match aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).status {
+            Status::Suspect { .. } => called[0] += 1,
+            Status::Disturbed { .. } => called[1] += 1,
+            _ => {}
+        }
+    }
+    called
+}
+
+#[test]
+fn after_a_misfit_that_passed_the_next_is_called_disturbed_sooner() {
+    for seed in 80..86 {
+        let (mut world, mut aided) = settled(seed);
+        let first = pass_a_magnet(&mut world, &mut aided);
+        run(&mut world, &mut aided, 300);
+        let second = pass_a_magnet(&mut world, &mut aided);
+        assert!(second[1] > first[1] + 5 && second[1] > 20, "seed {seed}: {first:?}, then {second:?}");
+        run(&mut world, &mut aided, 12_100);
+        let third = pass_a_magnet(&mut world, &mut aided);
+        assert!(third[1] + 5 < second[1], "seed {seed}: {second:?}, after two minutes {third:?}");
+        assert_eq!(aided.event, None, "seed {seed}");
+    }
+}
