@@ -25,6 +25,16 @@ import Testing
         #expect(try paper.fit()?.covariance.count == 81)
     }
 
+    @Test func aWholeReadingOfTheMagnetometerAloneIsTheSameOverCAndUniffi() throws {
+        let (compensator, native) = (try Compensator(), try NativeCompensator(config: Config()))
+        let alone = events.compactMap { event in
+            if case .magnetic(let sample) = event { sample } else { nil }
+        }
+        let over = try alone.map { try compensator.push($0) }
+        #expect(try alone.map { try native.push(sample: $0) } == over)
+        #expect(over.contains { $0.modelOrder != nil && $0.directionSigmaDeg != nil && $0.worstSigmaDeg != nil })
+    }
+
     @Test func everyStatusIsReadFromCAsUniffiHasIt() throws {
         let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
         let problems: [FitProblem] = [
