@@ -215,8 +215,11 @@ impl Compensator {
         }
         self.adaptive.level(paired.up_m_s2);
         let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
-        let known = if self.windowed.wants_calibration() { self.adaptive.calibration() } else { None };
-        self.windowed.note(&sample.field_ut, known);
+        let wanted = self.windowed.wants_calibration();
+        self.windowed.note(&sample.field_ut, if wanted { self.adaptive.calibration() } else { None });
+        if wanted {
+            self.windowed.measure();
+        }
         let floor = Matrix3::identity() * self.config.heading.field_sigma_ut.powi(2);
         Answer {
             field_ut: output.corrected_ut.map(|(field, _)| field),

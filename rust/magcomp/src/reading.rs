@@ -20,7 +20,8 @@ pub struct Reading {
     pub total_field_ut: Option<f64>,
     /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
     pub heading: Option<Heading>,
-    /// (15) sigma_T over the latest N_min samples. None until there are that many and a calibration.
+    /// (15) sigma_T over the latest N_min samples; the adaptive method forms it anew every 25. None until there are that
+    /// many and a calibration.
     pub sigma_t: Option<f64>,
     /// Samples in the window of the estimator.
     pub window: usize,

@@ -3,46 +3,143 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// H = L D L^T, L with ones on its diagonal.
+pub(crate) struct Ldl<const N: usize> {
+    /// Columns of L; what stands on and above the diagonal has no meaning.
+    columns: [[f64; N]; N],
+    /// D^-1.
+    inverse: [f64; N],
+    /// log det H.
+    pub log_det: f64,
+}
+
+impl<const N: usize> Ldl<N> {
+    /// Only the lower triangle of `h` is read. None unless H is positive definite.
+    #[inline]
+    pub fn new(h: &SMatrix<f64, N, N>) -> Option<Self> {
+        let mut columns = h.data.0;
+        let (mut inverse, mut determinant) = ([0.0; N], 1.0);
+        for j in 0..N {
+            let (done, rest) = columns.split_at_mut(j + 1);
+            let column = &mut done[j];
+            let pivot = column[j];
+            // also false for NaN
+            if !(pivot > 0.0 && pivot < f64::INFINITY) {
+                return None;
+            }
+            inverse[j] = 1.0 / pivot;
+            determinant *= pivot;
+            for (i, next) in (j + 1..).zip(rest) {
+                add(next, -column[i] * inverse[j], column);
+            }
+            column.iter_mut().for_each(|value| *value *= inverse[j]);
+        }
+        Some(Self { columns, inverse, log_det: determinant.ln() })
+    }
+
+    /// x with H x = g.
+    #[inline]
+    pub fn solve(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut x = self.forward(g);
+        for i in (0..N).rev() {
+            let mut value = x[i] * self.inverse[i];
+            for k in i + 1..N {
+                value -= self.columns[i][k] * x[k];
+            }
+            x[i] = value;
+        }
+        x
+    }
+
+    /// L^-1 g.
+    #[inline]
+    fn forward(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut x = *g;
+        for i in 0..N {
+            for k in 0..i {
+                x[i] -= self.columns[k][i] * x[k];
+            }
+        }
+        x
+    }
+
+    /// g^T H^-1 g.
+    #[inline]
+    pub fn square(&self, g: &SVector<f64, N>) -> f64 {
+        let x = self.forward(g);
+        (0..N).map(|i| x[i] * x[i] * self.inverse[i]).sum()
+    }
+
+    /// A^T H^-1 A and A^T H^-1 g, A symmetric.
+    #[inline]
+    pub fn weigh(&self, a: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> (SMatrix<f64, N, N>, SVector<f64, N>) {
+        let rows = self.forward_rows(a.data.0);
+        let y = self.forward(g);
+        let mut vector = [0.0; N];
+        for (k, row) in rows.iter().enumerate() {
+            add(&mut vector, y[k] * self.inverse[k], row);
+        }
+        (self.squared(&rows, |_| N), SVector::from(vector))
+    }
+
+    /// H^-1.
+    #[inline]
+    pub fn inverse(&self) -> SMatrix<f64, N, N> {
+        let rows = self.forward_rows(SMatrix::<f64, N, N>::identity().data.0);
+        self.squared(&rows, |k| k + 1)
+    }
+
+    /// L^-1 times a matrix given by its rows.
+    #[inline]
+    fn forward_rows(&self, mut rows: [[f64; N]; N]) -> [[f64; N]; N] {
+        for i in 0..N {
+            let (done, rest) = rows.split_at_mut(i);
+            for (k, row) in done.iter().enumerate() {
+                add(&mut rest[0], -self.columns[k][i], row);
+            }
+        }
+        rows
+    }
+
+    /// X^T D^-1 X of the rows of X, of which row k has `length` (k) elements that are not zero.
+    #[inline]
+    fn squared(&self, rows: &[[f64; N]; N], length: impl Fn(usize) -> usize) -> SMatrix<f64, N, N> {
+        let mut columns = [[0.0; N]; N];
+        for (k, row) in rows.iter().enumerate() {
+            for i in 0..length(k) {
+                add(&mut columns[i], row[i] * self.inverse[k], row);
+            }
+        }
+        SMatrix::from_data(nalgebra::ArrayStorage(columns))
+    }
+}
+
+/// H g, H symmetric.
+#[inline]
+pub(crate) fn times<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> SVector<f64, N> {
+    let mut out = [0.0; N];
+    for (k, row) in h.data.0.iter().enumerate() {
+        add(&mut out, g[k], row);
+    }
+    SVector::from(out)
+}
+
+/// sum += factor row
+#[inline(always)]
+pub(crate) fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    // written at once, so that the compiler need not ask whether `row` changes with `sum`
+    *sum = std::array::from_fn(|i| sum[i] + factor * row[i]);
+}
+
 /// x with H x = g. Only the lower triangle of `h` is read. None unless H is positive definite.
 #[inline]
 pub(crate) fn solve<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> Option<SVector<f64, N>> {
-    let mut l = [[0.0; N]; N];
-    let mut inverse = [0.0; N];
-    let mut x = [0.0; N];
-    for i in 0..N {
-        let mut scaled = [0.0; N]; // L D of this row
-        let mut value = g[i];
-        let mut pivot = h[(i, i)];
-        for j in 0..i {
-            let mut sum = h[(i, j)];
-            for k in 0..j {
-                sum -= scaled[k] * l[j][k];
-            }
-            scaled[j] = sum;
-            l[i][j] = sum * inverse[j];
-            pivot -= sum * l[i][j];
-            value -= l[i][j] * x[j];
-        }
-        // also false for NaN
-        if !(pivot > 0.0 && pivot < f64::INFINITY) {
-            return None;
-        }
-        inverse[i] = 1.0 / pivot;
-        x[i] = value;
-    }
-    for i in (0..N).rev() {
-        let mut value = x[i] * inverse[i];
-        for k in i + 1..N {
-            value -= l[k][i] * x[k];
-        }
-        x[i] = value;
-    }
-    Some(SVector::from(x))
+    Some(Ldl::new(h)?.solve(g))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::solve;
+    use super::{Ldl, solve};
     use nalgebra::{SMatrix, SVector};
 
     #[test]
@@ -52,6 +149,20 @@ mod tests {
         let g = SVector::<f64, 9>::from_fn(|i, _| i as f64 - 3.0);
         let expected = h.cholesky().expect("positive definite").solve(&g);
         assert!((solve(&h, &g).expect("positive definite") - expected).amax() < 1e-10);
+    }
+
+    #[test]
+    fn every_use_of_a_factorisation_agrees_with_the_inverse() {
+        let a = SMatrix::<f64, 9, 9>::from_fn(|i, j| ((i * 7 + j * 3) as f64 * 0.7).sin());
+        let h = a * a.transpose() + SMatrix::identity() * 0.1;
+        let b = a + a.transpose();
+        let g = SVector::<f64, 9>::from_fn(|i, _| i as f64 - 3.0);
+        let (ldl, inverse) = (Ldl::new(&h).expect("positive definite"), h.try_inverse().expect("regular"));
+        assert!((ldl.inverse() - inverse).amax() < 1e-10);
+        assert!((ldl.square(&g) - g.dot(&(inverse * g))).abs() < 1e-8);
+        assert!((ldl.log_det - h.determinant().ln()).abs() < 1e-10);
+        let (matrix, vector) = ldl.weigh(&b, &g);
+        assert!((matrix - b * inverse * b).amax() < 1e-8 && (vector - b * inverse * g).amax() < 1e-8);
     }
 
     #[test]

@@ -94,6 +94,12 @@ pub struct Moments {
     sums: [ExactSum; MONOMIALS],
 }
 
+/// What one sample adds.
+pub(crate) struct Terms {
+    finite: bool,
+    parts: [(i64, i64); MONOMIALS],
+}
+
 /// [`Moments`] as they are written down: the sums as (2^-20, 2^-60) units.
 #[derive(Serialize, Deserialize)]
 struct MomentsParts {
@@ -171,11 +177,21 @@ impl Moments {
     /// A sample enters the set: constant time.
     #[inline]
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
+        self.add_terms(&self.terms(raw_ut));
+    }
+
+    /// What a sample adds to this set, and to any other about the same centre.
+    pub(crate) fn terms(&self, raw_ut: &Vector3<f64>) -> Terms {
+        Terms { finite: is_finite(raw_ut), parts: self.monomials(raw_ut).map(ExactSum::split) }
+    }
+
+    /// The sample that these are of enters the set.
+    #[inline]
+    pub(crate) fn add_terms(&mut self, terms: &Terms) {
         self.count += 1;
-        self.not_finite += usize::from(!is_finite(raw_ut));
-        let monomials = self.monomials(raw_ut);
-        for (sum, value) in self.sums.iter_mut().zip(monomials) {
-            sum.add(ExactSum::split(value));
+        self.not_finite += usize::from(!terms.finite);
+        for (sum, part) in self.sums.iter_mut().zip(terms.parts) {
+            sum.add(part);
         }
     }
 

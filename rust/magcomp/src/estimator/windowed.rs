@@ -68,6 +68,8 @@ struct Kept {
     since_change: usize,
     refused: Option<FitError>,
     suspect_since_ns: Option<i64>,
+    /// (15) as it was when another estimator's calibration was noted.
+    sigma_t: Option<f64>,
 }
 
 /// The state as a snapshot holds it: moments and counts follow from the samples, exactly.
@@ -119,9 +121,14 @@ impl Windowed {
         &self.cells
     }
 
-    /// (15) over the latest N_min samples, seen through the calibration noted last.
+    /// (15) over the latest N_min samples, as they were at [`Windowed::measure`].
     pub fn sigma_t(&self) -> Option<f64> {
-        self.variability().0
+        self.kept.sigma_t
+    }
+
+    /// Forms (15), seen through the calibration noted last.
+    pub fn measure(&mut self) {
+        self.kept.sigma_t = self.variability().0;
     }
 
     /// One step of fig. 3.

@@ -2,7 +2,8 @@
 //! G = d(T (u - beta))/dtau; over a set of directions its mean square is dtau^T W dtau, and its expectation tr(W P), with
 //!     W = mean of G^T (1 - n n^T) G / r^2      (radians^2)
 
-use super::parameters::{Matrix9, Vector9, centre, shape, vector_gradient};
+use super::parameters::{Matrix9, Vector9, centre, radius_gradient, see, shape, vector_gradient};
+use crate::ellipsoid::ldl::add;
 use nalgebra::Vector3;
 
 /// W over some directions.
@@ -12,15 +13,15 @@ pub(super) struct AngularWeight {
     count: f64,
 }
 
-/// An icosahedron's corners: their mean is that of the sphere for everything up to the fifth degree.
-fn corners() -> [Vector3<f64>; 12] {
+/// Half of an icosahedron's corners: their mean is that of the sphere for everything even up to the fifth degree.
+fn corners() -> [Vector3<f64>; 6] {
     let (a, b) = (0.525_731_112_119_133_6, 0.850_650_808_352_039_9);
     std::array::from_fn(|k| {
-        let (x, y) = (if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b });
-        match k / 4 {
-            0 => Vector3::new(x, y, 0.0),
-            1 => Vector3::new(0.0, x, y),
-            _ => Vector3::new(y, 0.0, x),
+        let x = if k & 1 == 0 { a } else { -a };
+        match k / 2 {
+            0 => Vector3::new(x, b, 0.0),
+            1 => Vector3::new(0.0, x, b),
+            _ => Vector3::new(b, 0.0, x),
         }
     })
 }
@@ -37,18 +38,24 @@ impl AngularWeight {
             for n in corners() {
                 weight.add(tau, &(centre(tau) + inverse * n));
             }
+            // opposite corners: what is odd, T with beta, cancels
+            weight.sum.fixed_view_mut::<3, 6>(6, 0).fill(0.0);
+            weight.sum.fixed_view_mut::<6, 3>(0, 6).fill(0.0);
         }
         weight
     }
 
     /// One more sample u whose direction counts.
     pub fn add(&mut self, tau: &Vector9, u: &Vector3<f64>) {
-        let offset = u - centre(tau);
-        let v = shape(tau) * offset;
-        let Some(n) = v.try_normalize(1e-9) else { return };
-        let g = vector_gradient(tau, &offset) / v.norm();
-        let across = g - n * (n.transpose() * g);
-        self.sum += across.tr_mul(&across);
+        let Some(seen) = see(tau, u) else { return };
+        let along = radius_gradient(tau, &seen);
+        let g = vector_gradient(tau, &seen.offset).transpose();
+        for axis in 0..3 {
+            let across = (g.column(axis) - along * seen.direction[axis]) / seen.radius;
+            for (sum, factor) in self.sum.data.0.iter_mut().zip(&across) {
+                add(sum, *factor, &across.data.0[0]);
+            }
+        }
         self.count += 1.0;
     }
 

@@ -69,7 +69,11 @@ impl Adaptive {
                     Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
                     Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
-                    None => compared.new < limit * limit && spread::fills_space(&self.samples, self.noise.variance),
+                    None => {
+                        compared.new < limit * limit && {
+                            spread::fills_space(&self.samples, self.noise.variance, self.steadiness.variance())
+                        }
+                    }
                 };
                 if !trial.misfit && better && !self.witness.holds(best.order) {
                     self.release(time_ns, trial, &best, compared.new);
@@ -122,7 +126,10 @@ impl Adaptive {
                 Missing::Directions
             }),
             (_, _, Some(since_ns)) => Status::Disturbed { since_ns },
-            (Some(trial), ..) if trial.misfit => Status::Disturbed { since_ns: trial.since_ns },
+            // from a cold start, what does not fit tells of the noise at first
+            (Some(trial), ..) if trial.misfit && (trial.base.is_some() || self.noise.is_known()) => {
+                Status::Disturbed { since_ns: trial.since_ns }
+            }
             (Some(trial), ..) if !trial.released && trial.base.is_some() => {
                 Status::Suspect { since_ns: trial.since_ns }
             }

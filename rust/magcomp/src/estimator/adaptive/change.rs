@@ -8,6 +8,7 @@
 use super::hypothesis::Gaussian;
 use super::likelihood::Likelihood;
 use super::parameters::{Matrix9, Vector9, is_bounded};
+use crate::ellipsoid::ldl::Ldl;
 
 /// Standard deviations of the jumps looked for: T's diagonal, off-diagonal, beta.
 const JUMPS: [[f64; 3]; 4] = [[1e-3, 1e-3, 0.05], [1e-3, 1e-3, 0.3], [0.06, 0.04, 0.1], [0.4, 0.15, 0.6]];
@@ -23,12 +24,9 @@ pub(super) fn log_evidence_of_jump(likelihood: &Likelihood, posterior: &Gaussian
         let sd = |i: usize| [diagonal, off_diagonal, centre][i / 3];
         // with P_j = D^2:  H + P_j^-1 = D^-1 (D H D + I) D^-1
         let scaled = Matrix9::from_fn(|i, j| raw[(i, j)] * sd(i) * sd(j) + if i == j { 1.0 } else { 0.0 });
-        let Some(cholesky) = scaled.cholesky() else { continue };
+        let Some(factors) = Ldl::new(&scaled) else { continue };
         let g = Vector9::from_fn(|i, _| score[i] * sd(i));
-        let gain = 0.5 * g.dot(&cholesky.solve(&g));
-        let l = cholesky.l_dirty();
-        let volume: f64 = (0..9).map(|i| l[(i, i)].ln()).sum();
-        largest = largest.max(gain - volume);
+        largest = largest.max(0.5 * (factors.square(&g) - factors.log_det));
     }
     if largest > enough
         && let Some(l) = posterior.covariance.cholesky().map(|c| c.l())

@@ -7,7 +7,8 @@
 
 use super::hypothesis::Gaussian;
 use super::likelihood::Likelihood;
-use super::parameters::{Matrix9, Vector9};
+use super::parameters::Matrix9;
+use crate::ellipsoid::ldl::Ldl;
 use serde::{Deserialize, Serialize};
 
 /// Random walks of b, uT per square root of a second: none to speak of, a warming phone, 0.1 uT/s, 0.5 uT/s.
@@ -58,14 +59,10 @@ impl Drift {
         let (_, raw) = block.derivatives(&known.mean, &point);
         let mut logs = [0.0; 4];
         for (log, walk) in logs.iter_mut().zip(WALKS_UT) {
-            let Some(l) = walked(&known.covariance, walk / unit_ut, seconds).cholesky().map(|c| c.l()) else { return };
-            // P_q = L L^T:  H + P_q^-1 = L^-T (L^T H L + I) L^-1
-            let scaled = l.tr_mul(&(raw * l)) + Matrix9::identity();
-            let Some(cholesky) = scaled.cholesky() else { return };
-            let g: Vector9 = l.tr_mul(&score);
-            let factor = cholesky.l_dirty();
-            let volume: f64 = (0..9).map(|i| factor[(i, i)].ln()).sum();
-            *log = 0.5 * g.dot(&cholesky.solve(&g)) - volume;
+            let Some(prior) = Ldl::new(&walked(&known.covariance, walk / unit_ut, seconds)) else { return };
+            // log det (I + P_q H) = log det P_q + log det (H + P_q^-1)
+            let Some(factors) = Ldl::new(&(raw + prior.inverse())) else { return };
+            *log = 0.5 * (factors.square(&score) - factors.log_det - prior.log_det);
         }
         for k in 0..4 {
             self.evidence[k] = KEPT * self.evidence[k] + logs[k] - logs[0];

@@ -10,7 +10,7 @@
 
 use super::likelihood::{Likelihood, Point};
 use super::parameters::{Matrix9, Seen, Vector9, is_bounded, radius_gradient, see};
-use crate::ellipsoid::ldl;
+use crate::ellipsoid::ldl::{self, Ldl, times};
 use crate::reading::ModelOrder;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -71,13 +71,12 @@ const LEAST_RISE: f64 = 1.0;
 impl Hypothesis {
     /// None when the prior is no Gaussian (numerically).
     pub fn new(order: ModelOrder, prior: &Gaussian, log_prior: f64) -> Option<Self> {
-        let cholesky = prior.covariance.cholesky()?;
-        let log_det_prior = -log_det(&cholesky.l());
-        let information = cholesky.inverse();
+        let factors = Ldl::new(&prior.covariance)?;
+        let log_det_prior = -factors.log_det;
         Some(Self {
             order,
             prior_mean: prior.mean,
-            prior_information: (information + information.transpose()) * 0.5,
+            prior_information: factors.inverse(),
             log_prior,
             log_det_prior,
             log_volume: 0.0,
@@ -101,7 +100,7 @@ impl Hypothesis {
         }
         let point = likelihood.at(tau)?;
         let off = tau - self.prior_mean;
-        Some((point.cost + off.dot(&(self.prior_information * off)), point))
+        Some((point.cost + off.dot(&times(&self.prior_information, &off)), point))
     }
 
     /// Moves to `start` where F is lower by more than `margin`.
@@ -191,15 +190,11 @@ impl Hypothesis {
     fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point) {
         (self.posterior.mean, self.cost) = (*tau, cost);
         (self.samples_cost, self.distance_squared) = (point.cost, point.distance_squared);
-        let (gradient, raw) = likelihood.derivatives(tau, point);
-        let curvature = likelihood.information(tau, point);
-        let weighed = (raw + self.prior_information * SOFTENING).cholesky();
-        let Some(weighed) = weighed else { return };
-        let share = weighed.solve(&curvature);
-        let information = curvature.tr_mul(&share);
-        let information = (information + information.transpose()) * 0.5 + self.prior_information;
-        let Some(cholesky) = information.cholesky() else { return };
-        let towards = -cholesky.solve(&(share.tr_mul(&gradient) + self.prior_information * (tau - self.prior_mean)));
+        let (gradient, raw, curvature) = likelihood.expansion(tau, point);
+        let Some(weights) = Ldl::new(&(raw + self.prior_information * SOFTENING)) else { return };
+        let (information, score) = weights.weigh(&curvature, &gradient);
+        let Some(factors) = Ldl::new(&(information + self.prior_information)) else { return };
+        let towards = -factors.solve(&(score + self.prior_information * (tau - self.prior_mean)));
         let mut part = 1.0;
         for _ in 0..PARTS {
             let step = towards * part;
@@ -213,15 +208,8 @@ impl Hypothesis {
             }
             part *= SHORTER;
         }
-        let volume: f64 = (0..9).map(|i| cholesky.l_dirty()[(i, i)].ln()).sum();
-        self.log_volume = 0.5 * self.log_det_prior - volume;
+        self.log_volume = 0.5 * (self.log_det_prior - factors.log_det);
         self.log_evidence = self.log_prior + self.log_volume - 0.5 * self.cost;
-        let inverse = cholesky.inverse();
-        self.posterior.covariance = (inverse + inverse.transpose()) * 0.5;
+        self.posterior.covariance = factors.inverse();
     }
-}
-
-/// log det of L L^T.
-fn log_det(l: &Matrix9) -> f64 {
-    2.0 * (0..9).map(|i| l[(i, i)].ln()).sum::<f64>()
 }

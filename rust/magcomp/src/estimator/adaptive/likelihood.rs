@@ -5,9 +5,9 @@
 //! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J; curvature w/D J^T (S - s^2 N) J, the noise's own
 //! share taken off, so that poor coverage is not taken for knowledge.
 
-use super::parameters::{Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric};
+use super::parameters::{Jacobian, Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric};
 use crate::ellipsoid::Moments;
-use nalgebra::SMatrix;
+use crate::ellipsoid::ldl::{add, times};
 
 /// L of a set of samples.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl Likelihood {
     /// correlation of their residuals, that of their gradients.
     pub fn disagreement(&self, a: &Vector9, b: &Vector9) -> f64 {
         let (a, b) = (quadric(a), quadric(b));
-        let (na, nb) = (self.n * a, self.n * b);
+        let (na, nb) = (times(&self.n, &a), times(&self.n, &b));
         let agreement = a.dot(&nb).powi(2) / (a.dot(&na) * b.dot(&nb));
         self.weight * self.variance * (1.0 - agreement).clamp(0.0, 1.0)
     }
@@ -49,7 +49,7 @@ impl Likelihood {
     /// None where tau is no ellipsoid near the samples.
     pub fn at(&self, tau: &Vector9) -> Option<Point> {
         let p = quadric(tau);
-        let (sp, np) = (self.s * p, self.n * p);
+        let (sp, np) = (times(&self.s, &p), times(&self.n, &p));
         let d = p.dot(&np);
         let distance_squared = p.dot(&sp).max(0.0) / d;
         (d > 1e-6 && distance_squared.is_finite()).then_some(Point {
@@ -65,8 +65,20 @@ impl Likelihood {
     pub fn derivatives(&self, tau: &Vector9, point: &Point) -> (Vector9, Matrix9) {
         let j = jacobian(tau);
         let scale = self.weight / point.d;
-        let gradient = j.tr_mul(&(point.sp - point.np * point.distance_squared)) * scale;
-        (gradient, self.form(&j, &self.s, scale))
+        (self.gradient(&j, point, scale), form(&j, &self.s, scale))
+    }
+
+    /// The same, and the curvature.
+    pub fn expansion(&self, tau: &Vector9, point: &Point) -> (Vector9, Matrix9, Matrix9) {
+        let j = jacobian(tau);
+        let scale = self.weight / point.d;
+        let raw = form(&j, &self.s, scale);
+        let curvature = raw - form(&j, &self.n, scale * self.variance);
+        (self.gradient(&j, point, scale), raw, curvature)
+    }
+
+    fn gradient(&self, j: &Jacobian, point: &Point, scale: f64) -> Vector9 {
+        j.tr_mul(&(point.sp - point.np * point.distance_squared)) * scale
     }
 
     /// Half the score of white noise of the known variance: w/D J^T (S - s^2 N) p; zero on average at the truth.
@@ -76,12 +88,32 @@ impl Likelihood {
 
     /// What these samples say about tau.
     pub fn information(&self, tau: &Vector9, point: &Point) -> Matrix9 {
-        let q = self.s - self.n * self.variance;
-        self.form(&jacobian(tau), &q, self.weight / point.d)
+        self.expansion(tau, point).2
     }
+}
 
-    fn form(&self, j: &SMatrix<f64, 10, 9>, q: &Matrix10, scale: f64) -> Matrix9 {
-        let qj = q * j * scale;
-        j.tr_mul(&qj)
+/// J^T Q J times `scale`, Q symmetric. Columns of J for beta are zero in the first six rows.
+fn form(j: &Jacobian, q: &Matrix10, scale: f64) -> Matrix9 {
+    let (j, q) = (&j.data.0, &q.data.0);
+    let mut out = Matrix9::zeros();
+    for b in 0..6 {
+        let mut column = [0.0; 10];
+        for (factor, q) in j[b].iter().zip(q) {
+            add(&mut column, *factor, q);
+        }
+        for a in 0..=b {
+            out[(a, b)] = scale * (0..10).map(|i| j[a][i] * column[i]).sum::<f64>();
+        }
+        for a in 6..9 {
+            out[(b, a)] = scale * (6..10).map(|i| j[a][i] * column[i]).sum::<f64>();
+        }
     }
+    for b in 6..9 {
+        for a in 6..=b {
+            let row = |i: usize| (6..10).map(|k| q[i][k] * j[b][k]).sum::<f64>();
+            out[(a, b)] = scale * (6..10).map(|i| j[a][i] * row(i)).sum::<f64>();
+        }
+    }
+    out.fill_lower_triangle_with_upper_triangle();
+    out
 }

@@ -33,6 +33,7 @@ mod witness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
+use crate::ellipsoid::ldl::Ldl;
 use crate::reading::{Event, ModelOrder};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
@@ -311,17 +312,21 @@ impl Adaptive {
 
     /// The hypotheses take in what has come.
     fn fit(&mut self) {
+        self.fit_some(match self.samples.age {
+            0..12 => FIRST_TURNS,
+            12..32 => MOST_TURNS,
+            _ => FEWER_TURNS,
+        });
+    }
+
+    /// The same, so many hypotheses besides the best.
+    fn fit_some(&mut self, turns: usize) {
         let likelihood = self.likelihood_of(self.samples.segment());
         let age = self.samples.age;
         let in_trial = self.trial.is_some();
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        let turns = match age {
-            0..12 => FIRST_TURNS,
-            12..32 => MOST_TURNS,
-            _ => FEWER_TURNS,
-        };
         self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 });
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
             self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
@@ -345,16 +350,13 @@ impl Adaptive {
         let tau = best.posterior.mean;
         let Some(point) = likelihood.at(&tau) else { return };
         let (prior, prior_mean) = best.prior();
-        let information = prior + likelihood.information(&tau, &point);
-        let (gradient, _) = likelihood.derivatives(&tau, &point);
+        let (gradient, _, curvature) = likelihood.expansion(&tau, &point);
+        let information = prior + curvature;
         let gradient = gradient + prior * (tau - prior_mean);
-        let known = match information.cholesky() {
-            Some(cholesky) => {
-                let inverse = cholesky.inverse();
-                Gaussian { mean: tau - cholesky.solve(&gradient), covariance: (inverse + inverse.transpose()) * 0.5 }
-            }
-            None => best.posterior,
-        };
+        let known = Ldl::new(&information).map_or(best.posterior, |factors| Gaussian {
+            mean: tau - factors.solve(&gradient),
+            covariance: factors.inverse(),
+        });
         let rest = self.likelihood_of(self.samples.segment());
         self.drift.learn(&known, &rest, self.unit_ut, seconds);
         let known = self.drift.walk(&known, self.unit_ut, seconds);

@@ -51,7 +51,8 @@ impl Adaptive {
         for late in late.iter().flatten().skip(first).filter(|late| !late.alone) {
             self.samples.add(&late.raw_ut);
         }
-        self.fit();
+        // setting them up has cost enough: so few samples tell at most whether a former calibration is back
+        self.fit_some(FORMER);
     }
 
     /// Whether the hypotheses since the latest change still disagree, or the best of them is not sure.

@@ -10,6 +10,7 @@ pub(super) type Vector9 = SVector<f64, 9>;
 pub(super) type Vector10 = SVector<f64, 10>;
 pub(super) type Matrix9 = SMatrix<f64, 9, 9>;
 pub(super) type Matrix10 = SMatrix<f64, 10, 10>;
+pub(super) type Jacobian = SMatrix<f64, 10, 9>;
 
 /// Half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
@@ -64,11 +65,11 @@ pub(super) fn quadric(tau: &Vector9) -> Vector10 {
 }
 
 /// dp/dtau.
-pub(super) fn jacobian(tau: &Vector9) -> SMatrix<f64, 10, 9> {
+pub(super) fn jacobian(tau: &Vector9) -> Jacobian {
     let (t, beta) = (shape(tau), centre(tau));
     let a = t * t;
     let g = a * beta;
-    let mut j = SMatrix::<f64, 10, 9>::zeros();
+    let mut j = Jacobian::zeros();
     for (k, (row, column)) in PLACES.into_iter().enumerate() {
         // T E + E T, E elementary
         let mut da = Matrix3::zeros();

@@ -9,6 +9,7 @@
 //! their residuals (`likelihood`), which for a flat arc and its mirror image is most of n. If delta were expected, its log odds
 //! were delta/2 of delta / (delta + n (1 - rho^2)): so much of the difference counts.
 
+use super::FORMER;
 use super::angle::AngularWeight;
 use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
@@ -70,7 +71,9 @@ impl Rivals {
         for (k, other) in (count..MOST).zip(twinned) {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
-        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
+        // the first of the list is the best so far, the last are the former calibrations: these first
+        let turn = count.saturating_sub(1 + FORMER);
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn };
         rivals.weigh(None);
         rivals
     }
@@ -227,8 +230,10 @@ impl Rivals {
         let fit = || {
             let best = self.best()?;
             let seen = see(&best.posterior.mean, u)?;
-            let variance = noise.total() * seen.slope * seen.slope + best.variance_at(u, &seen, noise.variance);
-            Some((seen.radius - 1.0).powi(2) / variance)
+            let (square, own) = ((seen.radius - 1.0).powi(2), noise.total() * seen.slope * seen.slope);
+            // where the sample's own noise explains it, what the parameters add need not be known
+            let rest = if square < own { 0.0 } else { best.variance_at(u, &seen, noise.variance) };
+            Some(square / (own + rest))
         };
         fit().unwrap_or(f64::INFINITY)
     }

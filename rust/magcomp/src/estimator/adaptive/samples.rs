@@ -65,18 +65,38 @@ impl Samples {
 
     /// One more sample.
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
+        let terms = self.segment.terms(raw_ut);
         for span in 0..SPANS {
             let length = span_length(span);
             if self.age >= length {
                 let leaving = *self.latest(length - 1);
                 self.spans[span].remove(&leaving);
             }
-            self.spans[span].add(raw_ut);
+            self.spans[span].add_terms(&terms);
         }
-        self.segment.add(raw_ut);
+        self.segment.add_terms(&terms);
         self.ring[self.next] = *raw_ut;
         self.next = (self.next + 1) % CAPACITY;
         self.age += 1;
+    }
+
+    /// These samples, oldest first, and no others.
+    fn restore(&mut self, samples: &[Vector3<f64>]) {
+        for sample in samples {
+            self.ring[self.next] = *sample;
+            self.next = (self.next + 1) % CAPACITY;
+        }
+        // from the latest backwards, so that each is added once
+        for (back, sample) in samples.iter().rev().enumerate() {
+            self.segment.add(sample);
+            if let Some(span) = (0..SPANS).find(|span| span_length(*span) == back + 1) {
+                self.spans[span] = self.segment.clone();
+            }
+        }
+        self.age = samples.len();
+        for span in (0..SPANS).filter(|span| span_length(*span) > self.age) {
+            self.spans[span] = self.segment.clone();
+        }
     }
 
     /// Only the latest samples of a span remain.
@@ -113,7 +133,7 @@ impl Samples {
         }
         if good < count {
             self.clear(*self.segment.centre_ut());
-            kept[..good].iter().for_each(|sample| self.add(sample));
+            self.restore(&kept[..good]);
         }
         count - good
     }

@@ -8,8 +8,13 @@ use super::samples::{SPANS, Samples};
 const LEAST: f64 = 0.015;
 const NOISE: f64 = 1.3;
 
-/// Whether the latest samples, of noise of this variance (units^2), fill space.
-pub(super) fn fills_space(samples: &Samples, noise: f64) -> bool {
+/// A free fit to a flat cloud takes noise for shape: the level learned from it may be so much too low.
+const HIDDEN: f64 = 3.0;
+
+/// Whether the latest samples fill space; their noise as learned from the fit and as neighbours differ, variances (units^2).
+/// Where orientations are not smooth the latter is more than noise.
+pub(super) fn fills_space(samples: &Samples, fitted: f64, differing: f64) -> bool {
+    let noise = fitted.max(differing.min(HIDDEN * fitted));
     let (_, covariance) = samples.span(SPANS - 1).cloud();
     covariance.symmetric_eigenvalues().min() > LEAST * LEAST + NOISE * noise
 }

@@ -1,6 +1,8 @@
 //! A hand moves smoothly: a sample that leaps away from the latest good one, much further than samples usually differ, is a
 //! spike, or the first after a change. Where every sample points elsewhere the usual step is large and nothing leaps.
 //!     usual <- usual + (min(step, 3 usual) - usual) / 20
+//! Of a smooth motion the second differences of the samples are noise, of six times its variance:
+//!     v <- v + (min(|second difference|^2 / 18, 9 v) - v) / 1000
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -9,6 +11,8 @@ use serde::{Deserialize, Serialize};
 const KNOWN_FROM: u32 = 8;
 /// Memory of the usual step, samples.
 const MEMORY: f64 = 20.0;
+/// Memory of the noise, samples.
+const NOISE_MEMORY: f64 = 1000.0;
 /// A leap exceeds so many usual steps ...
 const LEAP: f64 = 8.0;
 /// ... and this, in field strengths: no hand turns a phone by 17 deg between two samples.
@@ -18,6 +22,9 @@ const LEAST_LEAP: f64 = 0.3;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Steadiness {
     previous: Option<Vector3<f64>>,
+    /// The latest step, and the noise that steps differ by, units^2 per axis.
+    step: Vector3<f64>,
+    variance: f64,
     good: Option<Vector3<f64>>,
     usual: f64,
     count: u32,
@@ -27,12 +34,26 @@ pub(super) struct Steadiness {
 
 impl Steadiness {
     pub fn new() -> Self {
-        Self { previous: None, good: None, usual: 0.0, count: 0, misses: 0, alone: false }
+        Self {
+            previous: None,
+            step: Vector3::zeros(),
+            variance: 0.0,
+            good: None,
+            usual: 0.0,
+            count: 0,
+            misses: 0,
+            alone: false,
+        }
     }
 
     /// Whether enough has been seen to tell a leap.
     pub fn is_known(&self) -> bool {
         self.count >= KNOWN_FROM
+    }
+
+    /// Noise as neighbours differ, units^2 per axis.
+    pub fn variance(&self) -> f64 {
+        self.variance
     }
 
     /// Whether the latest sample leapt away from the one before it: of a change only the first does, of spikes every one.
@@ -43,9 +64,13 @@ impl Steadiness {
     /// Whether a sample (field strengths) leaps.
     pub fn leaps(&mut self, sample: &Vector3<f64>) -> bool {
         if let Some(previous) = self.previous.replace(*sample) {
-            let step = (sample - previous).norm();
+            let bend = (sample - previous - self.step).norm_squared() / 18.0;
+            self.step = sample - previous;
+            let step = self.step.norm();
             self.count = (self.count + 1).min(1000);
             let clipped = if self.count > 2 { step.min(3.0 * self.usual) } else { step };
+            let clipped_bend = if self.count > 2 { bend.min(9.0 * self.variance) } else { bend };
+            self.variance += (clipped_bend - self.variance) / f64::from(self.count).min(NOISE_MEMORY);
             self.alone = self.is_known() && step > (LEAP * self.usual).max(LEAST_LEAP);
             self.usual += (clipped - self.usual) / f64::from(self.count).min(MEMORY);
         }
