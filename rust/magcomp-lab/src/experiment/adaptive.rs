@@ -67,7 +67,7 @@ pub struct AdaptiveResult {
     pub honesty: Vec<Honesty>,
     /// Device steps declared before the change, in all runs.
     pub false_alarms: usize,
-    /// Share of the samples on which a change was suspected before the change.
+    /// Share of the samples before the change on which a change was suspected or a disturbance told.
     pub suspected_before: f64,
     /// Device steps declared after the change, mean over runs.
     pub declared: f64,
@@ -164,7 +164,8 @@ impl Tally {
             }
             if k < before {
                 self.before += 1;
-                self.suspected += usize::from(matches!(reading.status, Status::Suspect { .. }));
+                self.suspected +=
+                    usize::from(matches!(reading.status, Status::Suspect { .. } | Status::Disturbed { .. }));
             }
             if k < WARM_UP {
                 continue;
@@ -210,7 +211,7 @@ impl AdaptiveResult {
         }
         table.note("share of heading errors within their own sigmas (68 and 95 where honest), and mean square error of b, and of all parameters, in their covariance (1)");
         table.note(&format!(
-            "device steps declared before the change: {} in all runs; after it: {:.2} a run, the first {} samples late; suspected before: {:.3} % of samples",
+            "device steps declared before the change: {} in all runs; after it: {:.2} a run, the first {} samples late; suspected or disturbed before: {:.3} % of samples",
             self.false_alarms,
             self.declared,
             self.delay_samples.map_or_else(|| "-".to_owned(), |delay| delay.to_string()),
