@@ -52,6 +52,7 @@ impl Adaptive {
             self.samples.add(&late.raw_ut);
         }
         // setting them up has cost enough: so few samples tell at most whether a former calibration is back
+        self.rivals.turn_to_former();
         self.fit_some(FORMER);
     }
 

@@ -9,7 +9,6 @@
 //! their residuals (`likelihood`), which for a flat arc and its mirror image is most of n. If delta were expected, its log odds
 //! were delta/2 of delta / (delta + n (1 - rho^2)): so much of the difference counts.
 
-use super::FORMER;
 use super::angle::AngularWeight;
 use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
@@ -17,6 +16,7 @@ use super::noise::Noise;
 use super::parameters::{Matrix9, Vector9, see, shape};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
+use crate::reading::ModelOrder;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -71,11 +71,15 @@ impl Rivals {
         for (k, other) in (count..MOST).zip(twinned) {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
-        // the first of the list is the best so far, the last are the former calibrations: these first
-        let turn = count.saturating_sub(1 + FORMER);
-        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn };
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
         rivals.weigh(None);
         rivals
+    }
+
+    /// It is the turn of the former calibrations.
+    pub fn turn_to_former(&mut self) {
+        let is_former = |slot: &Option<Hypothesis>| slot.as_ref().is_some_and(|h| h.order == ModelOrder::Former);
+        self.turn = self.all.iter().position(is_former).map_or(self.turn, |k| k - 1);
     }
 
     /// Weights, and the best. Returns the log evidences they are of.
