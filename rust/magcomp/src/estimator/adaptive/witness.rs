@@ -44,8 +44,8 @@ const MEMORY: f64 = 20.0;
 const SPIKE: f64 = 25.0;
 /// A place that has changed for so long is the new one, s, as for the aided method.
 const NEW_PLACE_S: f64 = 30.0;
-/// Direction error (rad^2) above which a calibration is no witness.
-const KNOWN_RAD2: f64 = 0.01;
+/// Direction error (rad^2), that of 3 deg, above which a calibration is no witness: its own error turns with the device, too.
+const KNOWN_RAD2: f64 = 0.003;
 /// Standard deviation of v at the start, below which it is known, and its walk per square root of a second.
 const VERTICAL_SD: f64 = 1.0;
 const VERTICAL_KNOWN: f64 = 0.05;
