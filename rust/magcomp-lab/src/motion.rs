@@ -12,10 +12,14 @@ use std::f64::consts::{PI, TAU};
 const GRID_S: f64 = 1e-3;
 /// Body rate of hand-held tumbling and of the planar motion, rad/s rms over all axes.
 const TUMBLE_RAD_S: f64 = 1.0;
-/// Correlation time of that rate, s: a hand changes its mind about once a second.
-const TUMBLE_S: f64 = 1.0;
+/// Correlation time of what wanders, s: a hand changes its mind about once a second.
+const WANDER_S: f64 = 1.0;
 /// Swing of pitch and roll of a pedestrian, degrees; the gait's sway on top keeps both within 20.
 const SWING_DEG: f64 = 17.0;
+/// Wandering of pitch and roll of a stroll, degrees; its gait's sway; the limit of both.
+const STROLL_DEG: f64 = 8.0;
+const STROLL_SWAY_DEG: f64 = 4.0;
+const STROLL_LIMIT_DEG: f64 = 20.0;
 /// Steps of a pedestrian per second.
 const STEPS_HZ: f64 = 1.9;
 
@@ -29,6 +33,8 @@ pub enum Motion {
     Tumble,
     /// Walking: heading held, then turned by 45 to 180 deg; pitch and roll within 20 deg
     Pedestrian,
+    /// Walking about, with more turns: straight for 1.5 to 4.5 s; pitch and roll wander within 20 deg
+    Stroll,
     /// Turning about one axis of the device only
     Planar,
     /// At rest
@@ -89,12 +95,13 @@ impl Motion {
             }
             Self::Tumble => {
                 let start = random.attitude();
-                Trajectory::from_rates(start, wandering(count, random))
+                Trajectory::from_rates(start, wandering(count, TUMBLE_RAD_S / 3f64.sqrt(), random))
             }
             Self::Pedestrian => Trajectory::from_attitudes(walk(count, random)),
+            Self::Stroll => Trajectory::from_attitudes(stroll(count, random)),
             Self::Planar => {
                 let (start, axis) = (random.attitude(), random.direction());
-                let rates = wandering(count, random).iter().map(|rate| axis * (rate.x * 3f64.sqrt())).collect();
+                let rates = wandering(count, TUMBLE_RAD_S, random).iter().map(|rate| axis * rate.x).collect();
                 Trajectory::from_rates(start, rates)
             }
             Self::Still => Trajectory::from_rates(random.attitude(), vec![Vector3::zeros(); count]),
@@ -102,52 +109,78 @@ impl Motion {
     }
 }
 
-/// Ornstein-Uhlenbeck body rate: dw = -w / tau dt + noise, stationary from the start.
-fn wandering(count: usize, random: &mut Random) -> Vec<Vector3<f64>> {
-    let sigma = TUMBLE_RAD_S / 3f64.sqrt();
-    let keep = (-GRID_S / TUMBLE_S).exp();
+/// Ornstein-Uhlenbeck: dw = -w / tau dt + noise, of standard deviation `sigma` per axis, stationary from the start.
+fn wandering(count: usize, sigma: f64, random: &mut Random) -> Vec<Vector3<f64>> {
+    let keep = (-GRID_S / WANDER_S).exp();
     let fresh = (1.0 - keep * keep).sqrt() * sigma;
-    let mut rate = random.normal3() * sigma;
+    let mut value = random.normal3() * sigma;
     (0..count)
         .map(|_| {
-            let now = rate;
-            rate = rate * keep + random.normal3() * fresh;
+            let now = value;
+            value = value * keep + random.normal3() * fresh;
             now
         })
         .collect()
 }
 
-/// Heading held for 3 to 8 s, then turned by 45 to 180 deg in 1 to 2 s; slow swings of pitch and roll; a sway at the
-/// rate of the steps.
-fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
+/// Heading over time, rad: held between turns by 45 to 180 deg, for a time and turned over a time drawn from these ranges, s.
+fn heading(
+    count: usize,
+    held_s: (f64, f64),
+    turned_s: (f64, f64),
+    first_s: (f64, f64),
+    random: &mut Random,
+) -> Vec<f64> {
     let duration_s = count as f64 * GRID_S;
     let start = random.uniform(-PI, PI);
     let mut turns = Vec::new();
-    let mut at_s = random.uniform(2.0, 5.0);
+    let mut at_s = random.uniform(first_s.0, first_s.1);
     while at_s < duration_s {
-        let (angle, over_s) = (random.uniform(45.0, 180.0).to_radians() * random.sign(), random.uniform(1.0, 2.0));
+        let angle = random.uniform(45.0, 180.0).to_radians() * random.sign();
+        let over_s = random.uniform(turned_s.0, turned_s.1);
         turns.push((at_s, over_s, angle));
-        at_s += over_s + random.uniform(3.0, 8.0);
+        at_s += over_s + random.uniform(held_s.0, held_s.1);
     }
+    let turned = |t: f64, (at_s, over_s, angle): &(f64, f64, f64)| {
+        let u = ((t - at_s) / over_s).clamp(0.0, 1.0);
+        angle * u * u * (3.0 - 2.0 * u)
+    };
+    (0..count).map(|k| start + turns.iter().map(|turn| turned(k as f64 * GRID_S, turn)).sum::<f64>()).collect()
+}
+
+/// Phase of the steps at a point of the grid, rad.
+fn gait(k: usize) -> f64 {
+    TAU * STEPS_HZ * k as f64 * GRID_S
+}
+
+/// Heading held for 3 to 8 s, then turned in 1 to 2 s; slow swings of pitch and roll; a sway at the rate of the steps.
+fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
+    let heading = heading(count, (3.0, 8.0), (1.0, 2.0), (2.0, 5.0), random);
     let (pitch, roll) = (swing(count, random), swing(count, random));
     let degrees = |deg: f64| deg.to_radians();
     (0..count)
         .map(|k| {
-            let t = k as f64 * GRID_S;
-            let step = TAU * STEPS_HZ * t;
-            let turned: f64 = turns
-                .iter()
-                .map(|(at_s, over_s, angle)| {
-                    let u = ((t - at_s) / over_s).clamp(0.0, 1.0);
-                    angle * u * u * (3.0 - 2.0 * u)
-                })
-                .sum();
-            let yaw = start + turned + degrees(2.0) * (step / 2.0 + 1.0).sin();
+            let step = gait(k);
             UnitQuaternion::from_euler_angles(
                 roll[k] + degrees(3.0) * (step / 2.0).sin(),
                 pitch[k] + degrees(2.0) * step.sin(),
-                yaw,
+                heading[k] + degrees(2.0) * (step / 2.0 + 1.0).sin(),
             )
+        })
+        .collect()
+}
+
+/// Heading held for 1.5 to 4.5 s, then turned in 1.5 s; pitch and roll wander and sway.
+fn stroll(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
+    let heading = heading(count, (1.5, 4.5), (1.5, 1.5), (1.5, 4.5), random);
+    let wander = wandering(count, STROLL_DEG, random);
+    let tilt = |wander: f64, phase: f64| {
+        (wander + STROLL_SWAY_DEG * phase.sin()).clamp(-STROLL_LIMIT_DEG, STROLL_LIMIT_DEG).to_radians()
+    };
+    (0..count)
+        .map(|k| {
+            let (roll, pitch) = (tilt(wander[k].x, gait(k) / 2.0), tilt(wander[k].y, gait(k)));
+            UnitQuaternion::from_euler_angles(roll, pitch, heading[k])
         })
         .collect()
 }
@@ -172,7 +205,7 @@ mod tests {
 
     #[test]
     fn rates_carry_one_attitude_to_the_next() {
-        for motion in [Motion::Tumble, Motion::Pedestrian, Motion::Planar, Motion::Still] {
+        for motion in [Motion::Tumble, Motion::Pedestrian, Motion::Stroll, Motion::Planar, Motion::Still] {
             let trajectory = trajectory(motion);
             for k in 0..5900 {
                 let t = f64::from(k) * 0.01;
@@ -191,10 +224,11 @@ mod tests {
         let tumble = trajectory(Motion::Tumble);
         let squares: f64 = (0..6000).map(|k| tumble.at(f64::from(k) * 0.01).1.norm_squared()).sum();
         assert!(((squares / 6000.0).sqrt() - TUMBLE_RAD_S).abs() < 0.3);
-        let walk = trajectory(Motion::Pedestrian);
-        for k in 0..6000 {
-            let (roll, pitch, _) = walk.at(f64::from(k) * 0.01).0.euler_angles();
-            assert!(roll.to_degrees().abs() <= 20.01 && pitch.to_degrees().abs() <= 20.01);
+        for walk in [Motion::Pedestrian, Motion::Stroll].map(trajectory) {
+            for k in 0..6000 {
+                let (roll, pitch, _) = walk.at(f64::from(k) * 0.01).0.euler_angles();
+                assert!(roll.to_degrees().abs() <= 20.01 && pitch.to_degrees().abs() <= 20.01);
+            }
         }
     }
 

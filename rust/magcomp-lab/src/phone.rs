@@ -95,7 +95,7 @@ impl Phone {
     #[must_use]
     pub fn describe(&self) -> String {
         let motion = match self.motion {
-            Motion::Pedestrian => "walking",
+            Motion::Pedestrian | Motion::Stroll => "walking",
             Motion::Tumble => "tumbling",
             _ => "other motion",
         };

@@ -38,7 +38,7 @@ pub enum Case {
     Step,
     /// The same step, turned about in a hand
     StepHand,
-    /// The same step while walking
+    /// The same step while walking about, with a turn every 4.5 s
     StepWalk,
     /// Even orientations; b grows by 50 % over 50 s
     Ramp,
@@ -81,6 +81,15 @@ pub struct Plan {
     pub scenario: Scenario,
     /// Samples before the change.
     pub before: usize,
+}
+
+impl Plan {
+    /// Whether the parameters change at once before sample k.
+    #[must_use]
+    pub fn steps_at(&self, k: usize) -> bool {
+        let sample = |at_s: f64| (at_s * self.scenario.rate_hz).round() as usize;
+        self.scenario.parameters.changes.iter().any(|change| change.over_s == 0.0 && sample(change.at_s) == k)
+    }
 }
 
 impl Case {
@@ -164,7 +173,7 @@ impl Case {
         };
         let motion = match self {
             Self::StepHand | Self::SmallStepHand => Motion::Tumble,
-            Self::StepWalk => Motion::Pedestrian,
+            Self::StepWalk => Motion::Stroll,
             _ => Motion::Uniform,
         };
         let size_ut = (10.0 * FIELD_UT, 10.0 * FIELD_UT + 1e-6);

@@ -83,7 +83,8 @@ fn a_ramp_is_followed() {
 /// Over the runs and 50 samples, what is released is hardly ever worse than what was in force.
 #[test]
 fn never_much_worse_than_holding() {
-    for case in [Case::StepHand, Case::SmallStepHand, Case::PhoneHand, Case::PhoneWalk] {
+    let repeated = [Case::Pulse, Case::Covers, Case::RandomSteps];
+    for case in [Case::StepHand, Case::SmallStepHand, Case::PhoneHand, Case::PhoneWalk].into_iter().chain(repeated) {
         let result = adaptive(case, 6, 860);
         assert!(result.score.worst_over_held < 1.2, "{case:?}: {}", result.score.worst_over_held);
     }

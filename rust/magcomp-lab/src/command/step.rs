@@ -91,6 +91,7 @@ impl Step {
             Motion::Uniform => Case::Step,
             Motion::Tumble => Case::PhoneHand,
             Motion::Pedestrian => Case::PhoneWalkKnown,
+            Motion::Stroll => Case::StepWalk,
             Motion::Planar => Case::PhonePlanar,
             Motion::Still => Case::PhoneStill,
         };

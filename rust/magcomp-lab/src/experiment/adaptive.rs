@@ -108,7 +108,7 @@ pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
         let mut best: Option<Run> = None;
         for _ in 0..options.repeats.max(1) {
             let mut ours = crate::baseline::Ours::new(config.clone())?;
-            let run = follow(&stream, before, &mut ours, field_ut);
+            let run = follow(&stream, &plan, &mut ours, field_ut);
             match &mut best {
                 Some(best) => best.keep_fastest(&run),
                 None => best = Some(run),

@@ -33,7 +33,7 @@ impl AidedOptions {
         let change = match motion {
             Motion::Tumble => PhoneChange::Parameters,
             Motion::Pedestrian => PhoneChange::Offset,
-            Motion::Uniform | Motion::Planar | Motion::Still => return None,
+            Motion::Uniform | Motion::Stroll | Motion::Planar | Motion::Still => return None,
         };
         Some(Self { phone: Phone { motion, change, ..Phone::default() }, runs: 20 })
     }

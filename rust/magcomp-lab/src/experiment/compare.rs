@@ -1,7 +1,8 @@
 //! Methods side by side on the same samples of a scenario, from a cold start, each answered before the next is seen.
 //!
 //! Direction error: the angle between the true field and what the method makes of the noise-free raw sample, so that it is
-//! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method itself had before the change.
+//! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method
+//! itself had before the latest change.
 
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::crb::FisherInformation;
@@ -38,7 +39,7 @@ const HARMLESS_DEG: f64 = 0.5;
 pub struct Run {
     /// Direction error at every sample, degrees.
     pub errors_deg: Vec<f32>,
-    /// That of the calibration held since before the change.
+    /// That of the calibration held since before the latest change.
     pub held_deg: Vec<f32>,
     /// Squared errors of theta at [`BOUND_AT`], and the bounds.
     bound: Vec<([f64; 9], [f64; 9])>,
@@ -84,12 +85,13 @@ pub struct MethodScore {
     pub course_deg: Vec<(f64, f64)>,
 }
 
-/// Follows a stream.
-pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, field_ut: f64) -> Run {
+/// Follows the stream of a plan.
+pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field_ut: f64) -> Run {
+    let before = plan.before;
     let mut run = Run::default();
     let mut held: Option<Calibration> = None;
     for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
-        if k == before {
+        if k == before || plan.steps_at(k) {
             held = method.calibration();
         }
         let started = Instant::now();
@@ -168,7 +170,7 @@ pub fn run_case(
         let (stream, plan, known) = prepare(case, seed, snr_db);
         before = plan.before;
         let Some(mut method) = contestant.make(value, &known)? else { return Ok(None) };
-        runs.push(follow(&stream, plan.before, method.as_mut(), known.field_ut));
+        runs.push(follow(&stream, &plan, method.as_mut(), known.field_ut));
     }
     Ok(Some((before, runs)))
 }
