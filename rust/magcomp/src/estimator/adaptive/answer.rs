@@ -13,8 +13,10 @@ const UNSURE: usize = 24;
 const UNLIKELY: f64 = 3.0;
 /// Samples after which hypotheses that fit none of them begin anew.
 const RENEWED: usize = 64;
-/// Above CLOSE_DEG new parameters must be better by this (in squares).
+/// Above CLOSE_DEG new parameters must be better by this (in squares) to replace what was in force before the change ...
 const MARGIN: f64 = 2.0;
+/// ... and by this to replace what has been released since: of two estimates from the same short arc the later is not the better.
+const MARGIN_AGAIN: f64 = 4.0;
 /// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
 const DOUBT: f64 = 1.5;
 /// Expected mean square error, over that of what was held before, from which the latter is in force again.
@@ -60,14 +62,15 @@ impl Adaptive {
                 let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
                 let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
                 let limit = self.release_below_deg.to_radians();
+                let close = compared.new < CLOSE_DEG.to_radians().powi(2);
                 let better = match &self.published {
                     // once released, it may become better, not worse: a doubt that comes up later is waited for
                     Some(published) if trial.released => {
-                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN)
+                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN_AGAIN)
                     }
-                    // nothing has changed: what is in force is what is best
-                    Some(_) if best.order == ModelOrder::Nothing => compared.new <= compared.held_by_mixture,
-                    Some(_) if compared.new > CLOSE_DEG.to_radians().powi(2) => compared.new < compared.held / MARGIN,
+                    // nothing has changed: what is in force is what is best, once the others are no longer likely
+                    Some(_) if best.order == ModelOrder::Nothing => close && compared.new <= compared.held_by_mixture,
+                    Some(_) if !close => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
                     None => {
                         compared.new < limit * limit && {
