@@ -79,7 +79,7 @@ impl Rivals {
     /// It is the turn of the former calibrations.
     pub fn turn_to_former(&mut self) {
         let is_former = |slot: &Option<Hypothesis>| slot.as_ref().is_some_and(|h| h.order == ModelOrder::Former);
-        self.turn = self.all.iter().position(is_former).map_or(self.turn, |k| k - 1);
+        self.turn = self.all.iter().position(is_former).map_or(self.turn, |k| (k + MOST - 1) % MOST);
     }
 
     /// Weights, and the best. Returns the log evidences they are of.
