@@ -17,6 +17,13 @@
 //! The share of the walk that was seen to happen, rho = mean (D_k . D_{k-1}) / mean (3 q_b^2 T - unseen), says how far P may
 //! be believed: a filter that allows for a walk that does not happen errs by P / 2, one that happens by P (steady state:
 //! dPi/dt = -2 K Pi + K^2 r + rho q^2 = 0 with K = q / sqrt(r), P = q sqrt(r)); after a step all of P is true.
+//! Most of P_mm comes through b, e, g and s, whose walks and errors a good stream hardly has; what m would err were all
+//! those known, A per axis, does happen (gyroscope noise against that of the samples, in even rotation):
+//! ```text
+//! A += |m|^2 (angle variance of the step) + q_m^2 dt,   A <- A v / (A + v),   v = sigma^2 + 2 s_d^2 tau_d / dt
+//! P_f = share P_mm + (1 - share) A I,   share = (1 + 2 rho) / 4
+//! ```
+//! (the quarter is measured: the bound of one state in steady state is a half, but P starts from priors that are wide too).
 //! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
 //! then c and f differ slowly, which white noise does not do:
 //! ```text
@@ -47,6 +54,8 @@ const WALK_GAIN: f64 = 0.3;
 const LARGEST_WALK_SHARE: f64 = 3.0;
 /// Share of the walk that could be seen below which the ratio says nothing.
 const LEAST_GIVEN: f64 = 0.05;
+/// Variance of a field that is not known at all, uT^2.
+const UNKNOWN_UT2: f64 = 1e4;
 /// The unevenness assumed at the start counts as so much of what is seen, s.
 const UNEVEN_START_S: f64 = 1.0;
 
@@ -73,6 +82,8 @@ pub(crate) struct Adaptation {
     /// Low-passed over windows, in units of q_b^2: the walk seen to happen, and the walk that could have been seen.
     walk_seen: f64,
     walk_given: f64,
+    /// A: variance of m per axis were all else known, uT^2.
+    carried_ut2: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
@@ -94,6 +105,7 @@ impl Adaptation {
             walk_time_s: 0.0,
             walk_seen: 1.0,
             walk_given: 1.0,
+            carried_ut2: UNKNOWN_UT2,
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
@@ -195,10 +207,40 @@ impl Adaptation {
         }
     }
 
-    /// How far P may be believed, (1 + rho) / 2: 0.5 when the walk in it does not happen, 1 when it does, up to 2.
+    /// rho, the share of the walk of b that was seen to happen: 0 to 3.
+    fn walk_share(&self) -> f64 {
+        (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE)
+    }
+
+    /// How far P of b and e may be believed, (1 + rho) / 2: 0.5 when the walk in it does not happen, 1 when it does, up to 2.
     pub(crate) fn believed(&self) -> f64 {
-        let share = (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE);
-        0.5 * (1.0 + share)
+        0.5 * (1.0 + self.walk_share())
+    }
+
+    /// The field is carried on, which adds `variance_ut2` per axis across it.
+    pub(crate) fn carry(&mut self, variance_ut2: f64) {
+        self.carried_ut2 = (self.carried_ut2 + variance_ut2).min(UNKNOWN_UT2);
+    }
+
+    /// A sample with white noise of `variance_ut2` per axis corrects it.
+    pub(crate) fn correct(&mut self, variance_ut2: f64, dt_s: f64) {
+        let v = variance_ut2 + 2.0 * self.local_ut.powi(2) * tuning::LOCAL_TIME_S / dt_s;
+        self.carried_ut2 *= v / (self.carried_ut2 + v);
+    }
+
+    /// The field was lost.
+    pub(crate) fn lose(&mut self) {
+        self.carried_ut2 = UNKNOWN_UT2;
+    }
+
+    /// What may be believed of P_mm, uT^2; all of it while no sample corrects m.
+    pub(crate) fn field_ut2(&self, p_mm: &Matrix3<f64>, corrected: bool) -> Matrix3<f64> {
+        if !corrected {
+            return *p_mm;
+        }
+        let share = 0.25 * (1.0 + 2.0 * self.walk_share());
+        let carried = self.carried_ut2.min(p_mm.trace() / 3.0);
+        p_mm * share + Matrix3::identity() * (carried * (1.0 - share).max(0.0))
     }
 
     /// The device stepped: what is not known of b now is no walk.

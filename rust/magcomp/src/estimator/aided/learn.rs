@@ -74,6 +74,7 @@ impl Aided {
         let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
         let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
         let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
+        self.adaptation.carry(noise.carried_ut2(dense.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.config);
         self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.config);
@@ -174,8 +175,10 @@ impl Aided {
         }
         self.hold_s = (self.hold_s - step.dt_s * step.motion).max(0.0);
         let correct = if self.hold_s > 0.0 { Correct::FieldAndBias } else { Correct::All };
+        let variance_ut2 = step.sigma_ut.powi(2) + weaker;
+        self.adaptation.correct(variance_ut2, step.dt_s);
         if weaker > 0.0 {
-            let sd = (step.sigma_ut.powi(2) + weaker).sqrt();
+            let sd = variance_ut2.sqrt();
             if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, tuning::JITTER_S) {
                 dense.update(&weak, correct);
             }
@@ -206,6 +209,7 @@ impl Aided {
                 dense.isolate(FIELD, tuning::ERRATIC_SD_UT.powi(2));
                 self.watch = Watch::new();
                 self.adaptation.restart_walk();
+                self.adaptation.lose();
                 self.adaptation.local_ut = self.config.local_max_ut;
                 return;
             }

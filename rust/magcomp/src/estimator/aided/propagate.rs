@@ -38,6 +38,18 @@ pub(crate) struct ProcessNoise {
     pub(crate) local_time_s: f64,
 }
 
+impl ProcessNoise {
+    /// Variance per axis of a turn by `angle_rad` in `dt_s`, rad^2.
+    fn turn_rad2(&self, angle_rad: f64, dt_s: f64) -> f64 {
+        self.angle_rad.powi(2) * dt_s + self.scale.powi(2) * angle_rad.powi(2) / dt_s.max(1e-6) + self.bridged_rad2
+    }
+
+    /// Variance per axis across a field of `field_ut` that one step adds to m, uT^2.
+    pub(crate) fn carried_ut2(&self, field_ut: f64, angle_rad: f64, dt_s: f64) -> f64 {
+        field_ut * field_ut * self.turn_rad2(angle_rad, dt_s) + self.field_ut.powi(2) * dt_s
+    }
+}
+
 /// exp(-[theta]x), and J_l(-theta).
 pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     let angle2 = theta.norm_squared();
@@ -111,10 +123,9 @@ impl Dense {
             }
         }
 
-        let rate2 = theta.norm_squared() / (dt_s * dt_s).max(1e-12);
-        let angle2 = (noise.angle_rad.powi(2) + noise.scale.powi(2) * rate2) * dt_s + noise.bridged_rad2;
-        let across = Matrix3::identity() * (m.norm_squared() * angle2 + noise.field_ut.powi(2) * dt_s);
-        self.add_block(FIELD, &(across - m * m.transpose() * angle2));
+        let turn2 = noise.turn_rad2(theta.norm(), dt_s);
+        let across = Matrix3::identity() * (m.norm_squared() * turn2 + noise.field_ut.powi(2) * dt_s);
+        self.add_block(FIELD, &(across - m * m.transpose() * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_iron_variance(noise.iron.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);

@@ -60,12 +60,13 @@ impl Aided {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
-        let believed = self.adaptation.believed();
-        let p_c = calibration_covariance(&(calibration_block(filter) * believed), &w, &f)
+        let p_c = calibration_covariance(&(calibration_block(filter) * self.adaptation.believed()), &w, &f)
             + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
             + Matrix3::identity() * unseen
             + timing;
-        let p_f = filter.block(FIELD, FIELD) * believed + Matrix3::identity() * floor + timing;
+        let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none())
+            + Matrix3::identity() * floor
+            + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }

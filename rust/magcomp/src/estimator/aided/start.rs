@@ -139,6 +139,7 @@ impl Aided {
         dt_s: Option<f64>,
     ) -> AidedOutput {
         self.adaptation.restart_walk();
+        self.adaptation.lose();
         self.motion.without_rotation(up);
         self.trial = None;
         self.watch = Watch::new();
