@@ -29,6 +29,7 @@
 //! ```text
 //! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain min(U, U_max)
 //! ```
+//! and all that c differs from f by, beyond white noise, is variance of c: mean |c - f|^2 / 3 - tr (sigma^2 W W^T) / 3.
 //! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
 use nalgebra::{Matrix3, Vector3};
@@ -88,6 +89,8 @@ pub(crate) struct Adaptation {
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
+    /// Mean square of c - f per axis, uT^2.
+    power_ut2: f64,
     slow_age_s: f64,
     useless_share: f64,
     pub(crate) useless: bool,
@@ -110,6 +113,7 @@ impl Adaptation {
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: tuning::UNEVEN_MAX_UT.powi(2),
+            power_ut2: tuning::LOCAL_START_UT.powi(2),
             slow_age_s: UNEVEN_START_S,
             useless_share: 0.0,
             useless: false,
@@ -128,12 +132,20 @@ impl Adaptation {
         let white = self.variance_ut2 * gain / (2.0 - gain);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning::UNEVEN_MAX_UT.powi(2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning::UNEVEN_TIME_S);
-        self.slow_power_ut2 += (dt_s / self.slow_age_s).min(1.0) * (seen - self.slow_power_ut2);
+        let gain = (dt_s / self.slow_age_s).min(1.0);
+        self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
+        let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
+        self.power_ut2 += gain * (power - self.power_ut2);
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
     pub(crate) fn floor_ut2(&self, config: &AidedConfig) -> f64 {
         config.uneven_gain.powi(2) * self.slow_power_ut2.clamp(0.0, tuning::UNEVEN_MAX_UT.powi(2))
+    }
+
+    /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
+    pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
+        (self.power_ut2 - noise_ut2).max(0.0)
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).

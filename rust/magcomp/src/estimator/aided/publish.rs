@@ -55,13 +55,14 @@ impl Aided {
         let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.config);
-        let mut unseen = self.adaptation.local_ut.powi(2) + floor;
+        let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
+        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
         if self.trial.is_some() {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
         let p_c = calibration_covariance(&(calibration_block(filter) * self.adaptation.believed()), &w, &f)
-            + w * w.transpose() * self.adaptation.sigma_ut().powi(2)
+            + noise
             + Matrix3::identity() * unseen
             + timing;
         let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none())
