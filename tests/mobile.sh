@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The mobile targets without an NDK or a Mac: checks iOS (device and simulator), and builds the Android libraries, linked
-# against stand-ins of the system's libraries (android/stubs), with the shipping profile. Prints their sizes and audits
-# what they export and import and how they are aligned. NOT for shipping: their unwinder is a stand-in.
+# The Android libraries without an NDK: builds them with the shipping profile, linked against stand-ins of the system's
+# libraries (android/stubs). Prints their sizes and audits what they export and import and how they are aligned.
+# NOT for shipping: their unwinder is a stand-in. iOS: tests/xcframework.sh.
 # Result: target/android/<abi>/libmagcomp_ffi.so. `tests/mobile.sh arm64-v8a` builds that one alone.
 # Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld.
 set -euo pipefail
@@ -18,7 +18,7 @@ fi
 
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
-export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile IPHONEOS_DEPLOYMENT_TARGET=14.0
+export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
 unset RUSTUP_TOOLCHAIN RUSTFLAGS
 only=${1:-}
 case "$only" in
@@ -26,11 +26,6 @@ case "$only" in
     *) echo "usage: tests/mobile.sh [arm64-v8a | armeabi-v7a | x86_64]" >&2; exit 2 ;;
 esac
 std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
-
-if [ -z "$only" ]; then
-    echo "mobile: iOS, device and simulator"
-    cargo check --quiet --locked --profile ship -p magcomp-ffi "${std[@]}" --target aarch64-apple-ios --target aarch64-apple-ios-sim
-fi
 
 # stubs CLANG_TARGET FOLDER: shared libraries with the names of android/stubs, an unwinder that aborts, __dso_handle
 stubs() {
