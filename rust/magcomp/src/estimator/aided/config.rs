@@ -105,8 +105,8 @@ config! {
     /// Drift of the hard iron allowed for in a gap, uT per square root of a second. Default 1.
     gap_offset_walk_ut = 1.0, 0.0, 50.0;
     /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f.
-    /// Small: over-confident in rooms. Large: cautious. Default 2.1, from the six undisturbed recordings.
-    uneven_gain = 2.1, 0.0, 10.0;
+    /// Small: over-confident in rooms. Large: cautious. Default 2.15, from the six undisturbed recordings.
+    uneven_gain = 2.15, 0.0, 10.0;
     /// Gravity, m/s^2. Default 9.80665.
     gravity_m_s2 = 9.80665, 9.0, 10.5;
     /// Time constant with which `up` follows the accelerometer, s. Default 2 (measured with a prototype).
