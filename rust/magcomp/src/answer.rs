@@ -10,6 +10,8 @@ pub(crate) struct Answer {
     pub filtered_field_ut: Option<Vector3<f64>>,
     pub filtered_covariance_ut2: Option<Matrix3<f64>>,
     pub up: Option<Vector3<f64>>,
+    /// Variance of `up` about a horizontal axis for the motion it was averaged over, rad^2; `None`: it is the accelerometer's.
+    pub tilt_rad2: Option<f64>,
     pub sigma_t: Option<f64>,
     pub direction_sigma_deg: Option<f64>,
     pub worst_sigma_deg: Option<f64>,
@@ -28,6 +30,7 @@ impl Answer {
             filtered_field_ut: None,
             filtered_covariance_ut2: None,
             up: None,
+            tilt_rad2: None,
             sigma_t: None,
             direction_sigma_deg: None,
             worst_sigma_deg: None,

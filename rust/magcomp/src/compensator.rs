@@ -198,6 +198,7 @@ impl Compensator {
             filtered_field_ut: output.filtered_ut,
             filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
             up: output.up,
+            tilt_rad2: output.tilt_rad2,
             sigma_t: None,
             direction_sigma_deg: None,
             worst_sigma_deg: None,
@@ -276,7 +277,7 @@ impl Compensator {
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
             heading: (pointing.zip(answer.up))
-                .and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), answer.mode)),
+                .and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), answer.tilt_rad2)),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,
@@ -294,13 +295,13 @@ impl Compensator {
         field: &Vector3<f64>,
         up: &Vector3<f64>,
         covariance: Option<&Matrix3<f64>>,
-        mode: SensorMode,
+        tilt_rad2: Option<f64>,
     ) -> Option<Heading> {
         let config = &self.config.heading;
         let found = heading(field, up, config.axis, config.screen_rotation)?;
-        let tilt_sigma_deg = match mode {
-            SensorMode::GyroscopeAndGravity => config.tilt_sigma_deg,
-            _ => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
+        let tilt_sigma_deg = match tilt_rad2 {
+            Some(variance) => config.tilt_sigma_deg.hypot(variance.sqrt().to_degrees()),
+            None => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
         };
         Some(Heading {
             heading_sigma_deg: covariance.and_then(|c| heading_sigma_deg(field, up, c, tilt_sigma_deg)),

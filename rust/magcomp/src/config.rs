@@ -105,8 +105,8 @@ pub struct HeadingConfig {
     pub screen_rotation: ScreenRotation,
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` as a gyroscope carries it, or at rest, degrees, for `heading_sigma_deg`; without a
-    /// gyroscope what motion adds to gravity comes on top. Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
+    /// Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top (little
+    /// where a gyroscope carries `up`). Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
     pub tilt_sigma_deg: f64,
     /// What no calibration knows, uT per axis: the field of rooms is not uniform. Default 1.3, measured against optical
     /// orientation references in two laboratories; 0 for simulated data.

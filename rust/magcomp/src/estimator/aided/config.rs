@@ -109,6 +109,7 @@ config! {
     uneven_gain = 2.15, 0.0, 10.0;
     /// Gravity, m/s^2. Default 9.80665.
     gravity_m_s2 = 9.80665, 9.0, 10.5;
-    /// Time constant with which `up` follows the accelerometer, s. Default 2 (measured with a prototype).
-    up_time_s = 2.0, 0.05, 60.0;
+    /// Time constant with which `up` follows the accelerometer, s. Small: motion tilts it. Large: the gyroscope's errors do.
+    /// Default 5.
+    up_time_s = 5.0, 0.05, 60.0;
 }

@@ -4,8 +4,13 @@
 //! motion = clamp((rate / 0.3)^2, 0.02, 1): how much of the process noise and of the learning applies.
 //! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
-//! up: turned with the gyroscope, drawn to the accelerometer with the weight exp(-((|a| - G) / tolerance)^2).
-//! Source: docs/METHOD.md; the weight and the rule for large bias are new.
+//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a / G - u). Carried so, what motion adds to
+//! gravity is averaged as the world sees it, where it comes to nothing (a body that stays about where it is). Samples
+//! near |a| = G are not better ones: in a turn they are those with a part across gravity. What is left:
+//! ```text
+//! sigma_tilt^2 = mean |a / G - u|^2 / 3 (t_a / T)
+//! ```
+//! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -22,6 +27,11 @@ const UNKNOWN_BIAS_RAD_S: f64 = 0.02;
 /// Largest bias a phone was found with, with room, rad/s.
 const LARGEST_BIAS_RAD_S: f64 = 0.15;
 
+/// A blow counts as no more than this, in g.
+const LARGEST_OFF: f64 = 1.0;
+/// Correlation time of what a hand's motion adds to gravity, s.
+const SHAKE_TIME_S: f64 = 0.02;
+
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Motion {
@@ -34,6 +44,10 @@ pub(crate) struct Motion {
     pub(crate) lately_rad_s: f64,
     pub(crate) up: Option<Vector3<f64>>,
     up_age_s: f64,
+    /// Mean square of what the accelerometer reads beside gravity, in g^2.
+    shaken: f64,
+    /// Variance of `up` about a horizontal axis for that, rad^2.
+    pub(crate) tilt_rad2: f64,
 }
 
 impl Motion {
@@ -46,6 +60,8 @@ impl Motion {
             lately_rad_s: 0.0,
             up: None,
             up_age_s: 0.0,
+            shaken: 0.0,
+            tilt_rad2: 0.0,
         }
     }
 
@@ -102,12 +118,15 @@ impl Motion {
                 self.up_age_s = 0.0;
             }
             Some(up) => {
-                let off = (size - config.gravity_m_s2) / tuning::GRAVITY_TOLERANCE_M_S2;
-                let trust = (-off * off).exp();
+                let off = measured / config.gravity_m_s2 - *up;
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
                 let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(self.up_age_s + dt_s);
-                self.up_age_s = (self.up_age_s + dt_s * trust).min(2.0 * config.up_time_s);
-                *up += (measured / size - *up) * (trust * (dt_s / time_s).min(1.0));
+                self.up_age_s = (self.up_age_s + dt_s).min(2.0 * config.up_time_s);
+                let gain = (dt_s / time_s).min(1.0);
+                let off = off * (LARGEST_OFF / off.norm().max(LARGEST_OFF));
+                *up += off * gain;
+                self.shaken += gain * (off.norm_squared() - self.shaken);
+                self.tilt_rad2 = self.shaken / 3.0 * (SHAKE_TIME_S / time_s).min(1.0);
                 let norm = up.norm();
                 if norm > 1e-6 {
                     *up /= norm;
@@ -122,5 +141,32 @@ impl Motion {
     pub(crate) fn without_rotation(&mut self, measured: Option<Vector3<f64>>) {
         let up = measured.filter(|m| m.norm() > 1.0).map(|m| m.normalize());
         *self = Self { up, ..Self::new() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimator::aided::propagate::turn;
+
+    #[test]
+    fn a_turn_on_an_arm_does_not_tilt_up() {
+        // 4 m/s^2 towards the axis, always the same in the device: gravity and motion together lean by 22 deg
+        let (rate, dt_s) = (Vector3::z() * 3.0, 0.01);
+        let felt = Vector3::new(4.0, 0.0, 9.80665);
+        let (r, _) = turn(&(rate * dt_s));
+        let config = AidedConfig::default();
+        let mut motion = Motion::new();
+        let mut worst_deg: f64 = 0.0;
+        for k in 0..4_000 {
+            motion.carry_up(&r, Some(felt), 0.001, dt_s, &config);
+            if k > 2_000 {
+                worst_deg = worst_deg.max(motion.up.unwrap().angle(&Vector3::z()).to_degrees());
+            }
+        }
+        assert!(worst_deg < 2.0, "{worst_deg} deg");
+        // 22 deg of motion over a memory of 5 s
+        let sigma_deg = motion.tilt_rad2.sqrt().to_degrees();
+        assert!((0.5..2.0).contains(&sigma_deg), "{sigma_deg} deg");
     }
 }

@@ -29,6 +29,8 @@ pub(crate) struct AidedOutput {
     pub filtered_covariance_ut2: Matrix3<f64>,
     /// Unit vector, what an accelerometer at rest reads; `None` without accelerometer.
     pub up: Option<Vector3<f64>>,
+    /// Variance of `up` about a horizontal axis for the motion that the accelerometer feels, rad^2; `None` without gyroscope.
+    pub tilt_rad2: Option<f64>,
     /// Status.
     pub status: Status,
     /// The last event, kept until the next.

@@ -78,6 +78,3 @@ pub(super) const REST_SCATTER: f64 = 0.35;
 pub(super) const UNEVEN_MAX_UT: f64 = 0.58;
 /// Memory of the power of that difference, s; shorter at the start, by its age.
 pub(super) const UNEVEN_TIME_S: f64 = 5.0;
-/// Deviation of the accelerometer's magnitude from gravity at which its weight has fallen to 37 %, m/s^2.
-/// A walker's phone swings by 2 to 4.
-pub(super) const GRAVITY_TOLERANCE_M_S2: f64 = 0.7;
