@@ -77,6 +77,8 @@ pub struct Judgement {
     pub heading: Option<HeadingError>,
     /// That of the carried field f, on the rows that have one.
     pub carried_heading: Option<HeadingError>,
+    /// That of the published heading of the top edge, by its own `up`; rows whose edge is within 60 degrees of the horizontal.
+    pub published_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
     /// The heading against the legs of the way; none without waypoints.
@@ -120,6 +122,7 @@ pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgeme
     let warm = || pairs().filter(|(row, _)| row.time_s - start_s > from_s);
     let ours: Vec<Found> = warm().filter_map(corrected).collect();
     let carried: Vec<Found> = warm().filter_map(carried).collect();
+    let published: Vec<Found> = warm().filter_map(published).collect();
     // raw and corrected are judged on the same rows
     let raw: Vec<Found> = ours.iter().map(|(row, ..)| (*row, row.field_ut, None)).collect();
     let mut answers = pairs().filter(|(_, step)| step.reading.field_ut.is_some());
@@ -134,6 +137,7 @@ pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgeme
         raw_spread_percent: spread_percent(&raw, inside),
         heading: heading_error(&ours, inside),
         carried_heading: heading_error(&carried, inside),
+        published_heading: heading_error(&published, inside),
         raw_heading: heading_error(&raw, inside),
         legs: None,
         disturbance: disturbance(live()),
@@ -156,6 +160,16 @@ fn corrected((row, step): (&Row, &Step)) -> Option<Found> {
 fn carried((row, step): (&Row, &Step)) -> Option<Found> {
     let sigma_deg = step.reading.heading.and_then(|heading| heading.heading_sigma_deg);
     Some((*row, step.reading.filtered_field_ut?, sigma_deg))
+}
+
+/// Where in the device the published heading has north.
+fn published((row, step): (&Row, &Step)) -> Option<Found> {
+    let heading = step.reading.heading?;
+    let attitude = row.attitude?;
+    let edge = attitude * Vector3::y();
+    let north = edge.x.atan2(edge.y) - heading.heading_deg.to_radians();
+    let north = attitude.inverse() * Vector3::new(north.sin(), north.cos(), 0.0);
+    (edge.x.hypot(edge.y) > 0.5).then_some((*row, north, heading.heading_sigma_deg))
 }
 
 fn declared(recording: &Recording, steps: &[Step]) -> Vec<Declared> {

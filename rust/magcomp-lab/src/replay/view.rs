@@ -24,6 +24,11 @@ pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Tabl
             line("heading error p95 of f, deg", String::new(), number(Some(carried.p95_deg), 2));
             within(&mut line, " of f", carried.within_sigma);
         }
+        if let Some(published) = judgement.published_heading {
+            line("published heading, error rms, deg", String::new(), number(Some(published.rms_deg), 2));
+            line("published heading, error p95, deg", String::new(), number(Some(published.p95_deg), 2));
+            within(&mut line, ", published,", published.within_sigma);
+        }
     }
     if let Some(legs) = judgement.legs {
         let name = format!("heading over {} legs, circular sd, deg", legs.legs);
