@@ -41,6 +41,7 @@ use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use noise::Noise;
+use notice::LARGE_CHANGE;
 pub(crate) use output::AdaptiveOutput;
 use parameters::Vector9;
 use publish::Published;
@@ -83,12 +84,8 @@ const GATE: f64 = 4.5;
 /// strength reaches (units); the review drops what else was wrong.
 const UNGATED: usize = 9;
 const FARTHEST: f64 = 4.0;
-/// So many of the latest samples decide about a large change ...
-const RECENT: usize = 5;
-/// ... when so many of them are gated.
-const GATED: usize = 3;
-/// ... and no more than so many of them leapt.
-const ALONE: usize = 1;
+/// So many of the latest samples decide about a large change.
+const RECENT: usize = 24;
 /// Samples of a segment before small changes in it are looked for.
 const SCANNED_FROM: usize = 32;
 /// Former calibrations that are remembered.
@@ -209,9 +206,9 @@ impl Adaptive {
         }
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
-        let gated_late = || self.late.iter().flatten().filter(|late| late.gated);
-        if gated_late().count() >= GATED && gated_late().filter(|late| late.alone).count() <= ALONE {
-            self.large_change();
+        let onset = self.onset();
+        if onset.odds >= LARGE_CHANGE {
+            self.large_change(onset.first);
         } else if !gated {
             self.samples.add(raw_ut);
             self.fit();

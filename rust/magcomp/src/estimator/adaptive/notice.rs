@@ -8,6 +8,11 @@ use super::samples::{REVIEWED, SPANS, span_length};
 use super::{Adaptive, BLOCK_SPAN, CLOSE_DEG, FORMER, GATE, MOST_TURNS, RECENT, SCANNED_FROM};
 use nalgebra::Vector3;
 
+/// Log odds of a gated sample: 2 in 5 are after a change, 1 in 50 where there are spikes. And of one that is not.
+const GATED: f64 = 3.0;
+const NOT_GATED: f64 = -0.5;
+/// Log odds of a large change: three of five.
+pub(super) const LARGE_CHANGE: f64 = 8.0;
 /// log B of a small change: e^-14 is one in 1.2 million.
 const SMALL_CHANGE: f64 = 14.0;
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
@@ -17,16 +22,43 @@ const RECONSIDERED: usize = 5;
 /// Share of its samples that must fit for a segment to be one.
 const FITTING_SHARE: f64 = 0.9;
 
+/// Where a large change would have begun among the latest samples, and its log odds.
+pub(super) struct Onset {
+    pub first: usize,
+    pub odds: f64,
+}
+
 impl Adaptive {
-    /// Most of the latest samples are gated.
-    pub(super) fn large_change(&mut self) {
+    /// The log odds of a change summed up from where they are largest. Of the samples that leapt only a first one counts, and
+    /// not where the next one is in place again: that was a spike.
+    pub(super) fn onset(&self) -> Onset {
+        let mut onset = Onset { first: 0, odds: 0.0 };
+        for (k, late) in self.late.iter().enumerate() {
+            let Some(late) = late else { continue };
+            if onset.odds <= 0.0 {
+                onset = Onset { first: k, odds: 0.0 };
+            }
+            let next = self.late.get(k + 1).copied().flatten();
+            if late.alone && next.is_some_and(|next| !next.gated) {
+                continue;
+            }
+            if !late.gated {
+                onset.odds += NOT_GATED;
+            } else if !late.alone || k == onset.first {
+                onset.odds += GATED;
+            }
+        }
+        onset
+    }
+
+    /// The latest samples from `first` on do not fit.
+    pub(super) fn large_change(&mut self, first: usize) {
         let late = self.late;
-        let first = late.iter().flatten().position(|late| late.gated).unwrap_or(0);
-        let Some(start) = late.iter().flatten().nth(first).copied() else { return };
+        let Some(start) = late[first] else { return };
         let base = match self.trial {
             // while it is open what is right, neither the fit nor the noise is known well enough to call it a change
             Some(trial) if self.is_open() => {
-                if self.reconsider() {
+                if self.reconsider(first) {
                     return;
                 }
                 let begun = trial.released && self.noise.is_known();
@@ -48,7 +80,7 @@ impl Adaptive {
         }
         let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
         self.compete(since_ns, base);
-        for late in late.iter().flatten().skip(first).filter(|late| !late.alone) {
+        for late in late[first..].iter().flatten().filter(|late| !late.alone) {
             self.samples.add(&late.raw_ut);
         }
         // setting them up has cost enough: so few samples tell at most whether a former calibration is back
@@ -66,10 +98,11 @@ impl Adaptive {
         })
     }
 
-    /// A young segment that suddenly fits no more may have been fitted wrongly: with all its samples, once more. Whether that helped.
-    fn reconsider(&mut self) -> bool {
+    /// A young segment that suddenly fits no more, from `first` on, may have been fitted wrongly: with all its samples, once
+    /// more. Whether that helped.
+    fn reconsider(&mut self, first: usize) -> bool {
         let late = self.late;
-        for late in late.iter().flatten().filter(|late| late.gated) {
+        for late in late[first..].iter().flatten().filter(|late| late.gated) {
             self.samples.add(&late.raw_ut);
         }
         let likelihood = self.likelihood_of(self.samples.segment());
@@ -78,10 +111,10 @@ impl Adaptive {
         }
         self.rivals.refine(&likelihood, 0, MOST_TURNS);
         let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
-        let latest = late.iter().flatten().filter(|late| fits(&late.raw_ut)).count();
+        let latest = late[first..].iter().flatten().filter(|late| fits(&late.raw_ut)).count();
         let count = self.samples.age.min(64);
         let all = (0..count).filter(|back| fits(self.samples.latest(*back))).count();
-        let good = latest + 2 > RECENT && all as f64 >= FITTING_SHARE * count as f64;
+        let good = 5 * latest >= 4 * (RECENT - first) && all as f64 >= FITTING_SHARE * count as f64;
         if good {
             self.late.iter_mut().flatten().for_each(|late| late.gated = false);
         }
@@ -109,6 +142,12 @@ impl Adaptive {
         let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
         let likelihood = self.likelihood_of(self.samples.span(span));
         if change::log_evidence_of_jump(&likelihood, &posterior, SMALL_CHANGE) < SMALL_CHANGE {
+            return;
+        }
+        // where samples of late were gated, it began with them; what was not gated before is older
+        let onset = self.onset();
+        if onset.odds > 0.0 {
+            self.large_change(onset.first);
             return;
         }
         let base = change::without(&posterior, &likelihood);
