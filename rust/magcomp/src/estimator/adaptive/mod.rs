@@ -78,7 +78,7 @@ impl AdaptiveConfig {
 
 /// Least noise that is believed, uT: quantisation of phones' magnetometers is 0.05 to 0.15.
 const LEAST_NOISE_UT: f64 = 0.03;
-/// A sample whose innovation exceeds this many standard deviations is not used: 1 in 150 000 by chance.
+/// A sample that fits worse than this many standard deviations is not used: 1 in 150 000 by chance.
 const GATE: f64 = 4.5;
 /// The first samples of a segment fit many ellipsoids: gated is what lies further from the first of them than any field
 /// strength reaches (units); the review drops what else was wrong.
@@ -282,7 +282,7 @@ impl Adaptive {
 
     /// Whether a sample is too far from where it is expected; the noise learns from it.
     fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), self.noise.variance) else { return false };
+        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), &self.noise) else { return false };
         let slope_squared = expected.slope * expected.slope;
         let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
@@ -295,7 +295,7 @@ impl Adaptive {
         if self.trial.is_some() && self.samples.age < UNGATED {
             return self.unit(raw_ut).norm() > FARTHEST;
         }
-        z.abs() > GATE
+        expected.likely < (-0.5 * GATE * GATE).exp()
     }
 
     /// Whether nothing was known before this segment.

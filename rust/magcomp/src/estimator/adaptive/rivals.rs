@@ -57,6 +57,8 @@ pub(super) struct Prediction {
     pub variance: f64,
     /// |dr/du|.
     pub slope: f64,
+    /// How well it fits, the mean of exp(-z^2 / 2) over the hypotheses: one that matters and fits is enough.
+    pub likely: f64,
 }
 
 impl Rivals {
@@ -136,17 +138,20 @@ impl Rivals {
         sum
     }
 
-    /// What is expected of a sample with noise of variance `noise`, by all of them. The sample's own noise turns the
+    /// What is expected of a sample, by all of them. The sample's own noise turns the
     /// gradients, too: its share of their spread is no uncertainty of the prediction and is taken off.
-    pub fn predict(&self, u: &Vector3<f64>, noise: f64) -> Option<Prediction> {
-        let (mut sum, mut squares, mut slope, mut total) = (0.0, 0.0, 0.0, 0.0);
+    pub fn predict(&self, u: &Vector3<f64>, noise: &Noise) -> Option<Prediction> {
+        let (mut sum, mut squares, mut slope, mut likely, mut total) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let (mut steep, mut steepest) = (Vector3::zeros(), 0.0);
         for (hypothesis, weight) in self.weighty() {
             let tau = &hypothesis.posterior.mean;
             let Some(seen) = see(tau, u) else { continue };
             let excess = seen.radius - 1.0;
             sum += weight * excess;
-            squares += weight * (excess * excess + hypothesis.variance_at(u, &seen, noise));
+            let square = excess * excess;
+            let variance = hypothesis.variance_at(u, &seen, noise.variance);
+            squares += weight * (square + variance);
+            likely += weight * (-0.5 * square / (noise.total() * seen.slope * seen.slope + variance)).exp();
             slope += weight * seen.slope;
             steep += shape(tau) * seen.direction * weight;
             steepest += weight * seen.slope * seen.slope;
@@ -157,8 +162,8 @@ impl Rivals {
         }
         let excess = sum / total;
         let turned = steepest / total - (steep / total).norm_squared();
-        let variance = (squares / total - excess * excess - noise * turned).max(0.0);
-        Some(Prediction { excess, variance, slope: slope / total })
+        let variance = (squares / total - excess * excess - noise.variance * turned).max(0.0);
+        Some(Prediction { excess, variance, slope: slope / total, likely: likely / total })
     }
 
     /// The samples have become more: the best and `turns` others iterate, all are weighed.
