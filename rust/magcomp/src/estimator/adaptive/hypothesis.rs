@@ -56,7 +56,11 @@ impl Gaussian {
 const NO_COST: f64 = f64::MAX;
 pub(super) const NO_EVIDENCE: f64 = f64::MIN;
 const FIRST_DAMPING: f64 = 1e-6;
-const DAMPINGS: usize = 3;
+const DAMPINGS: usize = 4;
+/// Most of it that is kept for the next samples: they make another F.
+const KEPT_DAMPING: f64 = 0.01;
+/// A step that lowers F by less is the last.
+const SETTLED: f64 = 1.0;
 const ITERATIONS_ELSEWHERE: usize = 2;
 /// Step of a finite difference, units.
 const BESIDE: f64 = 1e-4;
@@ -150,19 +154,21 @@ impl Hypothesis {
         (0..3).for_each(|i| self.prior_mean[6 + i] += by[i]);
     }
 
-    /// So many iterations, then the estimate, its covariance and the evidence.
-    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) {
+    /// At most so many iterations, then the estimate, its covariance and the evidence. Returns how many.
+    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) -> usize {
         let mut tau = self.posterior.mean;
         let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
             self.posterior.mean = self.prior_mean;
             self.log_evidence = NO_EVIDENCE;
-            return;
+            return 0;
         };
-        for _ in 0..iterations {
+        let mut done = 0;
+        while done < iterations {
+            done += 1;
             let (gradient, hessian) = likelihood.derivatives(&tau, &point);
             let gradient = gradient + self.prior_information * (tau - self.prior_mean);
             let hessian = hessian + self.prior_information;
-            let mut taken = false;
+            let (before, mut taken) = (cost, false);
             for _ in 0..DAMPINGS {
                 let mut damped = hessian;
                 (0..9).for_each(|i| damped[(i, i)] *= 1.0 + self.damping);
@@ -178,12 +184,13 @@ impl Hypothesis {
                 }
                 self.damping = (self.damping * 30.0).max(1e-3);
             }
-            if !taken {
+            if !taken || before - cost < SETTLED {
                 break;
             }
         }
-        self.damping = self.damping.min(1e3);
+        self.damping = self.damping.min(KEPT_DAMPING);
         self.settle(likelihood, &tau, cost, &point);
+        done
     }
 
     /// From where F has led to the estimate: see the module.

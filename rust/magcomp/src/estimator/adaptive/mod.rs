@@ -100,6 +100,9 @@ const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
 const FIRST_TURNS: usize = 12;
 const MOST_TURNS: usize = 8;
 const FEWER_TURNS: usize = 4;
+const YOUNG: usize = 32;
+/// Most iterations of each with one of the first samples, where they come from all around: each moves the minimum far.
+const ITERATIONS_YOUNG: usize = 3;
 
 /// Above this expected error (degrees) the linearised covariance is not taken at its word.
 const CLOSE_DEG: f64 = 5.0;
@@ -311,7 +314,7 @@ impl Adaptive {
     fn fit(&mut self) {
         self.fit_some(match self.samples.age {
             0..12 => FIRST_TURNS,
-            12..32 => MOST_TURNS,
+            12..YOUNG => MOST_TURNS,
             _ => FEWER_TURNS,
         });
     }
@@ -324,7 +327,9 @@ impl Adaptive {
         if in_trial && (age < 64 || age.is_multiple_of(8)) {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
         }
-        self.rivals.refine(&likelihood, age, if in_trial { turns } else { 0 });
+        let turns = if in_trial { turns } else { 0 };
+        let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
+        self.rivals.refine(&likelihood, age, turns, iterations);
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
             self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
         }

@@ -109,7 +109,7 @@ impl Adaptive {
         for turn in 0..RECONSIDERED {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), self.count as usize + turn);
         }
-        self.rivals.refine(&likelihood, 0, MOST_TURNS);
+        self.rivals.refine(&likelihood, 0, MOST_TURNS, 1);
         let fits = |raw_ut: &Vector3<f64>| self.rivals.fits(&self.unit(raw_ut), &self.noise) < GATE * GATE;
         let latest = late[first..].iter().flatten().filter(|late| fits(&late.raw_ut)).count();
         let count = self.samples.age.min(64);

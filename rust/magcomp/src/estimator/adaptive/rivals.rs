@@ -34,6 +34,8 @@ const PATIENCE: usize = 96;
 const AGREEMENT: f64 = 1.5;
 /// Weights below this are left out of the mixture.
 const NEGLIGIBLE: f64 = 1e-4;
+/// What a hypothesis costs besides its iterations, iterations.
+const SETTLING: usize = 2;
 /// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
 const MARGIN: f64 = 0.5;
 
@@ -166,33 +168,33 @@ impl Rivals {
         Some(Prediction { excess, variance, slope: slope / total, likely: likely / total })
     }
 
-    /// The samples have become more: the best and `turns` others iterate, all are weighed.
-    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize) {
+    /// The samples have become more: the best and others in turn iterate, at most `iterations` times each, as long as `turns`
+    /// of them with one iteration each would; all are weighed.
+    pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
         let best = self.best;
         for slot in self.all.iter_mut().flatten() {
             slot.rescore(likelihood);
         }
+        let mut left = (1 + turns) * (1 + SETTLING);
         if let Some(hypothesis) = &mut self.all[best] {
-            hypothesis.refine(likelihood, 1);
+            left = left.saturating_sub(SETTLING + hypothesis.refine(likelihood, iterations));
         }
         // where the best one stands may be the better place for another, too
         let place = self.best().map(|h| h.posterior.mean);
-        let mut done = 0;
         for _ in 0..MOST {
             self.turn = (self.turn + 1) % MOST;
             if self.turn == best {
                 continue;
             }
             if let Some(hypothesis) = &mut self.all[self.turn] {
-                if done == turns {
+                if left <= SETTLING {
                     self.turn = (self.turn + MOST - 1) % MOST;
                     break;
                 }
                 if let Some(place) = place.as_ref().filter(|_| self.sibling[self.turn].is_none()) {
                     hypothesis.consider(likelihood, place, MARGIN);
                 }
-                hypothesis.refine(likelihood, 1);
-                done += 1;
+                left = left.saturating_sub(SETTLING + hypothesis.refine(likelihood, iterations.min(left - SETTLING)));
             }
         }
         let logs = self.weigh(Some(likelihood));
