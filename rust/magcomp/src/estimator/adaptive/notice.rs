@@ -154,7 +154,35 @@ impl Adaptive {
         self.remember(self.trial.and_then(|trial| trial.base));
         self.remember(Some(base));
         self.samples.cut(span);
+        self.drop_older(&posterior.mean);
         self.compete(time_ns, Some(base));
+    }
+
+    /// Of a span that does not fit tau, the samples before it ceased to fit leave: from the latest backwards, where the sum of
+    /// z^2, less what is halfway between its mean and 1, is largest.
+    fn drop_older(&mut self, tau: &Vector9) {
+        let count = self.samples.age;
+        if count > REVIEWED {
+            return;
+        }
+        let variance = self.noise.total();
+        let square = |back: usize| {
+            let u = self.unit(self.samples.latest(back));
+            see(tau, &u).map_or(0.0, |seen| ((seen.radius - 1.0) / seen.slope).powi(2) / variance)
+        };
+        let usual = 0.5 * (1.0 + (0..count).map(square).sum::<f64>() / count as f64);
+        let (mut sum, mut largest, mut kept) = (0.0, f64::NEG_INFINITY, count);
+        for back in 0..count {
+            sum += square(back) - usual;
+            if sum > largest && back + 1 >= span_length(0) {
+                (largest, kept) = (sum, back + 1);
+            }
+        }
+        let mut index = 0;
+        self.samples.review(|_| {
+            index += 1;
+            index > count - kept
+        });
     }
 
     /// Spikes that came in before the fit was good enough to see them leave again, and so do samples that are older than
