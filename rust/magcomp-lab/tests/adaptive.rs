@@ -88,6 +88,11 @@ fn never_much_worse_than_holding() {
         let result = adaptive(case, 6, 860);
         assert!(result.score.worst_over_held < 1.2, "{case:?}: {}", result.score.worst_over_held);
     }
+    // a small change found by a span that began before it
+    for (case, seed) in [(Case::SmallStepHand, 7014), (Case::PhoneWalk, 4004)] {
+        let result = adaptive(case, 1, seed);
+        assert!(result.score.worst_over_held < 1.2, "{case:?}, {seed}: {}", result.score.worst_over_held);
+    }
 }
 
 #[test]

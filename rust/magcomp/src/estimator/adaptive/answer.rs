@@ -33,6 +33,9 @@ impl Adaptive {
             self.compete(latest.time_ns, None);
             return;
         }
+        if !best.is_fitted() {
+            return;
+        }
         // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
         let unlikely =
             |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;

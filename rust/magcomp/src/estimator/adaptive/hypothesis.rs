@@ -98,6 +98,11 @@ impl Hypothesis {
         (&self.prior_information, &self.prior_mean)
     }
 
+    /// Whether it has seen the samples at all.
+    pub fn is_fitted(&self) -> bool {
+        self.cost < NO_COST
+    }
+
     fn total(&self, likelihood: &Likelihood, tau: &Vector9) -> Option<(f64, Point)> {
         if !is_bounded(tau) {
             return None;
