@@ -1,7 +1,10 @@
 //! The adaptive method on simulated streams: what its documentation claims, on few seeds; the figures quoted there are of
 //! many more (`magcomp step --method adaptive`, `magcomp compare`).
 
+use magcomp::{Config, Method};
 use magcomp_lab::experiment::adaptive::{AdaptiveOptions, AdaptiveResult, run};
+use magcomp_lab::recording::read;
+use magcomp_lab::replay::{Ignore, judge, replay};
 use magcomp_lab::scenario::Case;
 
 fn adaptive(case: Case, runs: usize, seed: u64) -> AdaptiveResult {
@@ -104,6 +107,29 @@ fn sigmas_are_honest_where_nothing_changes() {
         let [nees, _] = result.honesty[period].nees.expect("a covariance");
         assert!((0.3..3.0).contains(&nees), "{case:?}: {nees}");
     }
+}
+
+/// Without gyroscope, from a cold start. Both devices lie on a table at first, where the field is 3 uT weaker than in the hand, or
+/// no magnet is attached yet.
+#[test]
+fn recordings_are_corrected_as_well_as_their_motion_allows() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
+    let heading = |name: &str, part: std::ops::Range<f64>| {
+        let recording = read(&path.join(name)).expect("a recording");
+        let config = Config { method: Method::Adaptive, ..Config::default() };
+        let steps =
+            replay(&recording, &config, Ignore { gyroscope: true, ..Ignore::default() }).expect("a valid config");
+        let judged = judge(&recording, &steps, part);
+        let [found, raw] = [judged.heading, judged.raw_heading].map(|error| error.expect("a reference").rms_deg);
+        println!("{name}: {found:.2} deg, raw {raw:.2}");
+        (found, raw)
+    };
+    // calibrated by its maker
+    let (found, raw) = heading("broad_01_slow_rotation_A.csv.gz", 20.0..f64::INFINITY);
+    assert!(found < 1.1 * raw, "{found} against {raw}");
+    // from 20 s after the magnet was attached
+    let (found, _) = heading("broad_34_attached_magnet_3cm.csv.gz", 75.1..97.8);
+    assert!(found < 8.0, "{found}");
 }
 
 const STEADY: [Case; 5] =

@@ -45,11 +45,17 @@ impl Adaptive {
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }
-        if let Some(trial) = self.trial.filter(|trial| misfit && trial.base.is_some())
-            && self.samples.age.is_multiple_of(RENEWED)
-        {
-            self.compete(trial.since_ns, trial.base);
-            self.trial = Some(trial);
+        if let Some(trial) = self.trial.filter(|_| misfit && self.samples.age.is_multiple_of(RENEWED)) {
+            if trial.base.is_some() {
+                self.compete(trial.since_ns, trial.base);
+                self.trial = Some(trial);
+            } else if self.noise.is_known()
+                && let Some(latest) = self.late[RECENT - 1]
+            {
+                // of two ellipsoids, perhaps: as at the start
+                self.move_centre(&latest.raw_ut);
+                self.compete(latest.time_ns, None);
+            }
         }
     }
 

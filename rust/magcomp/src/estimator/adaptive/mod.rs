@@ -94,6 +94,9 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
+/// From a cold start noise is no more than so many times the variance by which neighbours differ, and the room's unevenness:
+/// what misses the fit by more is of two ellipsoids.
+const MORE_THAN_DIFFERING: f64 = 3.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
 /// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
@@ -209,10 +212,11 @@ impl Adaptive {
         }
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
+        let rests = !gated && self.rests(raw_ut);
         let onset = self.onset();
         if onset.odds >= LARGE_CHANGE {
             self.large_change(onset.first);
-        } else if !gated {
+        } else if !gated && !rests {
             self.samples.add(raw_ut);
             self.fit();
             if self.trial.is_some() && REVIEWS.contains(&self.samples.age) {
@@ -224,10 +228,18 @@ impl Adaptive {
                 self.absorb(time_ns);
             }
         }
-        self.judge();
+        if !rests {
+            self.judge();
+        }
         self.attest(time_ns, raw_ut);
         self.publish(time_ns);
         self.output(raw_ut)
+    }
+
+    /// Whether a sample tells nothing new: unevenness of the field lasts as long as the device does not move.
+    fn rests(&mut self, raw_ut: &Vector3<f64>) -> bool {
+        let (within, samples) = (self.noise.unevenness(), self.noise.uneven_samples());
+        self.steadiness.rests(&(raw_ut / self.unit_ut), within, samples)
     }
 
     fn unit(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
@@ -331,7 +343,8 @@ impl Adaptive {
         let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
         self.rivals.refine(&likelihood, age, turns, iterations);
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
-            self.noise.learn_from_fit(best.distance_squared, self.samples.segment().count() as f64);
+            let most = MORE_THAN_DIFFERING * self.steadiness.variance() + self.noise.unevenness().powi(2);
+            self.noise.learn_from_fit(best.distance_squared.min(most), self.samples.segment().count() as f64);
         }
     }
 

@@ -86,8 +86,17 @@ impl Noise {
     /// V / v: so many samples are worth one of white noise.
     pub fn correlation(&self) -> f64 {
         let kappa = if self.mean_block < WHITE { 1.0 } else { self.mean_block };
-        let samples = if self.period_s > 0.0 { (UNEVEN_S / self.period_s).max(1.0) } else { 1.0 };
-        kappa + samples * self.uneven / self.variance
+        kappa + self.uneven_samples() * self.uneven / self.variance
+    }
+
+    /// Samples for which the unevenness of a room stays the same error.
+    pub fn uneven_samples(&self) -> f64 {
+        if self.period_s > 0.0 { (UNEVEN_S / self.period_s).max(1.0) } else { 1.0 }
+    }
+
+    /// s_u, units.
+    pub fn unevenness(&self) -> f64 {
+        self.uneven.sqrt()
     }
 
     /// Variance of one sample about its prediction, the parameters' own share aside.

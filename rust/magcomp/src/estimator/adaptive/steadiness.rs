@@ -3,6 +3,7 @@
 //!     usual <- usual + (min(step, 3 usual) - usual) / 20
 //! Of a smooth motion the second differences of the samples are noise, of six times its variance:
 //!     v <- v + (min(|second difference|^2 / 18, 9 v) - v) / 1000
+//! A device that does not turn does not move either: what the field of the place adds is one and the same error all the time.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,8 @@ const KNOWN_FROM: u32 = 8;
 const MEMORY: f64 = 20.0;
 /// Memory of the noise, samples.
 const NOISE_MEMORY: f64 = 1000.0;
+/// Memory of the mean that tells rest, samples.
+const REST_MEMORY: f64 = 8.0;
 /// A leap exceeds so many usual steps ...
 const LEAP: f64 = 8.0;
 /// ... and this, in field strengths: no hand turns a phone by 17 deg between two samples.
@@ -30,6 +33,10 @@ pub(super) struct Steadiness {
     count: u32,
     misses: u32,
     alone: bool,
+    /// Mean of the latest good samples, where it was when the device came to rest, and samples since.
+    mean: Vector3<f64>,
+    place: Option<Vector3<f64>>,
+    resting: u32,
 }
 
 impl Steadiness {
@@ -43,6 +50,9 @@ impl Steadiness {
             count: 0,
             misses: 0,
             alone: false,
+            mean: Vector3::zeros(),
+            place: None,
+            resting: 0,
         }
     }
 
@@ -85,6 +95,16 @@ impl Steadiness {
         leaps
     }
 
+    /// Whether the device has rested for longer than `samples`: a good sample, on average, within this of where it was.
+    pub fn rests(&mut self, sample: &Vector3<f64>, within: f64, samples: f64) -> bool {
+        self.mean = self.place.map_or(*sample, |_| self.mean + (sample - self.mean) / REST_MEMORY);
+        if self.place.is_none_or(|place| (self.mean - place).norm() > within) {
+            (self.place, self.resting) = (Some(self.mean), 0);
+        }
+        self.resting = self.resting.saturating_add(1);
+        f64::from(self.resting) > samples
+    }
+
     /// After a change the latest sample is a good one.
     pub fn accept(&mut self) {
         self.good = self.previous;
@@ -106,5 +126,15 @@ mod tests {
         assert_eq!(leaps, [30, 80, 130, 180]);
         let mut random = Steadiness::new();
         assert!((0..500).all(|k| !random.leaps(&Vector3::new(f64::from(k).sin(), f64::from(k * 7).cos(), 0.3))));
+    }
+
+    #[test]
+    fn rest_begins_again_with_every_turn() {
+        let mut steadiness = Steadiness::new();
+        // at rest but for noise of 0.01 a sample, turned between 150 and 160
+        let at = |k: i32| Vector3::new(0.1 * f64::from((k - 150).clamp(0, 10)), 0.01 * f64::from(k % 3 - 1), 1.0);
+        let resting: Vec<bool> = (0..300).map(|k| steadiness.rests(&at(k), 0.03, 50.0)).collect();
+        assert!(!resting[..50].contains(&true) && !resting[50..150].contains(&false), "{resting:?}");
+        assert!(!resting[152..210].contains(&true) && !resting[250..].contains(&false), "{resting:?}");
     }
 }

@@ -184,7 +184,7 @@ impl Witness {
             self.latest_ns.map_or(0.0, |latest| time_ns.saturating_sub(latest) as f64 * 1e-9).clamp(0.0, 10.0);
         self.latest_ns = Some(time_ns);
         self.variance = (self.variance + VERTICAL_WALK * VERTICAL_WALK * seconds).min(VERTICAL_SD * VERTICAL_SD);
-        let uneven = (noise.total() - noise.variance).sqrt();
+        let uneven = noise.unevenness();
         // correlated errors as white ones of the same weight
         let weighed = noise.variance * noise.correlation();
         let noise = (weighed, noise.total().min(weighed) / weighed);
