@@ -11,8 +11,9 @@ const JUDGED_FROM: usize = 16;
 const UNSURE: usize = 24;
 /// Standard deviations of chi-squared above which the samples fit no ellipsoid.
 const UNLIKELY: f64 = 3.0;
-/// Samples after which hypotheses that fit none of them begin anew.
+/// Samples after which hypotheses that fit none of them begin anew, and at which of them: no review falls there.
 const RENEWED: usize = 64;
+const RENEWED_AT: usize = 55;
 /// Above CLOSE_DEG new parameters must be better by this (in squares) to replace what was in force before the change ...
 const MARGIN: f64 = 2.0;
 /// ... and by this to replace what has been released since: of two estimates from the same short arc the later is not the better.
@@ -45,7 +46,7 @@ impl Adaptive {
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }
-        if let Some(trial) = self.trial.filter(|_| misfit && self.samples.age.is_multiple_of(RENEWED)) {
+        if let Some(trial) = self.trial.filter(|_| misfit && self.samples.age % RENEWED == RENEWED_AT) {
             if trial.base.is_some() {
                 self.compete(trial.since_ns, trial.base);
                 self.trial = Some(trial);

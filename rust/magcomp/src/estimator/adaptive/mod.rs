@@ -151,6 +151,8 @@ pub(crate) struct Adaptive {
     witness: Witness,
     drift: Drift,
     late: [Option<Late>; RECENT],
+    /// A second look at the latest samples has not helped: a change is called with the next one, which spreads the cost.
+    called: bool,
     published: Option<Published>,
     order: ModelOrder,
     event: Option<Event>,
@@ -186,6 +188,7 @@ impl Adaptive {
             witness: Witness::new(),
             drift: Drift::default(),
             late: [None; RECENT],
+            called: false,
             published: None,
             order: ModelOrder::Nothing,
             event: None,
@@ -214,7 +217,7 @@ impl Adaptive {
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
         let rests = !gated && self.rests(raw_ut);
         let onset = self.onset();
-        if onset.odds >= LARGE_CHANGE {
+        if self.called || onset.odds >= LARGE_CHANGE {
             self.large_change(onset.first);
         } else if !gated && !rests {
             self.samples.add(raw_ut);
@@ -228,11 +231,13 @@ impl Adaptive {
                 self.absorb(time_ns);
             }
         }
-        if !rests {
+        if !rests && !self.called {
             self.judge();
         }
         self.attest(time_ns, raw_ut);
-        self.publish(time_ns);
+        if !self.called {
+            self.publish(time_ns);
+        }
         self.output(raw_ut)
     }
 

@@ -58,7 +58,8 @@ impl Adaptive {
         let base = match self.trial {
             // while it is open what is right, neither the fit nor the noise is known well enough to call it a change
             Some(trial) if self.is_open() => {
-                if self.reconsider(first) {
+                if !self.called {
+                    self.called = !self.reconsider(first);
                     return;
                 }
                 let begun = trial.released && self.noise.is_known();
@@ -79,6 +80,7 @@ impl Adaptive {
             base.shift(&by);
         }
         let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
+        self.called = false;
         self.compete(since_ns, base);
         for late in late[first..].iter().flatten().filter(|late| !late.alone) {
             self.samples.add(&late.raw_ut);
