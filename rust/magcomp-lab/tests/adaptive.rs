@@ -143,6 +143,22 @@ fn nothing_is_declared_where_nothing_changes() {
     }
 }
 
+/// Walking, where an error of 30 deg is expected of the first answer: once in 500 such runs a small change was called that was none.
+#[test]
+fn a_rough_first_answer_calls_no_change() {
+    let options = AdaptiveOptions {
+        case: Case::PhoneWalkSteady,
+        runs: 1,
+        seed: 50_189,
+        snr_db: Some(30.0),
+        noise_ut: None,
+        repeats: 1,
+    };
+    let result = run(&options).expect("a valid config");
+    assert_eq!((result.false_alarms, result.suspected_before), (0, 0.0));
+    assert!(result.score.before_deg < 10.0, "{}", result.score.before_deg);
+}
+
 /// Three million samples of every motion and noise, the noise at the start right, three times too high and three times too
 /// low: fewer changes declared than one in a million.
 #[test]

@@ -15,6 +15,8 @@ const NOT_GATED: f64 = -0.5;
 pub(super) const LARGE_CHANGE: f64 = 8.0;
 /// log B of a small change: e^-14 is one in 1.2 million.
 const SMALL_CHANGE: f64 = 14.0;
+/// Expected error (degrees) above which evidence that is linearised about the estimate means nothing.
+const ROUGH_DEG: f64 = 20.0;
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
 const OLDER: f64 = 3.0;
 /// Hypotheses that look elsewhere before a change is called.
@@ -138,7 +140,11 @@ impl Adaptive {
         let length = span_length(span);
         let age = self.samples.age;
         let too_young = age < SCANNED_FROM || age < 2 * length || !self.noise.is_known();
-        if too_young || self.trial.is_some_and(|trial| !trial.released) || (self.drift.is_on() && span > BLOCK_SPAN) {
+        if too_young
+            || self.direction_sigma_deg > ROUGH_DEG
+            || self.trial.is_some_and(|trial| !trial.released)
+            || (self.drift.is_on() && span > BLOCK_SPAN)
+        {
             return;
         }
         let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
