@@ -294,6 +294,7 @@ impl Adaptive {
         // a trial that begins anew before anything was released still holds what the first one held
         let held = self.trial.filter(|trial| !trial.released).map_or(self.published, |trial| trial.held);
         self.trial = Some(Trial { since_ns, base, held, released: false, misfit: false });
+        self.called = false;
         self.noise.forget_block();
         self.drift.reset();
         self.late.iter_mut().for_each(|late| *late = None);

@@ -59,7 +59,7 @@ impl Adaptive {
         let Some(start) = late[first] else { return };
         let base = match self.trial {
             // while it is open what is right, neither the fit nor the noise is known well enough to call it a change
-            Some(trial) if self.is_open() => {
+            Some(trial) if self.called || self.is_open() => {
                 if !self.called {
                     self.called = !self.reconsider(first);
                     return;
@@ -82,7 +82,6 @@ impl Adaptive {
             base.shift(&by);
         }
         let since_ns = self.trial.filter(|trial| !trial.released).map_or(start.time_ns, |trial| trial.since_ns);
-        self.called = false;
         self.compete(since_ns, base);
         for late in late[first..].iter().flatten().filter(|late| !late.alone) {
             self.samples.add(&late.raw_ut);
