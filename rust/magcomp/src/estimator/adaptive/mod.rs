@@ -94,9 +94,10 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// From a cold start noise is no more than so many times the variance by which neighbours differ, and the room's unevenness:
-/// what misses the fit by more is of two ellipsoids.
+/// From a cold start noise is no more than so many times the variance by which neighbours differ, and so many standard
+/// deviations of the room's unevenness: what misses the fit by more is of two ellipsoids.
 const MORE_THAN_DIFFERING: f64 = 3.0;
+const MORE_THAN_UNEVEN: f64 = 2.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
 const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
 /// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
@@ -349,7 +350,8 @@ impl Adaptive {
         let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
         self.rivals.refine(&likelihood, age, turns, iterations);
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
-            let most = MORE_THAN_DIFFERING * self.steadiness.variance() + self.noise.unevenness().powi(2);
+            let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
+            let most = MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven;
             self.noise.learn_from_fit(best.distance_squared.min(most), self.samples.segment().count() as f64);
         }
     }
