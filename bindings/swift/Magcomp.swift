@@ -2028,7 +2028,7 @@ public struct HeadingConfig: Equatable, Hashable {
      */
     public var declinationDeg: Double?
     /**
-     * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
+     * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     public var tiltSigmaDeg: Double?
     /**
@@ -2049,7 +2049,7 @@ public struct HeadingConfig: Equatable, Hashable {
          * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
          */declinationDeg: Double? = nil,
         /**
-         * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
+         * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
          */tiltSigmaDeg: Double? = nil,
         /**
          * What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.

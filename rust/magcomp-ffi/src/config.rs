@@ -199,7 +199,7 @@ pub struct HeadingConfig {
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     #[uniffi(default = None)]
     pub declination_deg: Option<f64>,
-    /// Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
+    /// Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
     #[uniffi(default = None)]
     pub tilt_sigma_deg: Option<f64>,
     /// What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.

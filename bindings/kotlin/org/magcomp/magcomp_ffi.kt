@@ -2920,7 +2920,7 @@ data class HeadingConfig (
     val `declinationDeg`: kotlin.Double? = null
     ,
     /**
-     * Standard deviation of `up`, degrees, for `heading_sigma_deg`. Default 1.
+     * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     val `tiltSigmaDeg`: kotlin.Double? = null
     ,
