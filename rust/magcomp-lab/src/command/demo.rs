@@ -11,7 +11,7 @@ use crate::replay::{Ignore, Judgement, figures, judge, replay, usual_part};
 use crate::report::Report;
 use crate::table::{Table, number};
 use clap::{Args, value_parser};
-use magcomp::{Config, Method};
+use magcomp::{Config, Method, ReferenceAxis};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -121,7 +121,7 @@ fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabErr
         shown.push(Shown {
             recording: recording.name(),
             method: name,
-            judgement: judge(recording, &steps, usual_part(recording)),
+            judgement: judge(recording, &steps, usual_part(recording), ReferenceAxis::default()),
         });
     }
     Ok(shown)

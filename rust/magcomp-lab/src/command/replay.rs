@@ -137,7 +137,7 @@ impl Replay {
         let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
         let legs = waypoints.and_then(|waypoints| judge_legs(&recording, &steps, &waypoints));
-        let judgement = Judgement { legs, ..judge(&recording, &steps, part) };
+        let judgement = Judgement { legs, ..judge(&recording, &steps, part, axis) };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let table = table(&recording, &name, &judgement);
         self.common.finish(std::slice::from_ref(&table), &judgement, || {

@@ -12,8 +12,8 @@
 
 use super::Step;
 use crate::recording::{Recording, Row};
-use magcomp::Status;
 use magcomp::nalgebra::Vector3;
+use magcomp::{ReferenceAxis, ScreenRotation, Status, heading};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -22,6 +22,8 @@ use std::ops::Range;
 const WARM_UP_S: f64 = 20.0;
 /// Fewest rows a figure is formed from.
 const FEWEST: usize = 50;
+/// Sine of the elevation of an axis whose heading is not judged any more, 60 degrees.
+const STEEP: f64 = 0.866;
 /// Deviation of the total field from the usual one that makes a row disturbed.
 const DISTURBED: f64 = 0.15;
 
@@ -77,7 +79,7 @@ pub struct Judgement {
     pub heading: Option<HeadingError>,
     /// That of the carried field f, on the rows that have one.
     pub carried_heading: Option<HeadingError>,
-    /// That of the published heading of the top edge, by its own `up`; rows whose edge is within 60 degrees of the horizontal.
+    /// That of the published heading, by its own `up`; rows whose axis is within 60 degrees of the horizontal.
     pub published_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
@@ -107,9 +109,10 @@ pub fn usual_part(recording: &Recording) -> Range<f64> {
 }
 
 /// Judges a replay; figures are formed from the rows that lie in `part`, s after the first row. The one azimuth that is
-/// taken out is that of the usual part, so that an error that lasts through a shorter part is one.
+/// taken out is that of the usual part, so that an error that lasts through a shorter part is one. `axis` is the one whose
+/// heading was published.
 #[must_use]
-pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgement {
+pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>, axis: ReferenceAxis) -> Judgement {
     let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
     let pairs = || recording.rows.iter().zip(steps);
     let mut status = BTreeMap::new();
@@ -122,7 +125,7 @@ pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>) -> Judgeme
     let warm = || pairs().filter(|(row, _)| row.time_s - start_s > from_s);
     let ours: Vec<Found> = warm().filter_map(corrected).collect();
     let carried: Vec<Found> = warm().filter_map(carried).collect();
-    let published: Vec<Found> = warm().filter_map(published).collect();
+    let published: Vec<Found> = warm().filter_map(|pair| published(pair, axis)).collect();
     // raw and corrected are judged on the same rows
     let raw: Vec<Found> = ours.iter().map(|(row, ..)| (*row, row.field_ut, None)).collect();
     let mut answers = pairs().filter(|(_, step)| step.reading.field_ut.is_some());
@@ -162,14 +165,19 @@ fn carried((row, step): (&Row, &Step)) -> Option<Found> {
     Some((*row, step.reading.filtered_field_ut?, sigma_deg))
 }
 
-/// Where in the device the published heading has north.
-fn published((row, step): (&Row, &Step)) -> Option<Found> {
-    let heading = step.reading.heading?;
-    let attitude = row.attitude?;
-    let edge = attitude * Vector3::y();
-    let north = edge.x.atan2(edge.y) - heading.heading_deg.to_radians();
-    let north = attitude.inverse() * Vector3::new(north.sin(), north.cos(), 0.0);
-    (edge.x.hypot(edge.y) > 0.5).then_some((*row, north, heading.heading_sigma_deg))
+/// Where in the device the published heading has north: its error against that of the same axis by the reference.
+fn published((row, step): (&Row, &Step), axis: ReferenceAxis) -> Option<Found> {
+    let published = step.reading.heading?;
+    let to_device = row.attitude?.inverse();
+    let (north, up) = (to_device * Vector3::y(), to_device * Vector3::z());
+    let level = match axis {
+        ReferenceAxis::TopEdge => up.y.abs() < STEEP,
+        ReferenceAxis::Camera => up.z.abs() < STEEP,
+        ReferenceAxis::Auto => true,
+    };
+    let reference = heading(&north, &up, axis, ScreenRotation::Deg0).filter(|_| level)?;
+    let off = (reference.heading_deg - published.heading_deg).to_radians();
+    Some((*row, to_device * Vector3::new(off.sin(), off.cos(), 0.0), published.heading_sigma_deg))
 }
 
 fn declared(recording: &Recording, steps: &[Step]) -> Vec<Declared> {
