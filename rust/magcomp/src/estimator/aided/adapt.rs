@@ -29,7 +29,10 @@
 //! ```text
 //! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain min(U, U_max)
 //! ```
-//! and all that c differs from f by, beyond white noise, is variance of c: mean |c - f|^2 / 3 - tr (sigma^2 W W^T) / 3.
+//! and what else c differs from f by, beyond white noise, is variance of c:
+//! ```text
+//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - min(U, U_max)^2
+//! ```
 //! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
 use nalgebra::{Matrix3, Vector3};
@@ -140,12 +143,17 @@ impl Adaptation {
 
     /// Variance per axis of what the covariance cannot know, uT^2.
     pub(crate) fn floor_ut2(&self, config: &AidedConfig) -> f64 {
-        config.uneven_gain.powi(2) * self.slow_power_ut2.clamp(0.0, tuning::UNEVEN_MAX_UT.powi(2))
+        config.uneven_gain.powi(2) * self.uneven_ut2()
     }
 
-    /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
+    fn uneven_ut2(&self) -> f64 {
+        self.slow_power_ut2.clamp(0.0, tuning::UNEVEN_MAX_UT.powi(2))
+    }
+
+    /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2` and beyond the
+    /// slow part, which the floor has, uT^2.
     pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
-        (self.power_ut2 - noise_ut2).max(0.0)
+        (self.power_ut2 - noise_ut2 - self.uneven_ut2()).max(0.0)
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).

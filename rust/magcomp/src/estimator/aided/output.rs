@@ -8,7 +8,7 @@
 //! tau > 0: the magnetometer is late, and c is brought to the gyroscope's time; tau < 0: the gyroscope is, and f is brought
 //! to the magnetometer's; neither is ever early. P alone is right about b, but cannot know that the field of a room is
 //! not uniform: hence the floors. rho: the share of the walk of b that happens; A:
-//! what m would err were all else known; L: what c is off f by beyond white noise (all in `adapt`).
+//! what m would err were all else known; L: what c is off f by beyond white noise and the floor's slow part (all in `adapt`).
 //! Source: docs/METHOD.md.
 
 use crate::reading::{Event, SensorMode, Status};
