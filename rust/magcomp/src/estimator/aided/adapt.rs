@@ -60,8 +60,6 @@ const LARGEST_WALK_SHARE: f64 = 3.0;
 const LEAST_GIVEN: f64 = 0.05;
 /// Variance of a field that is not known at all, uT^2.
 const UNKNOWN_UT2: f64 = 1e4;
-/// The unevenness assumed at the start counts as so much of what is seen, s.
-const UNEVEN_START_S: f64 = 1.0;
 
 /// One step of the chain from sample to sample.
 pub(crate) struct Increment {
@@ -117,7 +115,8 @@ impl Adaptation {
             slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: tuning::UNEVEN_MAX_UT.powi(2),
             power_ut2: tuning::LOCAL_START_UT.powi(2),
-            slow_age_s: UNEVEN_START_S,
+            // what is assumed at the start counts as one value
+            slow_age_s: SLOW_TIME_S,
             useless_share: 0.0,
             useless: false,
         }
