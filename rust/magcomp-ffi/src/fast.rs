@@ -7,248 +7,110 @@
 // the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
 #![allow(unsafe_code)]
 
-use crate::compensator::Compensator;
-use crate::error::MagcompError;
+use crate::flat::{self, ACCEPTED, CLOSED, FlatReading, FlatStatus};
+use crate::handles::find;
 use crate::java::{Env, JavaArray};
-use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
+use crate::record::Vector3;
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
-use magcomp::{EventKind, ModelOrder, SensorMode, nalgebra};
 
-/// The handle's object is closed or gone.
-const CLOSED: jint = -1;
-/// A panic was caught, now or before.
-const PANICKED: jint = -2;
 /// An array is too short.
 const TOO_SHORT: jint = -3;
 /// A batch holds a kind of event that does not exist.
 const NO_SUCH_KIND: jint = -4;
 
-/// An event was accepted; a rejected one answers 1 or more, by its reason.
-const ACCEPTED: jint = 0;
-
-/// What `out` holds, in doubles. What is not known is NaN.
+/// What `out` holds, in doubles: the numbers of `FlatReading`, a time or another whole number of 64 bits as two.
 mod slot {
     pub(super) const STATUS: usize = 0;
     pub(super) const REASON: usize = 1;
-    /// Two numbers of the reason or of the status.
-    pub(super) const DETAILS: usize = 2;
-    pub(super) const FIT_PROBLEM: usize = 4;
-    /// Three numbers of the fit problem.
-    pub(super) const FIT_DETAILS: usize = 5;
-    pub(super) const FIELD: usize = 8;
-    pub(super) const FILTERED_FIELD: usize = 11;
-    pub(super) const TOTAL_FIELD: usize = 14;
-    pub(super) const HEADING: usize = 15;
-    pub(super) const HEADING_SIGMA: usize = 16;
-    pub(super) const TRUE_HEADING: usize = 17;
-    pub(super) const INCLINATION: usize = 18;
-    pub(super) const SIGMA_T: usize = 19;
-    pub(super) const WINDOW: usize = 20;
-    pub(super) const COVERAGE: usize = 21;
-    pub(super) const REPORTED_JUMP: usize = 22;
-    pub(super) const FIELD_SIGMA: usize = 23;
-    pub(super) const MODE: usize = 24;
-    /// The kind, and two times of two numbers each.
-    pub(super) const EVENT: usize = 25;
-    pub(super) const DIRECTION_SIGMA: usize = 30;
-    pub(super) const WORST_SIGMA: usize = 31;
-    pub(super) const MODEL_ORDER: usize = 32;
-    pub(super) const COUNT: usize = 33;
+    pub(super) const FIT_PROBLEM: usize = 2;
+    /// Three numbers.
+    pub(super) const REAL: usize = 3;
+    /// Two whole numbers.
+    pub(super) const WHOLE: usize = 6;
+    pub(super) const FIELD: usize = 10;
+    pub(super) const FILTERED_FIELD: usize = 13;
+    pub(super) const TOTAL_FIELD: usize = 16;
+    pub(super) const HEADING: usize = 17;
+    pub(super) const HEADING_SIGMA: usize = 18;
+    pub(super) const TRUE_HEADING: usize = 19;
+    pub(super) const INCLINATION: usize = 20;
+    pub(super) const SIGMA_T: usize = 21;
+    pub(super) const WINDOW: usize = 22;
+    pub(super) const COVERAGE: usize = 23;
+    pub(super) const REPORTED_JUMP: usize = 24;
+    pub(super) const FIELD_SIGMA: usize = 25;
+    pub(super) const MODE: usize = 26;
+    pub(super) const DIRECTION_SIGMA: usize = 27;
+    pub(super) const WORST_SIGMA: usize = 28;
+    pub(super) const MODEL_ORDER: usize = 29;
+    pub(super) const EVENT: usize = 30;
+    /// Two times.
+    pub(super) const EVENT_TIMES: usize = 31;
+    pub(super) const COUNT: usize = 35;
 }
 
 type Slots = [f64; slot::COUNT];
 
-/// A time as two numbers a double holds exactly: the upper and the lower 32 bits.
-fn halves(time_ns: i64) -> [f64; 2] {
-    [(time_ns >> 32) as f64, (time_ns & 0xffff_ffff) as f64]
+/// A whole number as two numbers a double holds exactly: the upper and the lower 32 bits.
+fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
+    for (number, halves) in numbers.iter().zip(out[at..at + 4].chunks_exact_mut(2)) {
+        halves[0] = (number >> 32) as f64;
+        halves[1] = (number & 0xffff_ffff) as f64;
+    }
 }
 
-fn write_reading(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Slots {
-    let magcomp::Reading {
-        time_ns: _, // the caller knows it
+fn write_status(status: &FlatStatus, out: &mut Slots) {
+    let FlatStatus { kind, reason, problem, whole, real } = *status;
+    out[slot::STATUS] = kind.into();
+    out[slot::REASON] = reason.into();
+    out[slot::FIT_PROBLEM] = problem.into();
+    out[slot::REAL..slot::REAL + 3].copy_from_slice(&real);
+    write_whole(whole, slot::WHOLE, out);
+}
+
+fn slots_of(reading: &FlatReading) -> Slots {
+    let FlatReading {
         field_ut,
         field_sigma_ut,
         filtered_field_ut,
         total_field_ut,
-        heading,
+        heading_deg,
+        heading_sigma_deg,
+        true_heading_deg,
+        inclination_deg,
         sigma_t,
-        window,
         coverage,
         direction_sigma_deg,
         worst_sigma_deg,
-        model_order,
+        reported_hard_iron_jump_ut,
+        window,
         mode,
+        model_order,
         event,
         status,
     } = reading;
-    let unknown = f64::NAN;
-    let mut out = [unknown; slot::COUNT];
-    write_status(&(*status).into(), &mut out);
-    write_vector(field_ut, slot::FIELD, &mut out);
-    write_vector(filtered_field_ut, slot::FILTERED_FIELD, &mut out);
-    out[slot::TOTAL_FIELD] = total_field_ut.unwrap_or(unknown);
-    if let Some(heading) = heading {
-        out[slot::HEADING] = heading.heading_deg;
-        out[slot::HEADING_SIGMA] = heading.heading_sigma_deg.unwrap_or(unknown);
-        out[slot::TRUE_HEADING] = heading.true_heading_deg.unwrap_or(unknown);
-        out[slot::INCLINATION] = heading.inclination_deg;
-    }
-    out[slot::SIGMA_T] = sigma_t.unwrap_or(unknown);
-    out[slot::WINDOW] = *window as f64;
+    let mut out = [0.0; slot::COUNT];
+    write_status(status, &mut out);
+    out[slot::FIELD..slot::FIELD + 3].copy_from_slice(field_ut);
+    out[slot::FILTERED_FIELD..slot::FILTERED_FIELD + 3].copy_from_slice(filtered_field_ut);
+    out[slot::TOTAL_FIELD] = *total_field_ut;
+    out[slot::HEADING] = *heading_deg;
+    out[slot::HEADING_SIGMA] = *heading_sigma_deg;
+    out[slot::TRUE_HEADING] = *true_heading_deg;
+    out[slot::INCLINATION] = *inclination_deg;
+    out[slot::SIGMA_T] = *sigma_t;
+    out[slot::WINDOW] = (*window).into();
     out[slot::COVERAGE] = *coverage;
-    out[slot::REPORTED_JUMP] = jump_ut.unwrap_or(unknown);
-    out[slot::FIELD_SIGMA] = field_sigma_ut.unwrap_or(unknown);
-    out[slot::MODE] = f64::from(match mode {
-        SensorMode::GyroscopeAndGravity => 0,
-        SensorMode::GyroscopeOnly => 1,
-        SensorMode::GravityOnly => 2,
-        SensorMode::MagnetometerOnly => 3,
-    });
-    out[slot::DIRECTION_SIGMA] = direction_sigma_deg.unwrap_or(unknown);
-    out[slot::WORST_SIGMA] = worst_sigma_deg.unwrap_or(unknown);
-    if let Some(order) = model_order {
-        out[slot::MODEL_ORDER] = f64::from(match order {
-            ModelOrder::Nothing => 0,
-            ModelOrder::HardIron => 1,
-            ModelOrder::Diagonal => 2,
-            ModelOrder::All => 3,
-            ModelOrder::Former => 4,
-        });
-    }
-    if let Some(event) = event {
-        out[slot::EVENT] = f64::from(match event.kind {
-            EventKind::DeviceStep => 0,
-            EventKind::DeviceStepBack => 1,
-            EventKind::PlaceChanged => 2,
-            EventKind::Erratic => 3,
-        });
-        out[slot::EVENT + 1..slot::EVENT + 3].copy_from_slice(&halves(event.since_ns));
-        out[slot::EVENT + 3..slot::EVENT + 5].copy_from_slice(&halves(event.decided_ns));
-    }
+    out[slot::REPORTED_JUMP] = *reported_hard_iron_jump_ut;
+    out[slot::FIELD_SIGMA] = *field_sigma_ut;
+    out[slot::MODE] = (*mode).into();
+    out[slot::DIRECTION_SIGMA] = *direction_sigma_deg;
+    out[slot::WORST_SIGMA] = *worst_sigma_deg;
+    out[slot::MODEL_ORDER] = (*model_order).into();
+    out[slot::EVENT] = event.kind.into();
+    write_whole([event.since_ns, event.decided_ns], slot::EVENT_TIMES, &mut out);
     out
-}
-
-fn write_vector(v: &Option<nalgebra::Vector3<f64>>, at: usize, out: &mut Slots) {
-    if let Some(v) = v {
-        out[at..at + 3].copy_from_slice(v.as_slice());
-    }
-}
-
-fn write_status(status: &Status, out: &mut Slots) {
-    out[slot::STATUS] = f64::from(status_code(status));
-    let details: [f64; 2] = match *status {
-        Status::Collecting { missing } => {
-            let (code, details) = match missing {
-                Missing::Samples { have, need } => (0, [have.into(), need.into()]),
-                Missing::Fit { problem } => {
-                    write_fit_problem(&problem, out);
-                    (1, [f64::NAN; 2])
-                }
-                Missing::Rotation => (2, [f64::NAN; 2]),
-                Missing::Directions => (3, [f64::NAN; 2]),
-            };
-            out[slot::REASON] = f64::from(code);
-            details
-        }
-        Status::Tracking => return,
-        Status::Suspect { since_ns } => halves(since_ns),
-        Status::Held { reason } => {
-            let code = match reason {
-                HoldReason::LowUniformity => 0,
-                HoldReason::FitRefused { problem } => {
-                    write_fit_problem(&problem, out);
-                    1
-                }
-                HoldReason::Constant => 2,
-                HoldReason::AtRest => 3,
-                HoldReason::TooLittleRotation => 4,
-                HoldReason::NoGyroscope => 5,
-            };
-            out[slot::REASON] = f64::from(code);
-            return;
-        }
-        Status::Disturbed { since_ns } => halves(since_ns),
-        Status::Rejected { reason } => {
-            out[slot::REASON] = f64::from(reject_code(&reason));
-            match reason {
-                RejectReason::NotFinite => return,
-                RejectReason::OutOfRange { value_ut, limit_ut } => [value_ut, limit_ut],
-                RejectReason::Saturated { value_ut, rail_ut } => [value_ut, rail_ut],
-                // its own time the caller knows
-                RejectReason::TimeNotAfter { time_ns: _, latest_ns } => halves(latest_ns),
-                RejectReason::TimeJump { gap_s, limit_s } => [gap_s, limit_s],
-                RejectReason::Stuck { repeats } => [repeats.into(), f64::NAN],
-            }
-        }
-    };
-    out[slot::DETAILS..slot::DETAILS + 2].copy_from_slice(&details);
-}
-
-fn status_code(status: &Status) -> jint {
-    match status {
-        Status::Collecting { .. } => 0,
-        Status::Tracking => 1,
-        Status::Suspect { .. } => 2,
-        Status::Held { .. } => 3,
-        Status::Disturbed { .. } => 4,
-        Status::Rejected { .. } => 5,
-    }
-}
-
-fn reject_code(reason: &RejectReason) -> jint {
-    match reason {
-        RejectReason::NotFinite => 0,
-        RejectReason::OutOfRange { .. } => 1,
-        RejectReason::Saturated { .. } => 2,
-        RejectReason::TimeNotAfter { .. } => 3,
-        RejectReason::TimeJump { .. } => 4,
-        RejectReason::Stuck { .. } => 5,
-    }
-}
-
-fn write_fit_problem(problem: &FitProblem, out: &mut Slots) {
-    let none = f64::NAN;
-    let (code, details) = match *problem {
-        FitProblem::TooFewSamples { have } => (0, [have.into(), none, none]),
-        FitProblem::Planar { thickness_ut } => (1, [thickness_ut, none, none]),
-        FitProblem::PoorCoverage { direction_sigma_deg, limit_deg } => (2, [direction_sigma_deg, limit_deg, none]),
-        FitProblem::Inconsistent { residual_ut, limit_ut } => (3, [residual_ut, limit_ut, none]),
-        FitProblem::NotAnEllipsoid => (4, [none; 3]),
-        FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => (5, [field_ut, low_ut, high_ut]),
-        FitProblem::NotFinite => (6, [none; 3]),
-    };
-    out[slot::FIT_PROBLEM] = f64::from(code);
-    out[slot::FIT_DETAILS..slot::FIT_DETAILS + 3].copy_from_slice(&details);
-}
-
-fn code_of(error: &MagcompError) -> jint {
-    match error {
-        MagcompError::Panicked { .. } => PANICKED,
-        // no other error comes from the three pushes
-        _ => CLOSED,
-    }
-}
-
-fn event_code(result: Result<(), MagcompError>) -> jint {
-    match result {
-        Ok(()) => ACCEPTED,
-        Err(MagcompError::EventRejected { reason }) => match reason {
-            EventRejection::NotFinite => 1,
-            EventRejection::OutOfRange => 2,
-            EventRejection::Late => 3,
-            EventRejection::Duplicate => 4,
-            EventRejection::Ahead => 5,
-        },
-        Err(error) => code_of(&error),
-    }
-}
-
-fn magnetic(compensator: &Compensator, time_ns: i64, field_ut: Vector3, reported: Vector3) -> Result<Slots, jint> {
-    let known = !(reported.x.is_nan() || reported.y.is_nan() || reported.z.is_nan());
-    let sample = MagneticSample { time_ns, field_ut, reported_hard_iron_ut: known.then_some(reported) };
-    compensator.push_for(sample, write_reading).map_err(|error| code_of(&error))
 }
 
 /// Doubles in `out`.
@@ -274,13 +136,12 @@ pub fn push(
     bz: jdouble,
     out: JavaArray<jdouble>,
 ) -> jint {
-    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-    let reported = Vector3 { x: bx, y: by, z: bz };
-    match magnetic(&compensator, time_ns, Vector3 { x, y, z }, reported) {
-        Ok(slots) => {
+    let Some(compensator) = find(handle) else { return CLOSED };
+    match flat::push(&compensator, time_ns, Vector3 { x, y, z }, Vector3 { x: bx, y: by, z: bz }) {
+        Ok(reading) => {
             // the JVM checks the length, and throws IndexOutOfBoundsException
-            out.write(env, 0, &slots);
-            slots[slot::STATUS] as jint
+            out.write(env, 0, &slots_of(&reading));
+            reading.status.kind
         }
         Err(code) => code,
     }
@@ -297,15 +158,13 @@ pub fn push_rotation_rate(
     y: jdouble,
     z: jdouble,
 ) -> jint {
-    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-    event_code(compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s: Vector3 { x, y, z } }))
+    find(handle).map_or(CLOSED, |to| flat::push_rotation_rate(&to, time_ns, Vector3 { x, y, z }))
 }
 
 /// An accelerometer or gravity event, m/s^2, pointing up.
 #[jni_mangle("org.magcomp.FastPath")]
 pub fn push_up(_env: Env, _class: jclass, handle: jlong, time_ns: jlong, x: jdouble, y: jdouble, z: jdouble) -> jint {
-    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-    event_code(compensator.push_up(UpSample { time_ns, up_m_s2: Vector3 { x, y, z } }))
+    find(handle).map_or(CLOSED, |to| flat::push_up(&to, time_ns, Vector3 { x, y, z }))
 }
 
 /// Events of a batch, as `kinds` says.
@@ -332,7 +191,7 @@ pub fn push_batch(
     values: JavaArray<jdouble>,
     out: JavaArray<jdouble>,
 ) -> jint {
-    let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
+    let Some(compensator) = find(handle) else { return CLOSED };
     let events = kinds.len(env);
     let room = out.len(env) / slot::COUNT;
     if times_ns.len(env) < events || values.len(env) < 3 * events {
@@ -349,18 +208,16 @@ pub fn push_batch(
             let xyz = Vector3 { x: value[3 * k], y: value[3 * k + 1], z: value[3 * k + 2] };
             let code = match kind[k] {
                 kind::MAGNETIC if readings == room => TOO_SHORT,
-                kind::MAGNETIC => match magnetic(&compensator, time_ns[k], xyz, NOT_REPORTED) {
-                    Ok(slots) => {
-                        out.write(env, readings * slot::COUNT, &slots);
+                kind::MAGNETIC => match flat::push(&compensator, time_ns[k], xyz, NOT_REPORTED) {
+                    Ok(reading) => {
+                        out.write(env, readings * slot::COUNT, &slots_of(&reading));
                         readings += 1;
                         ACCEPTED
                     }
                     Err(code) => code,
                 },
-                kind::ROTATION_RATE => event_code(
-                    compensator.push_rotation_rate(RotationRateSample { time_ns: time_ns[k], rate_rad_s: xyz }),
-                ),
-                kind::UP => event_code(compensator.push_up(UpSample { time_ns: time_ns[k], up_m_s2: xyz })),
+                kind::ROTATION_RATE => flat::push_rotation_rate(&compensator, time_ns[k], xyz),
+                kind::UP => flat::push_up(&compensator, time_ns[k], xyz),
                 _ => NO_SUCH_KIND,
             };
             if code < 0 {
@@ -379,8 +236,7 @@ mod hooks {
     /// Panics inside the object.
     #[jni_mangle("org.magcomp.TestHooks")]
     pub fn panic_on_purpose(_env: Env, _class: jclass, handle: jlong) -> jint {
-        let Some(compensator) = crate::handles::find(handle) else { return CLOSED };
-        event_code(compensator.panic_on_purpose())
+        find(handle).map_or(CLOSED, |to| flat::event_code(to.panic_on_purpose()))
     }
 
     /// What a status looks like in `out`, for comparing Kotlin's reader with uniffi's.
@@ -389,7 +245,7 @@ mod hooks {
         let examples = crate::status::examples();
         if let Some(status) = examples.get(index as usize) {
             let mut slots = [f64::NAN; slot::COUNT];
-            write_status(status, &mut slots);
+            write_status(&(*status).into(), &mut slots);
             out.write(env, 0, &slots);
         }
         examples.len() as jint

@@ -1,10 +1,10 @@
 //! The border between the core and Kotlin or Swift: converts and delegates, nothing else.
 //!
-//! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM, `c` (C) in Swift.
-//! All act on the same objects. A panic never crosses: it becomes [`MagcompError::Panicked`], and the object refuses further use
-//! until it is reset.
+//! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM, `c` (C) in Swift,
+//! both with the numbers of `flat`. All act on the same objects. A panic never crosses: it becomes
+//! [`MagcompError::Panicked`], and the object refuses further use until it is reset.
 //!
-//! Conversions are in `record`, `status`, `config` and `error` alone, as exhaustive matches and destructurings: what
+//! Conversions are in `record`, `status`, `config`, `error` and `flat` alone, as exhaustive matches and destructurings: what
 //! the core gains, the compiler asks for here.
 
 mod c;
@@ -14,6 +14,7 @@ mod constant_field;
 mod error;
 #[cfg(not(target_vendor = "apple"))]
 mod fast;
+mod flat;
 mod geomagnetic;
 mod guarded;
 mod handles;

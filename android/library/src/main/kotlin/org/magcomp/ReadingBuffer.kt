@@ -47,7 +47,7 @@ public class ReadingBuffer {
     public val coverage: Double get() = slots[COVERAGE]
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
-    public val status: Status get() = status(slots, timeNs)
+    public val status: Status get() = status(slots)
 
     /** The same as an immutable record. */
     public fun toReading(): Reading = reading(slots, 0, timeNs)
@@ -56,26 +56,27 @@ public class ReadingBuffer {
         // as `mod slot` in fast.rs
         const val STATUS = 0
         const val REASON = 1
-        const val DETAILS = 2
-        const val FIT_PROBLEM = 4
-        const val FIT_DETAILS = 5
-        const val FIELD = 8
-        const val FILTERED_FIELD = 11
-        const val TOTAL_FIELD = 14
-        const val HEADING = 15
-        const val HEADING_SIGMA = 16
-        const val TRUE_HEADING = 17
-        const val INCLINATION = 18
-        const val SIGMA_T = 19
-        const val WINDOW = 20
-        const val COVERAGE = 21
-        const val REPORTED_JUMP = 22
-        const val FIELD_SIGMA = 23
-        const val MODE = 24
-        const val EVENT = 25
-        const val DIRECTION_SIGMA = 30
-        const val WORST_SIGMA = 31
-        const val MODEL_ORDER = 32
+        const val FIT_PROBLEM = 2
+        const val REAL = 3
+        const val WHOLE = 6
+        const val FIELD = 10
+        const val FILTERED_FIELD = 13
+        const val TOTAL_FIELD = 16
+        const val HEADING = 17
+        const val HEADING_SIGMA = 18
+        const val TRUE_HEADING = 19
+        const val INCLINATION = 20
+        const val SIGMA_T = 21
+        const val WINDOW = 22
+        const val COVERAGE = 23
+        const val REPORTED_JUMP = 24
+        const val FIELD_SIGMA = 25
+        const val MODE = 26
+        const val DIRECTION_SIGMA = 27
+        const val WORST_SIGMA = 28
+        const val MODEL_ORDER = 29
+        const val EVENT = 30
+        const val EVENT_TIMES = 31
 
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading {
             val heading = known(slots[at + HEADING])?.let {
@@ -98,75 +99,74 @@ public class ReadingBuffer {
                 coverage = slots[at + COVERAGE],
                 directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
                 worstSigmaDeg = known(slots[at + WORST_SIGMA]),
-                modelOrder = known(slots[at + MODEL_ORDER])?.let { ModelOrder.entries[it.toInt()] },
+                modelOrder = ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt()),
                 reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
                 mode = SensorMode.entries[slots[at + MODE].toInt()],
-                event = event(slots, at + EVENT),
-                status = status(slots, timeNs, at),
+                event = event(slots, at),
+                status = status(slots, at),
             )
         }
 
-        fun status(slots: DoubleArray, timeNs: Long, at: Int = 0): Status {
-            val a = slots[at + DETAILS]
-            val b = slots[at + DETAILS + 1]
-            return when (val code = slots[at + STATUS].toInt()) {
-                0 -> Status.Collecting(missing(slots, at, a, b))
+        fun status(slots: DoubleArray, at: Int = 0): Status {
+            val reason = slots[at + REASON].toInt()
+            return when (val kind = slots[at + STATUS].toInt()) {
+                0 -> Status.Collecting(missing(slots, at, reason))
                 1 -> Status.Tracking
-                2 -> Status.Suspect(whole(a, b))
-                3 -> Status.Held(holdReason(slots, at))
-                4 -> Status.Disturbed(whole(a, b))
-                5 -> Status.Rejected(rejectReason(slots[at + REASON].toInt(), a, b, timeNs))
-                else -> error("status $code: the library's native part is of another version")
+                2 -> Status.Suspect(whole(slots, at + WHOLE))
+                3 -> Status.Held(holdReason(slots, at, reason))
+                4 -> Status.Disturbed(whole(slots, at + WHOLE))
+                5 -> Status.Rejected(rejectReason(slots, at, reason))
+                else -> error("status $kind: the library's native part is of another version")
             }
         }
 
-        private fun event(slots: DoubleArray, at: Int): Event? = known(slots[at])?.let {
-            val kind = EventKind.entries[it.toInt()]
-            Event(kind, sinceNs = whole(slots[at + 1], slots[at + 2]), decidedNs = whole(slots[at + 3], slots[at + 4]))
-        }
+        private fun event(slots: DoubleArray, at: Int): Event? =
+            EventKind.entries.getOrNull(slots[at + EVENT].toInt())?.let { kind ->
+                Event(kind, sinceNs = whole(slots, at + EVENT_TIMES), decidedNs = whole(slots, at + EVENT_TIMES + 2))
+            }
 
-        private fun missing(slots: DoubleArray, at: Int, a: Double, b: Double): Missing =
-            when (val code = slots[at + REASON].toInt()) {
-                0 -> Missing.Samples(a.toInt(), b.toInt())
+        private fun missing(slots: DoubleArray, at: Int, reason: Int): Missing =
+            when (reason) {
+                0 -> Missing.Samples(whole(slots, at + WHOLE).toInt(), whole(slots, at + WHOLE + 2).toInt())
                 1 -> Missing.Fit(fitProblem(slots, at))
                 2 -> Missing.Rotation
                 3 -> Missing.Directions
-                else -> error("missing $code: the library's native part is of another version")
+                else -> error("missing $reason: the library's native part is of another version")
             }
 
-        private fun holdReason(slots: DoubleArray, at: Int): HoldReason =
-            when (val code = slots[at + REASON].toInt()) {
+        private fun holdReason(slots: DoubleArray, at: Int, reason: Int): HoldReason =
+            when (reason) {
                 0 -> HoldReason.LowUniformity
                 1 -> HoldReason.FitRefused(fitProblem(slots, at))
                 2 -> HoldReason.Constant
                 3 -> HoldReason.AtRest
                 4 -> HoldReason.TooLittleRotation
                 5 -> HoldReason.NoGyroscope
-                else -> error("hold reason $code: the library's native part is of another version")
+                else -> error("hold reason $reason: the library's native part is of another version")
             }
 
-        private fun rejectReason(code: Int, a: Double, b: Double, timeNs: Long): RejectReason =
-            when (code) {
+        private fun rejectReason(slots: DoubleArray, at: Int, reason: Int): RejectReason =
+            when (reason) {
                 0 -> RejectReason.NotFinite
-                1 -> RejectReason.OutOfRange(a, b)
-                2 -> RejectReason.Saturated(a, b)
-                3 -> RejectReason.TimeNotAfter(timeNs, whole(a, b))
-                4 -> RejectReason.TimeJump(a, b)
-                5 -> RejectReason.Stuck(a.toInt())
-                else -> error("reject reason $code: the library's native part is of another version")
+                1 -> RejectReason.OutOfRange(slots[at + REAL], slots[at + REAL + 1])
+                2 -> RejectReason.Saturated(slots[at + REAL], slots[at + REAL + 1])
+                3 -> RejectReason.TimeNotAfter(whole(slots, at + WHOLE), whole(slots, at + WHOLE + 2))
+                4 -> RejectReason.TimeJump(slots[at + REAL], slots[at + REAL + 1])
+                5 -> RejectReason.Stuck(whole(slots, at + WHOLE).toInt())
+                else -> error("reject reason $reason: the library's native part is of another version")
             }
 
         private fun fitProblem(slots: DoubleArray, at: Int): FitProblem {
-            val details = at + FIT_DETAILS
-            return when (val code = slots[at + FIT_PROBLEM].toInt()) {
-                0 -> FitProblem.TooFewSamples(slots[details].toInt())
-                1 -> FitProblem.Planar(slots[details])
-                2 -> FitProblem.PoorCoverage(slots[details], slots[details + 1])
-                3 -> FitProblem.Inconsistent(slots[details], slots[details + 1])
+            val real = at + REAL
+            return when (val problem = slots[at + FIT_PROBLEM].toInt()) {
+                0 -> FitProblem.TooFewSamples(whole(slots, at + WHOLE).toInt())
+                1 -> FitProblem.Planar(slots[real])
+                2 -> FitProblem.PoorCoverage(slots[real], slots[real + 1])
+                3 -> FitProblem.Inconsistent(slots[real], slots[real + 1])
                 4 -> FitProblem.NotAnEllipsoid
-                5 -> FitProblem.FieldOutOfRange(slots[details], slots[details + 1], slots[details + 2])
+                5 -> FitProblem.FieldOutOfRange(slots[real], slots[real + 1], slots[real + 2])
                 6 -> FitProblem.NotFinite
-                else -> error("fit problem $code: the library's native part is of another version")
+                else -> error("fit problem $problem: the library's native part is of another version")
             }
         }
 
@@ -175,7 +175,7 @@ public class ReadingBuffer {
         private fun vector(slots: DoubleArray, at: Int): Vector3? =
             known(slots[at])?.let { Vector3(it, slots[at + 1], slots[at + 2]) }
 
-        /** A time from its upper and lower 32 bits. */
-        private fun whole(upper: Double, lower: Double): Long = (upper.toLong() shl 32) or lower.toLong()
+        /** A whole number from its upper and lower 32 bits. */
+        private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
     }
 }

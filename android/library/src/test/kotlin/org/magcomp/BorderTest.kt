@@ -85,7 +85,7 @@ class BorderTest {
         assertEquals(expected.size, TestHooks.exampleStatus(-1, slots))
         for ((index, status) in expected.withIndex()) {
             TestHooks.exampleStatus(index, slots)
-            assertEquals(status, ReadingBuffer.status(slots, timeNs = 7))
+            assertEquals(status, ReadingBuffer.status(slots))
             assertTrue(status.text().startsWith(status.label()), status.text())
         }
     }

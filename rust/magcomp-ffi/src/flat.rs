@@ -1,0 +1,235 @@
+//! A reading and an answer as plain numbers, for the paths that carry no records: C as it stands, JNI written out as doubles.
+//!
+//! `include/magcomp.h` says what every number means. Cases count in the order of their declaration; what is not known is
+//! NaN, or -1 where a number counts cases.
+
+use crate::compensator::Compensator;
+use crate::error::MagcompError;
+use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
+use crate::status::{EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
+use magcomp::{EventKind, ModelOrder, SensorMode, nalgebra};
+
+/// The handle's object is closed or gone.
+pub(crate) const CLOSED: i32 = -1;
+/// A panic was caught, now or before.
+pub(crate) const PANICKED: i32 = -2;
+/// An event was accepted; a rejected one answers 1 or more, by its reason.
+pub(crate) const ACCEPTED: i32 = 0;
+/// No case, where a number counts cases.
+pub(crate) const NONE: i32 = -1;
+
+/// `MagcompStatus`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatStatus {
+    pub(crate) kind: i32,
+    pub(crate) reason: i32,
+    pub(crate) problem: i32,
+    pub(crate) whole: [i64; 2],
+    pub(crate) real: [f64; 3],
+}
+
+/// `MagcompEvent`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatEvent {
+    pub(crate) kind: i32,
+    pub(crate) since_ns: i64,
+    pub(crate) decided_ns: i64,
+}
+
+/// `MagcompReading`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatReading {
+    pub(crate) field_ut: [f64; 3],
+    pub(crate) field_sigma_ut: f64,
+    pub(crate) filtered_field_ut: [f64; 3],
+    pub(crate) total_field_ut: f64,
+    pub(crate) heading_deg: f64,
+    pub(crate) heading_sigma_deg: f64,
+    pub(crate) true_heading_deg: f64,
+    pub(crate) inclination_deg: f64,
+    pub(crate) sigma_t: f64,
+    pub(crate) coverage: f64,
+    pub(crate) direction_sigma_deg: f64,
+    pub(crate) worst_sigma_deg: f64,
+    pub(crate) reported_hard_iron_jump_ut: f64,
+    pub(crate) window: i32,
+    pub(crate) mode: i32,
+    pub(crate) model_order: i32,
+    pub(crate) event: FlatEvent,
+    pub(crate) status: FlatStatus,
+}
+
+/// A raw magnetometer event, uT; `reported_ut` is the operating system's own hard iron, NaN for none.
+pub(crate) fn push(
+    compensator: &Compensator,
+    time_ns: i64,
+    field_ut: Vector3,
+    reported_ut: Vector3,
+) -> Result<FlatReading, i32> {
+    let known = !(reported_ut.x.is_nan() || reported_ut.y.is_nan() || reported_ut.z.is_nan());
+    let sample = MagneticSample { time_ns, field_ut, reported_hard_iron_ut: known.then_some(reported_ut) };
+    compensator.push_for(sample, FlatReading::of).map_err(|error| code_of(&error))
+}
+
+/// A gyroscope event, rad/s.
+pub(crate) fn push_rotation_rate(compensator: &Compensator, time_ns: i64, rate_rad_s: Vector3) -> i32 {
+    event_code(compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }))
+}
+
+/// An accelerometer or gravity event, m/s^2, pointing up.
+pub(crate) fn push_up(compensator: &Compensator, time_ns: i64, up_m_s2: Vector3) -> i32 {
+    event_code(compensator.push_up(UpSample { time_ns, up_m_s2 }))
+}
+
+pub(crate) fn event_code(result: Result<(), MagcompError>) -> i32 {
+    match result {
+        Ok(()) => ACCEPTED,
+        Err(MagcompError::EventRejected { reason }) => match reason {
+            EventRejection::NotFinite => 1,
+            EventRejection::OutOfRange => 2,
+            EventRejection::Late => 3,
+            EventRejection::Duplicate => 4,
+            EventRejection::Ahead => 5,
+        },
+        Err(error) => code_of(&error),
+    }
+}
+
+fn code_of(error: &MagcompError) -> i32 {
+    match error {
+        MagcompError::Panicked { .. } => PANICKED,
+        // no other error comes from the three pushes
+        _ => CLOSED,
+    }
+}
+
+impl FlatReading {
+    /// `jump_ut`: by how much the operating system's own hard iron jumped, uT.
+    fn of(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Self {
+        let magcomp::Reading {
+            time_ns: _, // the caller's own
+            field_ut,
+            field_sigma_ut,
+            filtered_field_ut,
+            total_field_ut,
+            heading,
+            sigma_t,
+            window,
+            coverage,
+            direction_sigma_deg,
+            worst_sigma_deg,
+            model_order,
+            mode,
+            event,
+            status,
+        } = *reading;
+        let vector = |v: Option<nalgebra::Vector3<f64>>| v.map_or([f64::NAN; 3], Into::into);
+        let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
+        Self {
+            field_ut: vector(field_ut),
+            field_sigma_ut: number(field_sigma_ut),
+            filtered_field_ut: vector(filtered_field_ut),
+            total_field_ut: number(total_field_ut),
+            heading_deg: number(heading.map(|heading| heading.heading_deg)),
+            heading_sigma_deg: number(heading.and_then(|heading| heading.heading_sigma_deg)),
+            true_heading_deg: number(heading.and_then(|heading| heading.true_heading_deg)),
+            inclination_deg: number(heading.map(|heading| heading.inclination_deg)),
+            sigma_t: number(sigma_t),
+            coverage,
+            direction_sigma_deg: number(direction_sigma_deg),
+            worst_sigma_deg: number(worst_sigma_deg),
+            reported_hard_iron_jump_ut: number(jump_ut),
+            window: crate::record::count(window),
+            mode: match mode {
+                SensorMode::GyroscopeAndGravity => 0,
+                SensorMode::GyroscopeOnly => 1,
+                SensorMode::GravityOnly => 2,
+                SensorMode::MagnetometerOnly => 3,
+            },
+            model_order: model_order.map_or(NONE, |order| match order {
+                ModelOrder::Nothing => 0,
+                ModelOrder::HardIron => 1,
+                ModelOrder::Diagonal => 2,
+                ModelOrder::All => 3,
+                ModelOrder::Former => 4,
+            }),
+            event: event.map_or(FlatEvent { kind: NONE, since_ns: 0, decided_ns: 0 }, |event| FlatEvent {
+                kind: match event.kind {
+                    EventKind::DeviceStep => 0,
+                    EventKind::DeviceStepBack => 1,
+                    EventKind::PlaceChanged => 2,
+                    EventKind::Erratic => 3,
+                },
+                since_ns: event.since_ns,
+                decided_ns: event.decided_ns,
+            }),
+            status: Status::from(status).into(),
+        }
+    }
+}
+
+impl FlatStatus {
+    const fn of(kind: i32, reason: i32) -> Self {
+        Self { kind, reason, problem: NONE, whole: [0; 2], real: [f64::NAN; 3] }
+    }
+
+    const fn whole(self, first: i64, second: i64) -> Self {
+        Self { whole: [first, second], ..self }
+    }
+
+    const fn real(self, first: f64, second: f64, third: f64) -> Self {
+        Self { real: [first, second, third], ..self }
+    }
+
+    fn with(self, problem: FitProblem) -> Self {
+        let none = f64::NAN;
+        let case = |problem| Self { problem, ..self };
+        match problem {
+            FitProblem::TooFewSamples { have } => case(0).whole(have.into(), 0),
+            FitProblem::Planar { thickness_ut } => case(1).real(thickness_ut, none, none),
+            FitProblem::PoorCoverage { direction_sigma_deg, limit_deg } => {
+                case(2).real(direction_sigma_deg, limit_deg, none)
+            }
+            FitProblem::Inconsistent { residual_ut, limit_ut } => case(3).real(residual_ut, limit_ut, none),
+            FitProblem::NotAnEllipsoid => case(4),
+            FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => case(5).real(field_ut, low_ut, high_ut),
+            FitProblem::NotFinite => case(6),
+        }
+    }
+}
+
+impl From<Status> for FlatStatus {
+    fn from(status: Status) -> Self {
+        let none = f64::NAN;
+        match status {
+            Status::Collecting { missing } => match missing {
+                Missing::Samples { have, need } => Self::of(0, 0).whole(have.into(), need.into()),
+                Missing::Fit { problem } => Self::of(0, 1).with(problem),
+                Missing::Rotation => Self::of(0, 2),
+                Missing::Directions => Self::of(0, 3),
+            },
+            Status::Tracking => Self::of(1, NONE),
+            Status::Suspect { since_ns } => Self::of(2, NONE).whole(since_ns, 0),
+            Status::Held { reason } => match reason {
+                HoldReason::LowUniformity => Self::of(3, 0),
+                HoldReason::FitRefused { problem } => Self::of(3, 1).with(problem),
+                HoldReason::Constant => Self::of(3, 2),
+                HoldReason::AtRest => Self::of(3, 3),
+                HoldReason::TooLittleRotation => Self::of(3, 4),
+                HoldReason::NoGyroscope => Self::of(3, 5),
+            },
+            Status::Disturbed { since_ns } => Self::of(4, NONE).whole(since_ns, 0),
+            Status::Rejected { reason } => match reason {
+                RejectReason::NotFinite => Self::of(5, 0),
+                RejectReason::OutOfRange { value_ut, limit_ut } => Self::of(5, 1).real(value_ut, limit_ut, none),
+                RejectReason::Saturated { value_ut, rail_ut } => Self::of(5, 2).real(value_ut, rail_ut, none),
+                RejectReason::TimeNotAfter { time_ns, latest_ns } => Self::of(5, 3).whole(time_ns, latest_ns),
+                RejectReason::TimeJump { gap_s, limit_s } => Self::of(5, 4).real(gap_s, limit_s, none),
+                RejectReason::Stuck { repeats } => Self::of(5, 5).whole(repeats.into(), 0),
+            },
+        }
+    }
+}
