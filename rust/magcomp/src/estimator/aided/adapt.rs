@@ -14,6 +14,8 @@
 //! seen = (D_k . D_{k-1} + max(0, tr P_bb,end - tr P_bb,start)) / (3 T),   q_b^2 += gain (seen - q_b^2),
 //! ```
 //! so that q_b falls while nothing drifts, rises with a drift, and stays when nothing is seen (P_bb grows by 3 q_b^2 T).
+//! A steady drift v is seen as v^2 T / 3 per axis, and b lags by v tau, tau = tr P_bb / (3 q_b^2) the time in which the filter
+//! follows: with T = 3 tau (2 s at the least) the square of the lag is a third of P_bb, however slow or noisy the samples are.
 //! The share of the walk that was seen to happen, rho = mean (D_k . D_{k-1}) / mean (3 q_b^2 T - unseen), says how far P may
 //! be believed: a filter that allows for a walk that does not happen errs by P / 2, one that happens by P (steady state:
 //! dPi/dt = -2 K Pi + K^2 r + rho q^2 = 0 with K = q / sqrt(r), P = q sqrt(r)); after a step all of P is true.
@@ -54,6 +56,10 @@ const SLOW_WEIGHT: f64 = 0.15;
 /// Magnetometer noise never counts as more, uT^2.
 const LARGEST_VARIANCE_UT2: f64 = 100.0;
 const WALK_GAIN: f64 = 0.3;
+/// A larger walk of b than this is a drift, uT per square root of a second (the filter starts with 0.25).
+const DRIFT_WALK_UT: f64 = 0.35;
+/// Corrections of b are gathered no longer, s.
+const LONGEST_WALK_S: f64 = 6.0;
 /// A walk is never believed to be more than this many times what the filter allows for.
 const LARGEST_WALK_SHARE: f64 = 3.0;
 /// Share of the walk that could be seen below which the ratio says nothing.
@@ -207,9 +213,13 @@ impl Adaptation {
         }
         self.walked_ut += correction_ut;
         self.walk_time_s += dt_s;
-        if self.walk_time_s >= tuning::OFFSET_WALK_TIME_S {
+        let now = self.offset_walk_ut.powi(2);
+        let mut window_s = tuning::OFFSET_WALK_TIME_S;
+        if self.offset_walk_ut > DRIFT_WALK_UT {
+            window_s = (variance_ut2 / now).clamp(window_s, LONGEST_WALK_S);
+        }
+        if self.walk_time_s >= window_s {
             let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
-            let now = self.offset_walk_ut.powi(2);
             let given = 3.0 * self.walk_time_s * now;
             let kept = self.walked_ut.dot(&self.walked_before_ut) / given;
             let unseen = unseen / given;
