@@ -57,7 +57,7 @@ const SLOW_WEIGHT: f64 = 0.15;
 const LARGEST_VARIANCE_UT2: f64 = 100.0;
 const WALK_GAIN: f64 = 0.3;
 /// A larger walk of b than this is a drift, uT per square root of a second (the filter starts with 0.25).
-const DRIFT_WALK_UT: f64 = 0.35;
+const DRIFT_WALK_UT: f64 = 0.4;
 /// Corrections of b are gathered no longer, s.
 const LONGEST_WALK_S: f64 = 6.0;
 /// A walk is never believed to be more than this many times what the filter allows for.
