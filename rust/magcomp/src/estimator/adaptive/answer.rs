@@ -1,6 +1,6 @@
 //! What is answered: whether the samples lie on any ellipsoid, what is in force, how sure it is and the status.
 
-use super::hypothesis::{Hypothesis, NO_EVIDENCE};
+use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::publish::{Published, compare, directions, may_compare};
 use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle, spread};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
@@ -65,7 +65,14 @@ impl Adaptive {
         let Some(best) = self.rivals.best().copied() else { return };
         let tau = best.posterior.mean;
         match self.trial {
-            None => self.published = Some(Published { tau, covariance: best.posterior.covariance, expected: 0.0 }),
+            None => {
+                // from the middle of the samples to now
+                let seconds = 0.5 * self.noise.period_s() * self.samples.segment().count() as f64;
+                let course = self.motion.course();
+                let Gaussian { mean, covariance } =
+                    course.map_or(best.posterior, |course| course.ahead(&best.posterior, seconds));
+                self.published = Some(Published { tau: mean, covariance, expected: 0.0 });
+            }
             Some(trial) => {
                 let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
                 let likelihood = self.likelihood_of(self.samples.segment());

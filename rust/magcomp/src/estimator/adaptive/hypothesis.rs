@@ -65,12 +65,17 @@ const ITERATIONS_ELSEWHERE: usize = 2;
 /// Step of a finite difference, units.
 const BESIDE: f64 = 1e-4;
 /// Share of Lambda that is added to R, which few samples leave singular.
-const SOFTENING: f64 = 0.01;
+pub(super) const SOFTENING: f64 = 0.01;
 /// The step from there is tried in so many sizes, each SHORTER than the one before, until L rises by no more than a half
 /// over what its curvature predicts, and LEAST_RISE: beyond that it is not linear.
-const PARTS: usize = 3;
-const SHORTER: f64 = 0.4;
+pub(super) const PARTS: i32 = 3;
+pub(super) const SHORTER: f64 = 0.4;
 const LEAST_RISE: f64 = 1.0;
+
+/// Whether a step by which L rises so much where its curvature says `expected` is a linear one.
+pub(super) fn is_linear(rise: f64, expected: f64) -> bool {
+    rise < expected.max(0.0) * 1.5 + LEAST_RISE
+}
 
 impl Hypothesis {
     /// None when the prior is no Gaussian (numerically).
@@ -96,6 +101,11 @@ impl Hypothesis {
     /// Lambda and tau_0.
     pub fn prior(&self) -> (&Matrix9, &Vector9) {
         (&self.prior_information, &self.prior_mean)
+    }
+
+    /// -log det Lambda: how much its prior leaves open.
+    pub fn openness(&self) -> f64 {
+        -self.log_det_prior
     }
 
     /// Whether it has seen the samples at all.
@@ -212,7 +222,7 @@ impl Hypothesis {
             let step = towards * part;
             let rise = 2.0 * gradient.dot(&step) + step.dot(&(curvature * step));
             if let Some((higher, at)) = self.total(likelihood, &(tau + step))
-                && at.cost - point.cost < rise.max(0.0) * 1.5 + LEAST_RISE
+                && is_linear(at.cost - point.cost, rise)
             {
                 (self.posterior.mean, self.cost) = (tau + step, higher);
                 (self.samples_cost, self.distance_squared) = (at.cost, at.distance_squared);

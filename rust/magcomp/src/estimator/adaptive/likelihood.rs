@@ -12,10 +12,10 @@ use crate::ellipsoid::ldl::{add, times};
 /// L of a set of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Likelihood {
-    s: Matrix10,
-    n: Matrix10,
-    weight: f64,
-    variance: f64,
+    pub s: Matrix10,
+    pub n: Matrix10,
+    pub weight: f64,
+    pub variance: f64,
 }
 
 /// L at one tau.

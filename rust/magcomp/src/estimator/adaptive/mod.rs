@@ -6,7 +6,7 @@
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
 //! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `noise` ·
-//! `notice` (changes) · `change` (small ones) · `drift` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
+//! `notice` (changes) · `change` (small ones) · `drift`, `rate`, `line` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
 //! `publish` (the gate) · `answer` (what is in force) · `output`.
 //! The derivation is in docs/METHOD.md.
 
@@ -17,11 +17,13 @@ mod drift;
 mod hypothesis;
 mod ladder;
 mod likelihood;
+mod line;
 mod noise;
 mod notice;
 mod output;
 mod parameters;
 mod publish;
+mod rate;
 mod rivals;
 mod samples;
 mod spread;
@@ -33,7 +35,6 @@ mod witness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
-use crate::ellipsoid::ldl::Ldl;
 use crate::reading::{Event, ModelOrder};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
@@ -45,8 +46,9 @@ use notice::LARGE_CHANGE;
 pub(crate) use output::AdaptiveOutput;
 use parameters::Vector9;
 use publish::Published;
+use rate::Motion;
 use rivals::Rivals;
-use samples::{Samples, span_length};
+use samples::Samples;
 use serde::{Deserialize, Serialize};
 use steadiness::Steadiness;
 use witness::Witness;
@@ -151,6 +153,7 @@ pub(crate) struct Adaptive {
     steadiness: Steadiness,
     witness: Witness,
     drift: Drift,
+    motion: Motion,
     late: [Option<Late>; RECENT],
     /// A second look at the latest samples has not helped: a change is called with the next one, which spreads the cost.
     called: bool,
@@ -188,6 +191,7 @@ impl Adaptive {
             steadiness: Steadiness::new(),
             witness: Witness::new(),
             drift: Drift::default(),
+            motion: Motion::default(),
             late: [None; RECENT],
             called: false,
             published: None,
@@ -202,6 +206,7 @@ impl Adaptive {
 
     /// A raw sample, finite, times in order.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
+        let raw_ut = &(raw_ut - self.motion.go(time_ns, self.unit_ut));
         let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
         if !self.started {
             if self.given.is_none() && (leaps || !self.steadiness.is_known()) {
@@ -231,6 +236,7 @@ impl Adaptive {
             } else {
                 self.absorb(time_ns);
             }
+            self.look_for_a_rate(time_ns);
         }
         if !rests && !self.called {
             self.judge();
@@ -268,6 +274,7 @@ impl Adaptive {
         self.centre_ut = *raw_ut;
         self.rivals.shift(&by);
         self.witness.shift(&by);
+        self.motion.shift(&by);
         self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);
@@ -298,6 +305,7 @@ impl Adaptive {
         self.called = false;
         self.noise.forget_block();
         self.drift.reset();
+        self.motion.stop();
         self.late.iter_mut().for_each(|late| *late = None);
         self.steadiness.accept();
     }
@@ -353,44 +361,6 @@ impl Adaptive {
             let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
             let most = MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven;
             self.noise.learn_from_fit(best.distance_squared.min(most), self.samples.segment().count() as f64);
-        }
-    }
-
-    /// Blocks of samples are absorbed into what was known before them once that is nearly linear.
-    fn absorb(&mut self, time_ns: i64) {
-        let block = span_length(BLOCK_SPAN);
-        let count = self.samples.segment().count();
-        let narrow = self.trial.is_none_or(|trial| trial.released) && self.direction_sigma_deg < ABSORBED_BELOW_DEG;
-        // what is still in doubt must not be taken for decided
-        if count < 2 * block || !narrow || !self.rivals.agree() {
-            return;
-        }
-        let Some(best) = self.rivals.best().copied() else { return };
-        let older = self.samples.absorb(BLOCK_SPAN);
-        let seconds = (time_ns.saturating_sub(self.absorbed_ns) as f64 * 1e-9).clamp(0.0, 86_400.0);
-        self.absorbed_ns = time_ns;
-        let likelihood = self.likelihood_of(&older);
-        let tau = best.posterior.mean;
-        let Some(point) = likelihood.at(&tau) else { return };
-        let (prior, prior_mean) = best.prior();
-        let (gradient, _, curvature) = likelihood.expansion(&tau, &point);
-        let information = prior + curvature;
-        let gradient = gradient + prior * (tau - prior_mean);
-        let known = Ldl::new(&information).map_or(best.posterior, |factors| Gaussian {
-            mean: tau - factors.solve(&gradient),
-            covariance: factors.inverse(),
-        });
-        let rest = self.likelihood_of(self.samples.segment());
-        self.drift.learn(&known, &rest, self.unit_ut, seconds);
-        let known = self.drift.walk(&known, self.unit_ut, seconds);
-        if let Some(mut next) = Hypothesis::new(best.order, &known, 0.0) {
-            next.posterior.mean = tau;
-            next.refine(&rest, 2);
-            self.rivals = Rivals::new([next], &[]);
-            if let Some(trial) = self.trial.filter(|trial| trial.released) {
-                self.remember(trial.base);
-                self.trial = None;
-            }
         }
     }
 

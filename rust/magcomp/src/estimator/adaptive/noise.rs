@@ -83,6 +83,11 @@ impl Noise {
         }
     }
 
+    /// Time between samples, s; 0 while unknown.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
     /// V / v: so many samples are worth one of white noise.
     pub fn correlation(&self) -> f64 {
         let kappa = if self.mean_block < WHITE { 1.0 } else { self.mean_block };

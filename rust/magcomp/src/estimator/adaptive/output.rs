@@ -1,5 +1,5 @@
 //! What comes out: the corrected sample and its covariance, the calibration, and how sure it is.
-//!     M = (unit / |h|) T^-1, b = centre + unit beta, c = |h| T (u - beta)
+//!     M = (unit / |h|) T^-1, b = centre + unit beta (+ how far the coordinates have moved), c = |h| T (u - beta)
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
 use super::Adaptive;
@@ -47,7 +47,7 @@ impl Adaptive {
         let strength = self.strength_of(&t);
         let inverse = t.try_inverse()? * (self.unit_ut / strength);
         let soft_iron = (inverse + inverse.transpose()) * 0.5;
-        let hard_iron_ut = self.centre_ut + centre(&published.tau) * self.unit_ut;
+        let hard_iron_ut = self.centre_ut + self.motion.gone_ut + centre(&published.tau) * self.unit_ut;
         Calibration::from_symmetric(soft_iron, hard_iron_ut, strength)
     }
 

@@ -116,6 +116,11 @@ impl Rivals {
         self.all[self.best].as_ref()
     }
 
+    /// Of those that have weight the one that leaves most open.
+    pub fn widest(&self) -> Option<&Hypothesis> {
+        self.weighty().map(|(hypothesis, _)| hypothesis).max_by(|a, b| a.openness().total_cmp(&b.openness()))
+    }
+
     /// Whether all that have weight lead to about the same directions as the best.
     pub fn agree(&self) -> bool {
         self.best().is_some_and(|best| {

@@ -1,6 +1,7 @@
 //! The samples of the segment, those since the latest change, and their moments: of all of them not yet absorbed, and of
 //! the latest 8, 16, ... 1024. A sample enters and leaves in constant time, exactly.
 
+use super::line::Timed;
 use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,8 @@ pub(super) struct Samples {
     /// Samples since the segment began.
     pub age: usize,
     segment: Moments,
+    /// When the samples came that have not been absorbed, as long as none has.
+    pub timed: Timed,
     spans: [Moments; SPANS],
 }
 
@@ -36,6 +39,7 @@ impl Samples {
             next: 0,
             age: 0,
             segment: none.clone(),
+            timed: Timed::new(),
             spans: std::array::from_fn(|_| none.clone()),
         }
     }
@@ -46,6 +50,7 @@ impl Samples {
         self.age = 0;
         self.spans.fill(none.clone());
         self.segment = none;
+        self.timed = Timed::new();
     }
 
     /// Moments of the samples not yet absorbed.
@@ -63,6 +68,10 @@ impl Samples {
         &self.ring[(self.next + CAPACITY - 1 - back % CAPACITY) % CAPACITY]
     }
 
+    fn unit(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
+        (raw_ut - self.segment.centre_ut()) / self.segment.scale_ut()
+    }
+
     /// One more sample.
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
         let terms = self.segment.terms(raw_ut);
@@ -75,6 +84,7 @@ impl Samples {
             self.spans[span].add_terms(&terms);
         }
         self.segment.add_terms(&terms);
+        self.timed.add(&self.unit(raw_ut));
         self.ring[self.next] = *raw_ut;
         self.next = (self.next + 1) % CAPACITY;
         self.age += 1;
@@ -83,6 +93,7 @@ impl Samples {
     /// These samples, oldest first, and no others.
     fn restore(&mut self, samples: &[Vector3<f64>]) {
         for sample in samples {
+            self.timed.add(&self.unit(sample));
             self.ring[self.next] = *sample;
             self.next = (self.next + 1) % CAPACITY;
         }
@@ -107,13 +118,21 @@ impl Samples {
             longer.clone_from(&kept);
         }
         self.segment = kept;
+        self.timed = Timed::new();
+        for back in (0..self.age).rev() {
+            self.timed.add(&self.unit(self.latest(back)));
+        }
     }
 
     /// The segment without the latest samples of a span, which remain.
-    pub fn absorb(&mut self, span: usize) -> Moments {
+    pub fn absorb(&mut self, span: usize) -> (Moments, Timed) {
         let older = self.segment.without(&self.spans[span]);
         self.segment = self.spans[span].clone();
-        older
+        let mut latest = Timed::new();
+        (0..self.segment.count()).rev().for_each(|back| latest.add(&self.unit(self.latest(back))));
+        let timed = self.timed.without(&latest);
+        self.timed = latest;
+        (older, timed)
     }
 
     /// Drops the samples of a young segment that do not pass. Returns how many.
@@ -161,7 +180,7 @@ mod tests {
         for span in 0..SPANS {
             assert_eq!(*samples.span(span), of(3000 - span_length(span)..3000));
         }
-        assert_eq!(samples.absorb(3), of(0..2936));
+        assert_eq!(samples.absorb(3).0, of(0..2936));
         assert_eq!(*samples.segment(), of(2936..3000));
         samples.cut(1);
         (3000..3040).for_each(|k| samples.add(&sample(k)));
