@@ -93,7 +93,7 @@ impl Likelihood {
 }
 
 /// J^T Q J times `scale`, Q symmetric. Columns of J for beta are zero in the first six rows.
-fn form(j: &Jacobian, q: &Matrix10, scale: f64) -> Matrix9 {
+pub(super) fn form(j: &Jacobian, q: &Matrix10, scale: f64) -> Matrix9 {
     let (j, q) = (&j.data.0, &q.data.0);
     let mut out = Matrix9::zeros();
     for b in 0..6 {

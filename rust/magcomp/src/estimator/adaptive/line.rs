@@ -8,8 +8,8 @@
 //! with c half the Laplacian of d. tau and r are fitted together as tau alone is in `hypothesis`.
 
 use super::hypothesis::{PARTS, SHORTER, SOFTENING, is_linear};
-use super::likelihood::Likelihood;
-use super::parameters::{Matrix9, Matrix10, Vector9, Vector10, is_bounded, jacobian, quadric};
+use super::likelihood::{Likelihood, form};
+use super::parameters::{Jacobian, Matrix9, Matrix10, Vector9, Vector10, is_bounded, jacobian, quadric};
 use super::rate::{Course, RATE_VARIANCE_UT};
 use crate::ellipsoid::ldl::Ldl;
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
@@ -65,7 +65,7 @@ impl Timed {
     }
 
     /// O and W for samples `period_s` apart.
-    fn means(&self, period_s: f64) -> (Matrix10x4, Matrix4<f64>) {
+    pub fn means(&self, period_s: f64) -> (Matrix10x4, Matrix4<f64>) {
         let middle = 0.5 * (self.count - 1.0);
         let once = self.once - self.sum * middle;
         let twice = self.twice - self.once.fixed_rows::<4>(6) * (2.0 * middle)
@@ -116,7 +116,7 @@ impl<'a> Line<'a> {
     }
 
     /// p, dp/dtau, v, C and D.
-    fn point(&self, at: &Vector12) -> (Vector10, SMatrix<f64, 10, 9>, Vector4<f64>, [f64; 2]) {
+    fn point(&self, at: &Vector12) -> (Vector10, Jacobian, Vector4<f64>, [f64; 2]) {
         let tau = at.fixed_rows::<9>(0).into_owned();
         let (p, j) = (quadric(&tau), jacobian(&tau));
         let v = j.fixed_view::<4, 3>(6, 6) * at.fixed_rows::<3>(9);
@@ -135,26 +135,38 @@ impl<'a> Line<'a> {
         (d > 1e-6 && cost.is_finite()).then(|| [cost, cost + off.dot(&(self.information * off))])
     }
 
-    /// Half the gradient of L, its Gauss-Newton Hessian and its curvature.
-    fn expansion(&self, at: &Vector12) -> (Vector12, Matrix12, Matrix12) {
+    /// Half the gradient of L, and the Gauss-Newton Hessian.
+    fn derivatives(&self, at: &Vector12) -> (Vector12, Matrix12) {
         let (p, j, v, [c, d]) = self.point(at);
-        let jb = j.fixed_view::<4, 3>(6, 6).into_owned();
+        let of = |q: &Matrix10, k: usize| (q * p + self.once[k] * v, self.once[k].tr_mul(&p) + self.twice[k] * v);
+        let ((s, timed), (n, timed_n)) = (of(&self.likelihood.s, 0), of(&self.likelihood.n, 1));
+        let jb = j.fixed_view::<4, 3>(6, 6);
+        let mut gradient = Vector12::zeros();
+        gradient.fixed_rows_mut::<9>(0).copy_from(&j.tr_mul(&(s - n * (c / d))));
+        gradient.fixed_rows_mut::<3>(9).copy_from(&jb.tr_mul(&(timed - timed_n * (c / d))));
         let scale = self.likelihood.weight / d;
-        let of = |q: &Matrix10, k: usize| {
-            let (once, twice) = (&self.once[k], &self.twice[k]);
-            let beside = j.tr_mul(&(once * jb));
-            let mut gradient = Vector12::zeros();
-            gradient.fixed_rows_mut::<9>(0).copy_from(&j.tr_mul(&(q * p + once * v)));
-            gradient.fixed_rows_mut::<3>(9).copy_from(&jb.tr_mul(&(once.tr_mul(&p) + twice * v)));
-            let mut square = Matrix12::zeros();
-            square.fixed_view_mut::<9, 9>(0, 0).copy_from(&j.tr_mul(&(q * j)));
-            square.fixed_view_mut::<9, 3>(0, 9).copy_from(&beside);
-            square.fixed_view_mut::<3, 9>(9, 0).copy_from(&beside.transpose());
-            square.fixed_view_mut::<3, 3>(9, 9).copy_from(&jb.tr_mul(&(twice * jb)));
-            (gradient * scale, square * scale)
-        };
-        let ((gradient, raw), (growth, noise)) = (of(&self.likelihood.s, 0), of(&self.likelihood.n, 1));
-        (gradient - growth * (c / d), raw, raw - noise * self.likelihood.variance)
+        (gradient * scale, self.square(&j, 0) * scale)
+    }
+
+    /// J^T S J (0) or J^T N J (1) of tau and r.
+    fn square(&self, j: &Jacobian, k: usize) -> Matrix12 {
+        let jb = j.fixed_view::<4, 3>(6, 6).into_owned();
+        let q = if k == 0 { &self.likelihood.s } else { &self.likelihood.n };
+        let beside = j.tr_mul(&(self.once[k] * jb));
+        let mut square = Matrix12::zeros();
+        square.fixed_view_mut::<9, 9>(0, 0).copy_from(&form(j, q, 1.0));
+        square.fixed_view_mut::<9, 3>(0, 9).copy_from(&beside);
+        square.fixed_view_mut::<3, 9>(9, 0).copy_from(&beside.transpose());
+        square.fixed_view_mut::<3, 3>(9, 9).copy_from(&jb.tr_mul(&(self.twice[k] * jb)));
+        square
+    }
+
+    /// The same, and the curvature.
+    fn expansion(&self, at: &Vector12) -> (Vector12, Matrix12, Matrix12) {
+        let (gradient, raw) = self.derivatives(at);
+        let (_, j, _, [_, d]) = self.point(at);
+        let noise = self.square(&j, 1) * (self.likelihood.weight / d * self.likelihood.variance);
+        (gradient, raw, raw - noise)
     }
 
     /// From tau without a rate towards the minimum of F, by Levenberg-Marquardt.
@@ -164,7 +176,7 @@ impl<'a> Line<'a> {
         let [_, mut cost] = self.total(&at)?;
         let mut damping = FIRST_DAMPING;
         for _ in 0..ITERATIONS {
-            let (gradient, raw, _) = self.expansion(&at);
+            let (gradient, raw) = self.derivatives(&at);
             let gradient = gradient + self.information * (at - self.mean);
             for _ in 0..DAMPINGS {
                 let mut damped = raw + self.information;

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 /// Variance of the rates that b may have, (uT/s)^2 per axis: a warming phone, a magnet that is drawn near.
 pub(super) const RATE_VARIANCE_UT: f64 = 0.09;
 /// How long they last, s.
-const RATE_S: f64 = 400.0;
+pub(super) const RATE_S: f64 = 400.0;
 /// Log B from which there is a rate, and below which there is none any more.
 const BEGINS: f64 = 3.0;
 const ENDS: f64 = 0.0;
@@ -34,6 +34,8 @@ const ENDS: f64 = 0.0;
 const BEGINS_WHOLE: f64 = 6.0;
 const WHOLE_FROM: usize = 256;
 const WHOLE_EVERY: usize = 64;
+/// Square of a rate, in its variance, from which it is taken for an error: five standard deviations.
+const PLAUSIBLE: f64 = 25.0;
 /// What is kept from one block to the next of the log evidence for the course against rest.
 const KEPT: f64 = 0.9;
 /// Log evidence against a course from which it is begun anew.
@@ -42,10 +44,10 @@ const LOST: f64 = -10.0;
 /// See the module. Rates in units per second.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Course {
-    known: Gaussian,
-    rate: Vector3<f64>,
-    gain: SMatrix<f64, 3, 9>,
-    rest: Matrix3<f64>,
+    pub known: Gaussian,
+    pub rate: Vector3<f64>,
+    pub gain: SMatrix<f64, 3, 9>,
+    pub rest: Matrix3<f64>,
 }
 
 /// The course of b, and the coordinates that may move with it.
@@ -95,13 +97,13 @@ impl Course {
     }
 
     /// What a block has made of tau.
-    fn learn(&mut self, known: &Gaussian) {
+    pub fn learn(&mut self, known: &Gaussian) {
         self.rate += self.gain * (known.mean - self.known.mean);
         self.known = *known;
     }
 
     /// R.
-    fn spread(&self) -> Matrix3<f64> {
+    pub fn spread(&self) -> Matrix3<f64> {
         self.gain * self.known.covariance * self.gain.transpose() + self.rest
     }
 
@@ -121,7 +123,7 @@ impl Course {
     }
 
     /// `seconds` more, in coordinates that move; `walk` adds to what is known.
-    fn carry(&mut self, moving: &Vector3<f64>, seconds: f64, unit_ut: f64, walk: impl Fn(&Gaussian) -> Gaussian) {
+    pub fn carry(&mut self, moving: &Vector3<f64>, seconds: f64, unit_ut: f64, walk: impl Fn(&Gaussian) -> Gaussian) {
         let spread = self.spread();
         let mut cross = self.gain * self.known.covariance;
         let along = (cross * self.gain.transpose() + self.rest) * seconds;
@@ -134,14 +136,19 @@ impl Course {
         self.rate = (self.rate + moving) * keep - moving;
     }
 
+    /// Whether the rate is one that b may have.
+    fn is_plausible(&self, unit_ut: f64) -> bool {
+        self.rate.norm_squared() < PLAUSIBLE * usual(unit_ut)
+    }
+
     /// log B, in coordinates that move.
-    fn log_evidence(&self, moving: &Vector3<f64>, unit_ut: f64) -> f64 {
+    pub fn log_evidence(&self, moving: &Vector3<f64>, unit_ut: f64) -> f64 {
         let Some(factors) = Ldl::new(&self.spread()) else { return f64::MIN };
         0.5 * (factors.square(&(self.rate + moving)) - 3.0 * usual(unit_ut).ln() + factors.log_det)
     }
 }
 
-/// log det (I + P H) and so on: the log evidence of a block of samples.
+/// Log evidence of a block of samples, up to what does not depend on what is known: (g^T (H + P^-1)^-1 g - log det (I + P H) - L) / 2.
 fn log_evidence(known: &Gaussian, block: &Likelihood) -> Option<f64> {
     let point = block.at(&known.mean)?;
     let score = block.score(&known.mean, &point);
@@ -209,7 +216,7 @@ impl Adaptive {
                 course.learn(&known);
                 course
             }
-            Some(mut course) if self.motion.ahead > LOST => {
+            Some(mut course) if self.motion.ahead > LOST && course.is_plausible(self.unit_ut) => {
                 let along = self.along(&course.rate, block, count).map(|along| self.likelihood_of(&along));
                 let prior = Ldl::new(&course.known.covariance).map(|factors| factors.inverse());
                 let mean = course.known.mean;
@@ -227,7 +234,7 @@ impl Adaptive {
         };
         let half_s = 0.5 * period_s * count as f64;
         let evidence = course.log_evidence(&self.motion.rate, self.unit_ut);
-        if !self.motion.on && evidence > BEGINS && self.motion.ahead > 0.0 {
+        if !self.motion.on && evidence > BEGINS && self.motion.ahead > BEGINS && course.is_plausible(self.unit_ut) {
             self.set_off(best.order, course, half_s + 0.5 * period_s * block as f64);
         } else {
             self.go_on(&best, course, &known, evidence, half_s, seconds);
@@ -321,7 +328,10 @@ impl Adaptive {
         let Some(course) = line.fit(&widest.posterior.mean) else { return };
         let expected = angle::AngularWeight::sphere(&course.known.mean).expected(&course.known.covariance);
         let close = expected < CLOSE_DEG.to_radians().powi(2);
-        if close && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS_WHOLE {
+        if close
+            && course.is_plausible(self.unit_ut)
+            && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS_WHOLE
+        {
             self.absorbed_ns = time_ns;
             self.set_off(order, course, 0.5 * period_s * age as f64);
         }

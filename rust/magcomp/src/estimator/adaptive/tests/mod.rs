@@ -1,3 +1,4 @@
 //! Tests of the adaptive estimator that look inside it.
 
 mod derivatives;
+mod rate;
