@@ -80,7 +80,15 @@ fn a_cover_taken_off_again_is_recalled() {
 #[test]
 fn a_ramp_is_followed() {
     let result = adaptive(Case::Ramp, 4, 840);
-    assert!(result.score.after_deg < 0.8, "{}", result.score.after_deg);
+    assert!(result.score.after_deg < 0.56, "{}", result.score.after_deg);
+}
+
+#[test]
+fn a_drift_is_followed() {
+    let result = adaptive(Case::PhoneDrift, 4, 840);
+    assert!(result.score.after_deg < 1.0, "{}", result.score.after_deg);
+    let [one, two] = result.honesty[3].within_sigma;
+    assert!((one - 0.683).abs() < 0.1 && (two - 0.954).abs() < 0.05, "{one} and {two}");
 }
 
 /// Over the runs and 50 samples, what is released is hardly ever worse than what was in force.
