@@ -206,7 +206,8 @@ impl Adaptive {
 
     /// A raw sample, finite, times in order.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
-        let raw_ut = &(raw_ut - self.motion.go(time_ns, self.unit_ut));
+        let unseen = self.steadiness.is_resting(self.noise.uneven_samples());
+        let raw_ut = &(raw_ut - self.motion.go(time_ns, self.unit_ut, unseen));
         let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
         if !self.started {
             if self.given.is_none() && (leaps || !self.steadiness.is_known()) {

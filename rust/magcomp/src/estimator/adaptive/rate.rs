@@ -27,6 +27,8 @@ use serde::{Deserialize, Serialize};
 pub(super) const RATE_VARIANCE_UT: f64 = 0.09;
 /// How long they last, s.
 pub(super) const RATE_S: f64 = 400.0;
+/// A longer time between samples is a gap, s.
+const GAP_S: f64 = 1.0;
 /// Log B from which there is a rate, and below which there is none any more.
 const BEGINS: f64 = 3.0;
 const ENDS: f64 = 0.0;
@@ -168,10 +170,12 @@ fn absorbed((prior, mean): (&Matrix9, &Vector9), block: &Likelihood, tau: &Vecto
 }
 
 impl Motion {
-    /// How far the coordinates have come at a time.
-    pub fn go(&mut self, time_ns: i64, unit_ut: f64) -> Vector3<f64> {
-        let seconds = (time_ns.saturating_sub(self.latest_ns) as f64 * 1e-9).clamp(0.0, RATE_S);
-        self.gone_ut += self.rate * (seconds * unit_ut);
+    /// How far the coordinates have come at a time. Over a gap, and where a device that rests tells nothing, they stay.
+    pub fn go(&mut self, time_ns: i64, unit_ut: f64, unseen: bool) -> Vector3<f64> {
+        let seconds = time_ns.saturating_sub(self.latest_ns) as f64 * 1e-9;
+        if !unseen && (0.0..GAP_S).contains(&seconds) {
+            self.gone_ut += self.rate * (seconds * unit_ut);
+        }
         self.latest_ns = time_ns;
         self.gone_ut
     }

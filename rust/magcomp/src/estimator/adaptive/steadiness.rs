@@ -102,6 +102,11 @@ impl Steadiness {
             (self.place, self.resting) = (Some(self.mean), 0);
         }
         self.resting = self.resting.saturating_add(1);
+        self.is_resting(samples)
+    }
+
+    /// The same as of the latest good sample.
+    pub fn is_resting(&self, samples: f64) -> bool {
         f64::from(self.resting) > samples
     }
 
