@@ -6,7 +6,7 @@
 //! and after that r decays. It begins with a fit of tau and r to the whole segment (`line`), and is carried on beside the
 //! hypothesis that b rests. Whether r = 0 now: the density there before and after the samples (Dickey 1971),
 //!     log B = r^T R^-1 r / 2 - log (det R_0 / det R) / 2
-//! Where there is a rate, and the blocks to come are predicted no worse with it, the coordinates move with it: then b rests in
+//! Where there is a rate, and the blocks to come are predicted better with it, the coordinates move with it: then b rests in
 //! them, and everything else is as it was.
 
 use super::drift::Drift;
@@ -30,10 +30,11 @@ pub(super) const RATE_S: f64 = 400.0;
 /// A longer time between samples is a gap, s.
 const GAP_S: f64 = 1.0;
 /// Log B from which there is a rate, and below which there is none any more.
-const BEGINS: f64 = 3.0;
+const BEGINS: f64 = 6.0;
 const ENDS: f64 = 0.0;
-/// The same of a segment of which nothing has been absorbed, its age from which and how often it is looked at.
-const BEGINS_WHOLE: f64 = 6.0;
+/// Log evidence by which the course must have predicted the latest blocks better.
+const BETTER: f64 = 3.0;
+/// Age of a segment of which nothing has been absorbed, from which and how often it is looked at.
 const WHOLE_FROM: usize = 256;
 const WHOLE_EVERY: usize = 64;
 /// Square of a rate, in its variance, from which it is taken for an error: five standard deviations.
@@ -232,13 +233,13 @@ impl Adaptive {
             other => {
                 self.motion.ahead = 0.0;
                 let line = Line::new(&likelihood, &timed, period_s, widest.prior(), self.unit_ut);
-                let fit = line.fit(&tau).filter(|_| other.is_none());
+                let fit = if other.is_none() { line.fit(&tau) } else { None };
                 fit.unwrap_or_else(|| Course::new(known, self.unit_ut))
             }
         };
         let half_s = 0.5 * period_s * count as f64;
         let evidence = course.log_evidence(&self.motion.rate, self.unit_ut);
-        if !self.motion.on && evidence > BEGINS && self.motion.ahead > BEGINS && course.is_plausible(self.unit_ut) {
+        if !self.motion.on && evidence > BEGINS && self.motion.ahead > BETTER && course.is_plausible(self.unit_ut) {
             self.set_off(best.order, course, half_s + 0.5 * period_s * block as f64);
         } else {
             self.go_on(&best, course, &known, evidence, half_s, seconds);
@@ -332,10 +333,7 @@ impl Adaptive {
         let Some(course) = line.fit(&widest.posterior.mean) else { return };
         let expected = angle::AngularWeight::sphere(&course.known.mean).expected(&course.known.covariance);
         let close = expected < CLOSE_DEG.to_radians().powi(2);
-        if close
-            && course.is_plausible(self.unit_ut)
-            && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS_WHOLE
-        {
+        if close && course.is_plausible(self.unit_ut) && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS {
             self.absorbed_ns = time_ns;
             self.set_off(order, course, 0.5 * period_s * age as f64);
         }
