@@ -48,8 +48,10 @@ impl Adaptive {
         }
         if let Some(trial) = self.trial.filter(|_| misfit && self.samples.age % RENEWED == RENEWED_AT) {
             if trial.base.is_some() {
+                let place = best.posterior.mean;
                 self.compete(trial.since_ns, trial.base);
                 self.trial = Some(trial);
+                self.rivals.place(&self.likelihood_of(self.samples.segment()), &place);
             } else if self.noise.is_known()
                 && let Some(latest) = self.late[RECENT - 1]
             {

@@ -28,7 +28,7 @@ const TWINS: usize = 4;
 const SAME_PLACE: f64 = 0.1;
 /// Hypotheses whose log evidence lies this far below the best one's are given up ...
 const HOPELESS: f64 = 30.0;
-/// ... but not before so many samples: the first ones fit many.
+/// ... but not before so many samples, in the segment and since they began: the first ones fit many.
 const PATIENCE: usize = 96;
 /// Mean square error by all, over that by the best, below which they agree.
 const AGREEMENT: f64 = 1.5;
@@ -48,6 +48,8 @@ pub(super) struct Rivals {
     weights: [f64; MOST],
     best: usize,
     turn: usize,
+    /// Samples since they began.
+    age: usize,
 }
 
 /// What a sample is expected to read as: its radius, and the innovation's variance through the parameters.
@@ -75,7 +77,7 @@ impl Rivals {
         for (k, other) in (count..MOST).zip(twinned) {
             (all[k], sibling[k]) = (all[*other], Some(*other));
         }
-        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0 };
+        let mut rivals = Self { all, sibling, weights: [0.0; MOST], best: 0, turn: 0, age: 0 };
         rivals.weigh(None);
         rivals
     }
@@ -173,6 +175,11 @@ impl Rivals {
         Some(Prediction { excess, variance, slope: slope / total, likely: likely / total })
     }
 
+    /// Hypotheses that are too far from the samples to move start from `place`.
+    pub fn place(&mut self, likelihood: &Likelihood, place: &Vector9) {
+        self.all.iter_mut().flatten().for_each(|h| h.consider(likelihood, place, f64::MAX));
+    }
+
     /// The samples have become more: the best and others in turn iterate, at most `iterations` times each, as long as `turns`
     /// of them with one iteration each would; all are weighed.
     pub fn refine(&mut self, likelihood: &Likelihood, samples: usize, turns: usize, iterations: usize) {
@@ -204,7 +211,8 @@ impl Rivals {
         }
         let logs = self.weigh(Some(likelihood));
         let largest = logs[self.best];
-        if samples >= PATIENCE {
+        self.age += 1;
+        if samples.min(self.age) >= PATIENCE {
             for (slot, log) in self.all.iter_mut().zip(logs) {
                 if log < largest - HOPELESS {
                     *slot = None;
