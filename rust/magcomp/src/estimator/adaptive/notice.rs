@@ -19,6 +19,8 @@ const SMALL_CHANGE: f64 = 14.0;
 const ROUGH_DEG: f64 = 20.0;
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
 const OLDER: f64 = 3.0;
+/// Fewest samples that a small change leaves to the segment.
+const FEWEST_NEW: usize = 3;
 /// Hypotheses that look elsewhere before a change is called.
 const RECONSIDERED: usize = 5;
 /// Share of its samples that must fit for a segment to be one.
@@ -181,7 +183,7 @@ impl Adaptive {
         let (mut sum, mut largest, mut kept) = (0.0, f64::NEG_INFINITY, count);
         for back in 0..count {
             sum += square(back) - usual;
-            if sum > largest && back + 1 >= span_length(0) {
+            if sum > largest && back + 1 >= FEWEST_NEW {
                 (largest, kept) = (sum, back + 1);
             }
         }
