@@ -40,9 +40,10 @@ impl Adaptive {
         // L is about chi-squared, n +- sqrt(2 n); with the prior's share, of n + 9 degrees of freedom
         let unlikely =
             |value: f64, freedom: f64| value > freedom + UNLIKELY * (2.0 * freedom).sqrt() + 0.5 * UNLIKELY * UNLIKELY;
-        let count = self.samples.segment().count() as f64 / self.noise.correlation();
-        let samples = best.distance_squared / self.noise.variance * count;
-        let misfit = unlikely(samples, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
+        let each = || self.samples.segment().count() as f64 / self.noise.correlation();
+        let count = self.neighbours().map_or_else(each, |neighbours| neighbours.means() as f64);
+        let misfit =
+            unlikely(best.samples_cost, count) || (self.samples.age < UNSURE && unlikely(best.cost, count + 9.0));
         if let Some(trial) = &mut self.trial {
             trial.misfit = misfit;
         }
@@ -51,7 +52,7 @@ impl Adaptive {
                 let place = best.posterior.mean;
                 self.compete(trial.since_ns, trial.base);
                 self.trial = Some(trial);
-                self.rivals.place(&self.likelihood_of(self.samples.segment()), &place);
+                self.rivals.place(&self.likelihood(), &place);
             } else if self.noise.is_known()
                 && let Some(latest) = self.late[RECENT - 1]
             {
@@ -77,8 +78,8 @@ impl Adaptive {
             }
             Some(trial) => {
                 let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
-                let likelihood = self.likelihood_of(self.samples.segment());
-                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &self.noise, &weight);
+                let likelihood = self.likelihood();
+                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &weight);
                 let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
                 let limit = self.release_below_deg.to_radians();
                 let close = compared.new < CLOSE_DEG.to_radians().powi(2);

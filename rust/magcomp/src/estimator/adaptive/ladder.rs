@@ -25,13 +25,14 @@ const fn jump(order: ModelOrder, [scale, diagonal, off_diagonal, centre]: [f64; 
     Jump { order, scale, diagonal, off_diagonal, centre, log_prior }
 }
 
-/// The jumps that compete. The largest are the paper's steps of all nine parameters by 50 %, which no phone's soft iron does.
+/// The jumps that compete. b rarely moves by more than a field strength: of two places on either side of an arc the near one
+/// is the likelier. The largest are the paper's steps of all nine parameters by 50 %, which no phone's soft iron does.
 pub(super) const JUMPS: [Jump; 12] = [
     jump(ModelOrder::Nothing, [0.0, 1e-4, 1e-4, 1e-4], 0.0),
     jump(ModelOrder::HardIron, [0.0, 1e-3, 1e-3, 0.03], -2.0),
     jump(ModelOrder::HardIron, [0.0, 1e-3, 1e-3, 0.1], -2.0),
     jump(ModelOrder::HardIron, [0.0, 1e-3, 1e-3, 0.35], -2.0),
-    jump(ModelOrder::HardIron, [0.0, 1e-3, 1e-3, 1.2], -2.0),
+    jump(ModelOrder::HardIron, [0.0, 1e-3, 1e-3, 1.2], -4.0),
     jump(ModelOrder::Diagonal, [0.0, 0.08, 5e-3, 0.1], -3.0),
     jump(ModelOrder::Diagonal, [0.0, 0.08, 5e-3, 0.5], -3.0),
     jump(ModelOrder::All, [0.0, 0.03, 0.02, 0.1], -3.0),

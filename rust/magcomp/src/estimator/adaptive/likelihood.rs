@@ -15,6 +15,7 @@ pub(super) struct Likelihood {
     pub s: Matrix10,
     pub n: Matrix10,
     pub weight: f64,
+    /// Of the noise, units^2.
     pub variance: f64,
 }
 

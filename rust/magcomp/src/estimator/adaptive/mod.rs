@@ -5,7 +5,7 @@
 //! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
 //! what they lead to is released when it is predicted to be better than what is in force.
 //! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
-//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `noise` ·
+//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `neighbours` (averaged) · `noise` ·
 //! `notice` (changes) · `change` (small ones) · `drift`, `rate`, `line` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
 //! `publish` (the gate) · `answer` (what is in force) · `output`.
 //! The derivation is in docs/METHOD.md.
@@ -18,6 +18,7 @@ mod hypothesis;
 mod ladder;
 mod likelihood;
 mod line;
+mod neighbours;
 mod noise;
 mod notice;
 mod output;
@@ -41,6 +42,7 @@ use hypothesis::{Gaussian, Hypothesis};
 use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
 use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
+use neighbours::Neighbours;
 use noise::Noise;
 use notice::LARGE_CHANGE;
 pub(crate) use output::AdaptiveOutput;
@@ -222,6 +224,7 @@ impl Adaptive {
         }
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
+        self.samples.noise = self.noise.variance.sqrt();
         let rests = !gated && self.rests(raw_ut);
         let onset = self.onset();
         if self.called || onset.odds >= LARGE_CHANGE {
@@ -338,6 +341,19 @@ impl Adaptive {
         Likelihood::new(moments, self.noise.variance, moments.count() as f64 / self.noise.correlation())
     }
 
+    /// The samples of the segment, neighbours averaged: where what they miss by is white noise of a known level.
+    fn neighbours(&self) -> Option<&Neighbours> {
+        self.samples.neighbours().filter(|_| !self.is_cold() && self.noise.correlation() <= 1.0)
+    }
+
+    /// Of the segment.
+    fn likelihood(&self) -> Likelihood {
+        let Some(neighbours) = self.neighbours() else { return self.likelihood_of(self.samples.segment()) };
+        let (moments, means) = (neighbours.all(), neighbours.means() as f64);
+        let share = means / moments.count().max(1) as f64;
+        Likelihood::new(&moments, self.noise.variance * share, means)
+    }
+
     /// The hypotheses take in what has come.
     fn fit(&mut self) {
         self.fit_some(match self.samples.age {
@@ -349,7 +365,7 @@ impl Adaptive {
 
     /// The same, so many hypotheses besides the best.
     fn fit_some(&mut self, turns: usize) {
-        let likelihood = self.likelihood_of(self.samples.segment());
+        let likelihood = self.likelihood();
         let age = self.samples.age;
         let in_trial = self.trial.is_some();
         if in_trial && (age < 64 || age.is_multiple_of(8)) {

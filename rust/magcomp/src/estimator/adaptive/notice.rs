@@ -110,7 +110,7 @@ impl Adaptive {
         for late in late[first..].iter().flatten().filter(|late| late.gated) {
             self.samples.add(&late.raw_ut);
         }
-        let likelihood = self.likelihood_of(self.samples.segment());
+        let likelihood = self.likelihood();
         for turn in 0..RECONSIDERED {
             self.rivals.look_elsewhere(&likelihood, self.samples.segment(), self.count as usize + turn);
         }

@@ -54,7 +54,6 @@ pub(super) fn compare(
     rivals: &Rivals,
     held: Option<&Published>,
     likelihood: &Likelihood,
-    noise: &Noise,
     weight: &AngularWeight,
 ) -> Option<Comparison> {
     let best = rivals.best()?;
@@ -63,7 +62,7 @@ pub(super) fn compare(
     let held = held.map_or(f64::INFINITY, |published| {
         let missed = likelihood.at(&published.tau).map_or(f64::INFINITY, |point| point.distance_squared);
         let scale = shape(&published.tau).norm_squared() / 3.0;
-        held_by_mixture.min(2.0 * (missed - noise.variance).max(0.0) * scale)
+        held_by_mixture.min(2.0 * (missed - likelihood.variance).max(0.0) * scale)
     });
     Some(Comparison { new, held, held_by_mixture })
 }

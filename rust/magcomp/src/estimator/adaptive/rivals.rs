@@ -105,6 +105,13 @@ impl Rivals {
                 }
             }
         }
+        // a place that a twin has lost counts once
+        for ((log, twin), other) in logs.iter_mut().zip(&self.all).zip(&self.sibling) {
+            let both = twin.as_ref().zip(other.and_then(|other| self.all[other].as_ref()));
+            if both.is_some_and(|(twin, other)| (twin.posterior.mean - other.posterior.mean).norm() < SAME_PLACE) {
+                *log = NO_EVIDENCE;
+            }
+        }
         self.best = largest(&logs, self.best);
         let most = logs[self.best];
         let weights = logs.map(|log| if log > NO_EVIDENCE { (log - most).exp() } else { 0.0 });

@@ -2,6 +2,7 @@
 //! the latest 8, 16, ... 1024. A sample enters and leaves in constant time, exactly.
 
 use super::line::Timed;
+use super::neighbours::Neighbours;
 use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,10 @@ pub(super) struct Samples {
     /// When the samples came that have not been absorbed, as long as none has.
     pub timed: Timed,
     spans: [Moments; SPANS],
+    /// None once older samples have left the segment.
+    neighbours: Option<Neighbours>,
+    /// Standard deviation of their noise, units.
+    pub noise: f64,
 }
 
 impl Samples {
@@ -41,6 +46,8 @@ impl Samples {
             segment: none.clone(),
             timed: Timed::new(),
             spans: std::array::from_fn(|_| none.clone()),
+            neighbours: Some(Neighbours::new(none)),
+            noise: 0.0,
         }
     }
 
@@ -49,13 +56,19 @@ impl Samples {
         let none = Moments::new(centre_ut, self.segment.scale_ut());
         self.age = 0;
         self.spans.fill(none.clone());
-        self.segment = none;
+        self.segment = none.clone();
+        self.neighbours = Some(Neighbours::new(none));
         self.timed = Timed::new();
     }
 
     /// Moments of the samples not yet absorbed.
     pub fn segment(&self) -> &Moments {
         &self.segment
+    }
+
+    /// The same, neighbours averaged.
+    pub fn neighbours(&self) -> Option<&Neighbours> {
+        self.neighbours.as_ref()
     }
 
     /// Moments of the latest samples of a span: fewer while the segment is younger.
@@ -85,6 +98,9 @@ impl Samples {
         }
         self.segment.add_terms(&terms);
         self.timed.add(&self.unit(raw_ut));
+        if let Some(neighbours) = &mut self.neighbours {
+            neighbours.add(raw_ut, self.noise);
+        }
         self.ring[self.next] = *raw_ut;
         self.next = (self.next + 1) % CAPACITY;
         self.age += 1;
@@ -96,6 +112,9 @@ impl Samples {
             self.timed.add(&self.unit(sample));
             self.ring[self.next] = *sample;
             self.next = (self.next + 1) % CAPACITY;
+            if let Some(neighbours) = &mut self.neighbours {
+                neighbours.add(sample, self.noise);
+            }
         }
         // from the latest backwards, so that each is added once
         for (back, sample) in samples.iter().rev().enumerate() {
@@ -122,12 +141,18 @@ impl Samples {
         for back in (0..self.age).rev() {
             self.timed.add(&self.unit(self.latest(back)));
         }
+        self.neighbours = (self.age <= REVIEWED).then(|| {
+            let mut neighbours = Neighbours::new(Moments::new(*self.segment.centre_ut(), self.segment.scale_ut()));
+            (0..self.age).rev().for_each(|back| neighbours.add(self.latest(back), self.noise));
+            neighbours
+        });
     }
 
     /// The segment without the latest samples of a span, which remain.
     pub fn absorb(&mut self, span: usize) -> (Moments, Timed) {
         let older = self.segment.without(&self.spans[span]);
         self.segment = self.spans[span].clone();
+        self.neighbours = None;
         let mut latest = Timed::new();
         (0..self.segment.count()).rev().for_each(|back| latest.add(&self.unit(self.latest(back))));
         let timed = self.timed.without(&latest);
