@@ -2,7 +2,7 @@
 //! spike, or the first after a change. Where every sample points elsewhere the usual step is large and nothing leaps.
 //!     usual <- usual + (min(step, 3 usual) - usual) / 20
 //! Of a smooth motion the second differences of the samples are noise, of six times its variance:
-//!     v <- v + (min(|second difference|^2 / 18, 9 v) - v) / 1000
+//!     v <- v + (min(|second difference|^2 / 18, 9 v) - v) / 1000        5 / n instead for the first samples
 //! A device that does not turn does not move either: what the field of the place adds is one and the same error all the time.
 
 use nalgebra::Vector3;
@@ -14,6 +14,9 @@ const KNOWN_FROM: u32 = 8;
 const MEMORY: f64 = 20.0;
 /// Memory of the noise, samples.
 const NOISE_MEMORY: f64 = 1000.0;
+/// Until then the gain is so many times 1 / n: a spike among the first samples, where there is nothing to clip it by, is
+/// forgotten as n^-5.
+const FORGETTING: f64 = 5.0;
 /// Memory of the mean that tells rest, samples.
 const REST_MEMORY: f64 = 8.0;
 /// A leap exceeds so many usual steps ...
@@ -77,10 +80,11 @@ impl Steadiness {
             let bend = (sample - previous - self.step).norm_squared() / 18.0;
             self.step = sample - previous;
             let step = self.step.norm();
-            self.count = (self.count + 1).min(1000);
+            self.count = (self.count + 1).min(10_000);
             let clipped = if self.count > 2 { step.min(3.0 * self.usual) } else { step };
             let clipped_bend = if self.count > 2 { bend.min(9.0 * self.variance) } else { bend };
-            self.variance += (clipped_bend - self.variance) / f64::from(self.count).min(NOISE_MEMORY);
+            self.variance +=
+                (clipped_bend - self.variance) / (f64::from(self.count) / FORGETTING).clamp(1.0, NOISE_MEMORY);
             self.alone = self.is_known() && step > (LEAP * self.usual).max(LEAST_LEAP);
             self.usual += (clipped - self.usual) / f64::from(self.count).min(MEMORY);
         }
@@ -131,6 +135,19 @@ mod tests {
         assert_eq!(leaps, [30, 80, 130, 180]);
         let mut random = Steadiness::new();
         assert!((0..500).all(|k| !random.leaps(&Vector3::new(f64::from(k).sin(), f64::from(k * 7).cos(), 0.3))));
+    }
+
+    #[test]
+    fn a_spike_at_the_start_is_no_noise() {
+        let noise = |spike: f64| {
+            let mut smooth = Steadiness::new();
+            for k in 0..100 {
+                let noise = 0.01 * f64::from(k % 3 - 1) + if k == 1 { spike } else { 0.0 };
+                smooth.leaps(&Vector3::new((f64::from(k) * 0.01).sin(), (f64::from(k) * 0.01).cos(), noise));
+            }
+            smooth.variance()
+        };
+        assert!(noise(2.0) < 1.1 * noise(0.0), "{} against {}", noise(2.0), noise(0.0));
     }
 
     #[test]
