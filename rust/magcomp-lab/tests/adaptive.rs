@@ -99,6 +99,9 @@ fn never_much_worse_than_holding() {
         let result = adaptive(case, 6, 860);
         assert!(result.score.worst_over_held < 1.2, "{case:?}: {}", result.score.worst_over_held);
     }
+    // short arcs whose noise looked like the other side of the ellipsoid
+    let hand = adaptive(Case::StepHand, 24, 4000);
+    assert!(hand.score.worst_over_held < 1.2, "{}", hand.score.worst_over_held);
     // a small change found by a span that began before it
     for (case, seed) in [(Case::SmallStepHand, 7014), (Case::PhoneWalk, 4004)] {
         let result = adaptive(case, 1, seed);
