@@ -48,11 +48,14 @@ impl Adaptive {
             trial.misfit = misfit;
         }
         if let Some(trial) = self.trial.filter(|_| misfit && self.samples.age % RENEWED == RENEWED_AT) {
-            if trial.base.is_some() {
+            if let Some(base) = trial.base {
                 let place = best.posterior.mean;
                 self.compete(trial.since_ns, trial.base);
                 self.trial = Some(trial);
-                self.rivals.place(&self.likelihood(), &place);
+                // too far from the samples to move
+                if self.likelihood().at(&base.mean).is_none() {
+                    self.rivals.place(&place);
+                }
             } else if self.noise.is_known()
                 && let Some(latest) = self.late[RECENT - 1]
             {

@@ -182,9 +182,9 @@ impl Rivals {
         Some(Prediction { excess, variance, slope: slope / total, likely: likely / total })
     }
 
-    /// Hypotheses that are too far from the samples to move start from `place`.
-    pub fn place(&mut self, likelihood: &Likelihood, place: &Vector9) {
-        self.all.iter_mut().flatten().for_each(|h| h.consider(likelihood, place, f64::MAX));
+    /// All start from `place`.
+    pub fn place(&mut self, place: &Vector9) {
+        self.all.iter_mut().flatten().for_each(|h| h.posterior.mean = *place);
     }
 
     /// The samples have become more: the best and others in turn iterate, at most `iterations` times each, as long as `turns`
