@@ -98,8 +98,8 @@ const FORMER: usize = 4;
 const BLOCK_SPAN: usize = 3;
 /// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
 const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// From a cold start noise is no more than so many times the variance by which neighbours differ, and so many standard
-/// deviations of the room's unevenness: what misses the fit by more is of two ellipsoids.
+/// Noise is no more than so many times the variance by which neighbours differ, and so many standard deviations of the
+/// room's unevenness.
 const MORE_THAN_DIFFERING: f64 = 3.0;
 const MORE_THAN_UNEVEN: f64 = 2.0;
 /// Ages of a segment at which its samples are gated anew and other starts are tried.
@@ -321,7 +321,7 @@ impl Adaptive {
         let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
         if !self.is_cold() {
-            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared);
+            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared, self.most_noise());
         }
         if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
             self.noise.learn_colour(z);
@@ -330,6 +330,12 @@ impl Adaptive {
             return self.unit(raw_ut).norm() > FARTHEST;
         }
         expected.likely < (-0.5 * GATE * GATE).exp()
+    }
+
+    /// The most that noise may be, units^2: what misses the fit by more is of two ellipsoids, or of one that moves.
+    fn most_noise(&self) -> f64 {
+        let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
+        MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven
     }
 
     /// Whether nothing was known before this segment.
@@ -375,9 +381,8 @@ impl Adaptive {
         let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
         self.rivals.refine(&likelihood, age, turns, iterations);
         if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
-            let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
-            let most = MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven;
-            self.noise.learn_from_fit(best.distance_squared.min(most), self.samples.segment().count() as f64);
+            self.noise
+                .learn_from_fit(best.distance_squared.min(self.most_noise()), self.samples.segment().count() as f64);
         }
     }
 

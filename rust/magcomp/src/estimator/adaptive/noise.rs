@@ -109,13 +109,14 @@ impl Noise {
         self.variance + self.uneven
     }
 
-    /// An innovation (distance, units) and the variance rho of its prediction.
-    pub fn learn(&mut self, innovation: f64, rho: f64) {
+    /// An innovation (distance, units), the variance rho of its prediction, and the most that v may be.
+    pub fn learn(&mut self, innovation: f64, rho: f64, most: f64) {
         let expected = self.variance + rho;
         let share = self.variance / expected;
         let square = (innovation * innovation).min(CLIP * CLIP * expected) / CLIPPED_MEAN;
         self.samples = (self.samples + share).min(MEMORY);
-        self.variance = (self.variance + share * (square - expected) / self.samples).max(self.least);
+        let variance = self.variance + share * (square - expected) / self.samples;
+        self.variance = variance.min(most).max(self.least);
     }
 
     /// Before anything is known innovations tell little: the mean square distance of `count` samples from their own fit.
@@ -144,5 +145,22 @@ impl Noise {
     /// A block that spans a change says nothing.
     pub fn forget_block(&mut self) {
         (self.sum, self.in_block) = (0.0, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Neighbours tell how large white noise is; what an ellipsoid that moves away is missed by besides is none.
+    #[test]
+    fn what_neighbours_do_not_show_is_no_noise() {
+        let after = |most: f64| {
+            let mut noise = Noise::new(0.01, 1e-4, 0.0);
+            (0..4000).for_each(|k| noise.learn(1e-4 * f64::from(k), 0.0, most));
+            noise.variance.sqrt()
+        };
+        assert!((after(9e-4) - 0.03).abs() < 1e-12);
+        assert!(after(f64::INFINITY) > 0.1, "{}", after(f64::INFINITY));
     }
 }
