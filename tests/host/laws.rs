@@ -2,8 +2,8 @@
 
 use magcomp::nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3, Vector4};
 use magcomp::{
-    Calibration, Coverage, FitError, FitOptions, Moments, Normalisation, ReferenceAxis, Residual, ScreenRotation,
-    fit_ellipsoid, heading, heading_sigma_deg, uniformity, window_length,
+    Calibration, CalibrationError, Coverage, FitError, FitOptions, Moments, Normalisation, ReferenceAxis, Residual,
+    ScreenRotation, fit_ellipsoid, heading, heading_sigma_deg, uniformity, window_length,
 };
 use magcomp_tests::{Random, difference};
 use proptest::prelude::*;
@@ -187,6 +187,14 @@ proptest! {
             prop_assert!((one.inclination_deg - dip).abs() < 1e-9);
         }
     }
+}
+
+/// The determinant of huge numbers overflows, and with it the inverse.
+#[test]
+fn a_soft_iron_without_a_finite_inverse_is_refused() {
+    let m = Matrix3::from_diagonal(&Vector3::new(4.5e227, 4.5e233, 1.8e229));
+    assert!(matches!(Calibration::new(m, Vector3::zeros(), 50.0), Err(CalibrationError::Singular { .. })));
+    assert!(Calibration::from_any(m, Vector3::zeros(), 50.0).is_err());
 }
 
 proptest! {

@@ -102,7 +102,13 @@ impl Calibration {
     ) -> Option<Self> {
         let inverse = soft_iron.try_inverse()?;
         let soft_iron_inverse = (inverse + inverse.transpose()) * 0.5;
-        Some(Self { soft_iron, soft_iron_inverse, hard_iron_ut, field_strength_ut })
+        // of huge numbers the determinant overflows
+        soft_iron_inverse.iter().all(|v| v.is_finite()).then_some(Self {
+            soft_iron,
+            soft_iron_inverse,
+            hard_iron_ut,
+            field_strength_ut,
+        })
     }
 
     /// A calibration from any invertible M, brought to the gauge: M = P R with P symmetric positive definite.

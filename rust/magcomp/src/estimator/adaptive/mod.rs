@@ -321,7 +321,8 @@ impl Adaptive {
         let variance = self.noise.total() * slope_squared + expected.variance;
         let z = expected.excess / variance.sqrt();
         if !self.is_cold() {
-            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared, self.most_noise());
+            let most = if self.noise.is_known() { self.most_noise() } else { f64::INFINITY };
+            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared, most);
         }
         if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
             self.noise.learn_colour(z);
