@@ -94,7 +94,8 @@ impl Calibration {
             .ok_or(CalibrationError::Singular { ratio: 0.0 })
     }
 
-    /// For callers that know M to be exactly symmetric, positive definite and finite: no checks, same numbers.
+    /// For callers that know M to be exactly symmetric, positive definite and finite: same numbers, and no check but
+    /// that the inverse is finite.
     pub(crate) fn from_symmetric(
         soft_iron: Matrix3<f64>,
         hard_iron_ut: Vector3<f64>,

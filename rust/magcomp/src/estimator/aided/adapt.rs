@@ -15,7 +15,8 @@
 //! ```
 //! so that q_b falls while nothing drifts, rises with a drift, and stays when nothing is seen (P_bb grows by 3 q_b^2 T).
 //! A steady drift v is seen as v^2 T / 3 per axis, and b lags by v tau, tau = tr P_bb / (3 q_b^2) the time in which the filter
-//! follows: with T = 3 tau (2 s at the least) the square of the lag is a third of P_bb, however slow or noisy the samples are.
+//! follows: with T = 3 tau (2 to 6 s, once q_b > 0.4; else 2 s) the square of the lag is a third of P_bb, however slow or noisy the
+//! samples are.
 //! The share of the walk that was seen to happen, rho = mean (D_k . D_{k-1}) / mean (3 q_b^2 T - unseen), says how far P may
 //! be believed: a filter that allows for a walk that does not happen errs by P / 2, one that happens by P (steady state:
 //! dPi/dt = -2 K Pi + K^2 r + rho q^2 = 0 with K = q / sqrt(r), P = q sqrt(r)); after a step all of P is true.
