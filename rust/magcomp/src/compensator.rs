@@ -195,6 +195,7 @@ impl Compensator {
         Answer {
             field_ut: output.corrected_ut,
             field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
+            heading_covariance_ut2: None,
             filtered_field_ut: output.filtered_ut,
             filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
             up: output.up,
@@ -225,6 +226,7 @@ impl Compensator {
         Answer {
             field_ut: output.corrected_ut.map(|(field, _)| field),
             field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + floor),
+            heading_covariance_ut2: output.heading_covariance_ut2.map(|covariance| covariance + floor),
             up: paired.up_m_s2,
             sigma_t: self.windowed.sigma_t(),
             direction_sigma_deg: output.direction_sigma_deg,
@@ -269,7 +271,8 @@ impl Compensator {
 
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut);
-        let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
+        let covariance =
+            answer.filtered_covariance_ut2.or(answer.heading_covariance_ut2).or(answer.field_covariance_ut2);
         Reading {
             time_ns,
             field_ut: answer.field_ut,

@@ -8,11 +8,16 @@ use crate::calibration::Calibration;
 use crate::reading::{Event, ModelOrder, Status};
 use nalgebra::{Matrix3, Vector3};
 
+/// Standard deviation of a heading that is not known at all, radians: its tangent exceeds 2 (`heading_sigma_deg`).
+const LARGEST_ANGLE_RAD: f64 = 1.11;
+
 /// One answer of the adaptive estimator.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AdaptiveOutput {
     /// Corrected sample, uT, and its covariance, uT^2.
     pub corrected_ut: Option<(Vector3<f64>, Matrix3<f64>)>,
+    /// The covariance that leads to the heading's error while hypotheses compete: large errors are known as angles.
+    pub heading_covariance_ut2: Option<Matrix3<f64>>,
     pub direction_sigma_deg: Option<f64>,
     pub worst_sigma_deg: Option<f64>,
     pub order: ModelOrder,
@@ -22,16 +27,24 @@ pub(crate) struct AdaptiveOutput {
 
 impl Adaptive {
     pub(super) fn output(&self, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
-        let corrected_ut = self.published.and_then(|published| {
-            let (h, covariance) = published.correct(&self.unit(raw_ut), &self.noise)?;
+        let found = self.published.and_then(|published| {
+            let u = self.unit(raw_ut);
+            let (field, covariance, noise) = published.correct(&u, &self.noise)?;
+            let up = self.witness.up().filter(|_| self.trial.is_some());
+            let heading_covariance = up.map(|up| {
+                let angle = self.rivals.heading_rad2(&u, &up, &field).sqrt().min(LARGEST_ANGLE_RAD);
+                let across = field.cross(&up) * angle.tan();
+                across * across.transpose() + noise
+            });
             let strength = self.strength_of(&shape(&published.tau));
-            Some((h * strength, covariance * (strength * strength)))
+            let square = strength * strength;
+            let finite = field.iter().chain(covariance.iter()).chain(heading_covariance.iter().flatten());
+            let is_finite = finite.map(|value| value * square).all(f64::is_finite);
+            is_finite.then(|| (field * strength, covariance * square, heading_covariance.map(|c| c * square)))
         });
-        let finite = |(h, covariance): &(Vector3<f64>, Matrix3<f64>)| {
-            h.iter().chain(covariance.iter()).all(|value| value.is_finite())
-        };
         AdaptiveOutput {
-            corrected_ut: corrected_ut.filter(finite),
+            corrected_ut: found.map(|(field, covariance, _)| (field, covariance)),
+            heading_covariance_ut2: found.and_then(|(_, _, heading_covariance)| heading_covariance),
             direction_sigma_deg: self.published.map(|_| self.direction_sigma_deg),
             worst_sigma_deg: self.published.map(|_| self.worst_sigma_deg),
             order: self.order,

@@ -78,11 +78,12 @@ pub(super) fn may_compare(samples: &Samples, order: ModelOrder) -> bool {
 }
 
 impl Published {
-    /// T (u - beta) and the covariance of it, for noise of the samples too: in field strengths.
-    pub fn correct(&self, u: &Vector3<f64>, noise: &Noise) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    /// T (u - beta) and the covariance of it, for noise of the samples too, and for that alone: in field strengths.
+    pub fn correct(&self, u: &Vector3<f64>, noise: &Noise) -> Option<(Vector3<f64>, Matrix3<f64>, Matrix3<f64>)> {
         let seen = see(&self.tau, u)?;
         let g = vector_gradient(&self.tau, &seen.offset);
         let t = shape(&self.tau);
-        Some((seen.direction * seen.radius, g * self.covariance * g.transpose() + t * t * noise.variance))
+        let noise = t * t * noise.variance;
+        Some((seen.direction * seen.radius, g * self.covariance * g.transpose() + noise, noise))
     }
 }

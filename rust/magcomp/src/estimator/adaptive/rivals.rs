@@ -13,7 +13,7 @@ use super::angle::AngularWeight;
 use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
 use super::likelihood::Likelihood;
 use super::noise::Noise;
-use super::parameters::{Matrix9, Vector9, see, shape};
+use super::parameters::{Matrix9, Vector9, see, shape, vector_gradient};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
 use crate::reading::ModelOrder;
@@ -34,6 +34,8 @@ const PATIENCE: usize = 96;
 const AGREEMENT: f64 = 1.5;
 /// Weights below this are left out of the mixture.
 const NEGLIGIBLE: f64 = 1e-4;
+/// Mean square of an angle of which nothing is known, radians^2.
+const ANY_DIRECTION_RAD2: f64 = std::f64::consts::PI * std::f64::consts::PI / 3.0;
 /// What a hypothesis costs besides its iterations, iterations.
 const SETTLING: usize = 2;
 /// Another start must lower F by this before it is preferred: noise alone makes differences of about 1.
@@ -154,6 +156,25 @@ impl Rivals {
         sum
     }
 
+    /// Mean square of the angle about `up` (unit vector) between where `field`, of the corrected sample u, points and where it
+    /// does by each of them, radians^2: with n across the horizontal part of T (u - beta), of length r,
+    /// angle^2 + s / (1 + s / s_any), s = n^T G P G^T n / r^2.
+    pub fn heading_rad2(&self, u: &Vector3<f64>, up: &Vector3<f64>, field: &Vector3<f64>) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        let east = field.cross(up);
+        for (hypothesis, weight) in self.weighty() {
+            let Gaussian { mean, covariance } = &hypothesis.posterior;
+            let Some(seen) = see(mean, u) else { continue };
+            let across = seen.direction.cross(up);
+            let angle = up.dot(&east.cross(&across)).atan2(east.dot(&across));
+            let gradient = vector_gradient(mean, &seen.offset).tr_mul(&across) / (across.norm_squared() * seen.radius);
+            let spread = gradient.dot(&(covariance * gradient));
+            sum += weight * (angle * angle + spread / (1.0 + spread / ANY_DIRECTION_RAD2));
+            total += weight;
+        }
+        if total > 0.0 { sum / total } else { ANY_DIRECTION_RAD2 }
+    }
+
     /// What is expected of a sample, by all of them. The sample's own noise turns the
     /// gradients, too: its share of their spread is no uncertainty of the prediction and is taken off.
     pub fn predict(&self, u: &Vector3<f64>, noise: &Noise) -> Option<Prediction> {
@@ -267,5 +288,34 @@ impl Rivals {
             Some(square / (own + rest))
         };
         fit().unwrap_or(f64::INFINITY)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two hypotheses as likely as each other one is right, and the other off by an angle that no gradient tells.
+    #[test]
+    fn a_heading_that_is_far_off_is_told_as_an_angle() {
+        let at = |centre: Vector3<f64>, sd: f64| {
+            let mut mean = Vector9::zeros();
+            (0..3).for_each(|i| (mean[i], mean[6 + i]) = (1.0, centre[i]));
+            let mut covariance = Matrix9::identity() * 1e-12;
+            (6..9).for_each(|i| covariance[(i, i)] = sd * sd);
+            Hypothesis::new(ModelOrder::HardIron, &Gaussian { mean, covariance }, 0.0).expect("a Gaussian")
+        };
+        let (field, up) = (Vector3::new(0.0, 0.5, -0.8), Vector3::z());
+        let rms_deg = |offset: Vector3<f64>, sd: f64| {
+            let rivals = Rivals::new([at(Vector3::zeros(), sd), at(offset, sd)], &[]);
+            rivals.heading_rad2(&field, &up, &field).sqrt().to_degrees()
+        };
+        let half = 0.5_f64.sqrt();
+        // it says that the field is (0.5, 0.5), and (0, -0.5): 45 and 180 deg
+        assert!((rms_deg(Vector3::new(-0.5, 0.0, 0.3), 1e-6) - 45.0 * half).abs() < 1e-3);
+        assert!((rms_deg(Vector3::new(0.0, 1.0, 0.0), 1e-6) - 180.0 * half).abs() < 1e-3);
+        // both the same, sd of b 0.02 across 0.5; and not known at all
+        assert!((rms_deg(Vector3::zeros(), 0.02) - (0.02_f64 / 0.5).to_degrees()).abs() < 0.01);
+        assert!((rms_deg(Vector3::zeros(), 100.0) - 180.0 / 3.0_f64.sqrt()).abs() < 0.1);
     }
 }

@@ -155,6 +155,11 @@ impl Witness {
         self.up_m_s2 = up_m_s2;
     }
 
+    /// Unit vector; `None` without an accelerometer.
+    pub fn up(&self) -> Option<Vector3<f64>> {
+        self.up_m_s2?.try_normalize(0.1 * GRAVITY_M_S2)
+    }
+
     fn corrected(&self, tau: &Vector9, u: &Vector3<f64>, (noise, white): (f64, f64)) -> Option<Corrected> {
         let seen = see(tau, u)?;
         let c = shape(tau) * (u - centre(tau));
