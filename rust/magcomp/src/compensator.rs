@@ -190,6 +190,8 @@ impl Compensator {
             let unknown = PairedInertial { rotation: None, ..*paired };
             self.aided.push(sample.time_ns, sample.field_ut, &unknown)
         };
+        let (bias_rad_s, scale) = self.aided.gyroscope();
+        self.pairing.assume(bias_rad_s, scale);
         let known = if self.windowed.wants_calibration() { self.aided.calibration() } else { None };
         self.windowed.note(&sample.field_ut, known);
         Answer {

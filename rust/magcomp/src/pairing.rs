@@ -1,6 +1,7 @@
 //! Pairing of sensor events by time: the rotation between two magnetometer samples is
-//! theta_k = integral of w(t) dt over (t_{k-1}, t_k), with w(t) piecewise linear between gyroscope events
-//! (trapezoid rule, exact for that w; the next term, [w x w'] dt^3/12, is below 1e-4 rad at 25 Hz and hand motion).
+//! exp(theta_k) = product of exp(integral of w(t) dt) over the pieces of (t_{k-1}, t_k), with w(t) linear between gyroscope
+//! events (trapezoid rule; the next term, [w x w'] dt^3/12, is below 1e-4 rad at 25 Hz and hand motion). The product, not
+//! the sum: across a pause of the magnetometer the axis turns too.
 //!
 //! What the rate did between its events is not known. If it wanders with density q, its slope changes by d_k from one
 //! interval T to the next, mean d_k . d_{k-1} = -3 q / T, and the trapezoid is wrong by q T^3 / 12 per axis (variance).
@@ -13,7 +14,7 @@
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
@@ -161,7 +162,7 @@ pub(crate) struct InertialPairing {
     ups: Ring<UP_EVENTS>,
     /// The event (or interpolated point) up to which the rate has been integrated.
     anchor: Option<Event>,
-    /// Integral gathered since the last magnetometer sample, rad.
+    /// Rotation gathered since the last magnetometer sample, rad.
     gathered_rad: Vector3<f64>,
     /// Variance per axis of that integral, rad^2.
     gathered_rad2: f64,
@@ -171,6 +172,9 @@ pub(crate) struct InertialPairing {
     /// How that has changed from the interval before, and q, rad^2/s^3.
     bend: Option<Vector3<f64>>,
     wander: f64,
+    /// Bias g (rad/s) and scale error s of the gyroscope as the estimator knows them: w = (1 - s) reading - g.
+    bias_rad_s: Vector3<f64>,
+    scale: Vector3<f64>,
     /// Extrapolated beyond the anchor and already handed out, rad.
     owed_rad: Vector3<f64>,
     /// A hole longer than `stale_s` lies inside the present interval.
@@ -194,6 +198,8 @@ impl InertialPairing {
             slope: None,
             bend: None,
             wander: 0.0,
+            bias_rad_s: Vector3::zeros(),
+            scale: Vector3::zeros(),
             owed_rad: Vector3::zeros(),
             broken: false,
             last_up: None,
@@ -253,6 +259,17 @@ impl InertialPairing {
         Ok(())
     }
 
+    /// From now on the gyroscope's bias (rad/s) and scale error are taken to be these. Over many events the errors of the
+    /// gyroscope turn with the device: taken off at the end they would be in a wrong frame.
+    pub fn assume(&mut self, bias_rad_s: Vector3<f64>, scale: Vector3<f64>) {
+        (self.bias_rad_s, self.scale) = (bias_rad_s, scale);
+    }
+
+    /// How the device turns in `span_s` when the gyroscope reads `rate_rad_s`, rad.
+    fn turned(&self, rate_rad_s: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
+        (rate_rad_s - rate_rad_s.component_mul(&self.scale) - self.bias_rad_s) * span_s
+    }
+
     /// Integrates from the anchor to `event` by the trapezoid rule, and makes it the anchor.
     fn advance(&mut self, event: Event) {
         if let Some(anchor) = self.anchor {
@@ -262,7 +279,8 @@ impl InertialPairing {
                 self.broken = true;
                 self.owed_rad = Vector3::zeros();
             } else {
-                self.gathered_rad += (anchor.value + event.value) * (0.5 * span_s);
+                let mean_rad_s = (anchor.value + event.value) * 0.5;
+                self.gathered_rad = then(&self.gathered_rad, &self.turned(&mean_rad_s, span_s));
             }
         }
         self.anchor = Some(event);
@@ -321,12 +339,15 @@ impl InertialPairing {
                 if beyond_s > self.config.stale_s {
                     self.broken = true;
                 } else {
-                    owed_rad = anchor.value * beyond_s;
+                    owed_rad = self.turned(&anchor.value, beyond_s);
                 }
                 anchor.value
             }
         };
-        let increment_rad = self.gathered_rad + owed_rad - self.owed_rad;
+        let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
+        // handed out as the gyroscope reads it: the estimator takes the same g and s off again
+        let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
+        let increment_rad = (turned_rad + self.bias_rad_s * span_s).component_div(&self.scale.map(|s| 1.0 - s));
         let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
         self.gathered_rad2 = 0.0;
         self.gathered_rad = Vector3::zeros();
@@ -352,6 +373,18 @@ impl InertialPairing {
         }
         (seconds(last.time_ns, time_ns) <= self.config.stale_s).then_some(last.value)
     }
+}
+
+/// The rotation vector of `first` and then `next`, both in the frame of the device as it turns.
+fn then(first: &Vector3<f64>, next: &Vector3<f64>) -> Vector3<f64> {
+    // most often there is but one piece, kept to the bit
+    if *first == Vector3::zeros() {
+        return *next;
+    }
+    if *next == Vector3::zeros() {
+        return *first;
+    }
+    (UnitQuaternion::from_scaled_axis(*first) * UnitQuaternion::from_scaled_axis(*next)).scaled_axis()
 }
 
 /// `to - from`, seconds; saturating, so that no pair of times can overflow.

@@ -1,7 +1,7 @@
 //! Pairing of sensor events by time.
 
 use super::{EventRejection, InertialPairing, PairingConfig};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 const MS: i64 = 1_000_000;
 
@@ -9,16 +9,20 @@ fn rate(t_s: f64) -> Vector3<f64> {
     Vector3::new((3.0 * t_s).sin(), 0.5 * (2.0 * t_s).cos(), 0.2 * t_s)
 }
 
-/// Integral of `rate` from 0.
-fn angle(t_s: f64) -> Vector3<f64> {
-    Vector3::new((1.0 - (3.0 * t_s).cos()) / 3.0, 0.25 * (2.0 * t_s).sin(), 0.1 * t_s * t_s)
+/// How `rate` turns a device between two times.
+fn turned(from_s: f64, to_s: f64) -> UnitQuaternion<f64> {
+    let steps = ((to_s - from_s) / 1e-4).ceil();
+    let step_s = (to_s - from_s) / steps;
+    (0..steps as usize).fold(UnitQuaternion::identity(), |q, k| {
+        q * UnitQuaternion::from_scaled_axis(rate(from_s + (k as f64 + 0.5) * step_s) * step_s)
+    })
 }
 
-/// Feeds gyroscope events of one rate and magnetometer samples of another, `late_ms` late; the sum of all increments
-/// must be the integral.
+/// Feeds gyroscope events of one rate and magnetometer samples of another, `late_ns` late; the product of all increments
+/// must be the whole rotation.
 fn total_error(gyro_ns: i64, magnetometer_ns: i64, late_ns: i64, jitter_ns: i64) -> f64 {
     let mut pairing = InertialPairing::new(PairingConfig::default());
-    let (mut next_gyro, mut sum) = (0, Vector3::zeros());
+    let (mut next_gyro, mut product) = (0, UnitQuaternion::identity());
     let mut first = None;
     let mut last = 0;
     let mut state = 1u64;
@@ -36,11 +40,11 @@ fn total_error(gyro_ns: i64, magnetometer_ns: i64, late_ns: i64, jitter_ns: i64)
             if first.is_none() {
                 first = Some(time - magnetometer_ns);
             }
-            sum += rotation.increment_rad;
+            product *= UnitQuaternion::from_scaled_axis(rotation.increment_rad);
             last = time;
         }
     }
-    (sum - (angle(last as f64 * 1e-9) - angle(first.unwrap() as f64 * 1e-9))).norm()
+    product.angle_to(&turned(first.unwrap() as f64 * 1e-9, last as f64 * 1e-9))
 }
 
 #[test]
@@ -150,7 +154,24 @@ fn a_flood_of_events_is_folded_and_nothing_is_lost() {
         pairing.push_rotation_rate(k * MS, rate(k as f64 * 1e-3)).unwrap();
     }
     let got = pairing.pair(1_000 * MS).rotation.unwrap().increment_rad;
-    assert!((got - angle(1.0)).norm() < 1e-5, "{got}");
+    assert!(UnitQuaternion::from_scaled_axis(got).angle_to(&turned(0.0, 1.0)) < 1e-5, "{got}");
+}
+
+#[test]
+fn a_pause_of_the_magnetometer_is_bridged_by_a_gyroscope_with_errors() {
+    let (bias, scale) = (Vector3::new(0.05, -0.08, 0.02), Vector3::new(0.01, -0.02, 0.015));
+    let reading = |t_s: f64| (rate(t_s) + bias).component_div(&scale.map(|s| 1.0 - s));
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    pairing.assume(bias, scale);
+    pairing.push_rotation_rate(0, reading(0.0)).unwrap();
+    pairing.pair(0);
+    for k in 1..=500 {
+        pairing.push_rotation_rate(k * 10 * MS, reading(k as f64 * 0.01)).unwrap();
+    }
+    let got = pairing.pair(5_000 * MS).rotation.unwrap().increment_rad;
+    let theta = got - got.component_mul(&scale) - bias * 5.0;
+    let error = UnitQuaternion::from_scaled_axis(theta).angle_to(&turned(0.0, 5.0));
+    assert!(error < 1e-3, "{error} rad");
 }
 
 /// Mean of what is reported per sample, over the q T^3 / 12 of a rate that wanders with density q.

@@ -37,7 +37,7 @@ use adapt::Adaptation;
 use events::Trial;
 use magnitude::Magnitude;
 use motion::Motion;
-use state::{FIELD, Gaussian, OFFSET};
+use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
 use strength::Strength;
 use watch::{Former, Watch};
 
@@ -119,6 +119,11 @@ impl Aided {
         }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
         Calibration::new(filter.soft_iron(), filter.vector(OFFSET), filter.vector(FIELD).norm().max(1.0)).ok()
+    }
+
+    /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
+    pub fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
+        self.filter.as_ref().map_or_else(Default::default, |filter| (filter.vector(BIAS), filter.vector(SCALE)))
     }
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
