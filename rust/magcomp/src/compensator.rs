@@ -309,7 +309,9 @@ impl Compensator {
             None => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
         };
         Some(Heading {
-            heading_sigma_deg: covariance.and_then(|c| heading_sigma_deg(field, up, c, tilt_sigma_deg)),
+            heading_sigma_deg: covariance.and_then(|covariance| {
+                heading_sigma_deg(field, up, config.axis, config.screen_rotation, covariance, tilt_sigma_deg)
+            }),
             true_heading_deg: config.declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
             ..found
         })
