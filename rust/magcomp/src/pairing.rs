@@ -172,9 +172,10 @@ pub(crate) struct InertialPairing {
     /// How that has changed from the interval before, and q, rad^2/s^3.
     bend: Option<Vector3<f64>>,
     wander: f64,
-    /// Bias g (rad/s) and scale error s of the gyroscope as the estimator knows them: w = (1 - s) reading - g.
-    bias_rad_s: Vector3<f64>,
-    scale: Vector3<f64>,
+    /// Bias g (rad/s) and scale error s of the gyroscope as the estimator knows them: w = (1 - s) reading - g. What rounding
+    /// does to them is far below the gyroscope's noise.
+    bias_rad_s: Vector3<f32>,
+    scale: Vector3<f32>,
     /// Extrapolated beyond the anchor and already handed out, rad.
     owed_rad: Vector3<f64>,
     /// A hole longer than `stale_s` lies inside the present interval.
@@ -262,12 +263,12 @@ impl InertialPairing {
     /// From now on the gyroscope's bias (rad/s) and scale error are taken to be these. Over many events the errors of the
     /// gyroscope turn with the device: taken off at the end they would be in a wrong frame.
     pub fn assume(&mut self, bias_rad_s: Vector3<f64>, scale: Vector3<f64>) {
-        (self.bias_rad_s, self.scale) = (bias_rad_s, scale);
+        (self.bias_rad_s, self.scale) = (bias_rad_s.cast(), scale.cast());
     }
 
     /// How the device turns in `span_s` when the gyroscope reads `rate_rad_s`, rad.
     fn turned(&self, rate_rad_s: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
-        (rate_rad_s - rate_rad_s.component_mul(&self.scale) - self.bias_rad_s) * span_s
+        (rate_rad_s - rate_rad_s.component_mul(&self.scale.cast()) - self.bias_rad_s.cast()) * span_s
     }
 
     /// Integrates from the anchor to `event` by the trapezoid rule, and makes it the anchor.
@@ -347,7 +348,8 @@ impl InertialPairing {
         let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
         // handed out as the gyroscope reads it: the estimator takes the same g and s off again
         let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
-        let increment_rad = (turned_rad + self.bias_rad_s * span_s).component_div(&self.scale.map(|s| 1.0 - s));
+        let scale: Vector3<f64> = self.scale.cast();
+        let increment_rad = (turned_rad + self.bias_rad_s.cast() * span_s).component_div(&scale.map(|s| 1.0 - s));
         let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
         self.gathered_rad2 = 0.0;
         self.gathered_rad = Vector3::zeros();

@@ -36,7 +36,7 @@ const REST_SETTLE_S: f64 = 0.5;
 /// What is known about |h| across a gap, uT.
 const GAP_STRENGTH_SD_UT: f64 = 5.0;
 /// A gap longer than this many times `gap_s`, bridged by the gyroscope, still lets the offset drift.
-const LONG_GAP: f64 = 5.0;
+pub(super) const LONG_GAP: f64 = 5.0;
 /// Drift in a gap is not counted beyond this, s: the drift of a phone is bounded.
 pub(super) const LONGEST_DRIFT_S: f64 = 225.0;
 /// Share of gated samples at which the offset is freed before a calibration was found, and the least freedom, uT.
@@ -126,6 +126,13 @@ impl Aided {
                 return;
             }
         }
+        if self.refuted(step.raw_ut, dense) {
+            *dense = self.start_anew(step.raw_ut);
+            return;
+        }
+        if !gated && !step.resting {
+            self.unproven.rest_s = (self.unproven.rest_s - (step.dt_s * step.motion) as f32).max(0.0);
+        }
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some());
@@ -150,6 +157,10 @@ impl Aided {
         }
         if self.adopted {
             if self.watch.share > self.config.suspect_share {
+                if self.is_unproven() {
+                    *dense = self.start_anew(step.raw_ut);
+                    return;
+                }
                 filter.keep(dense);
                 let mut trial = Trial::start(filter, &self.watch, self.former.as_ref());
                 trial.young = self.strength.young();

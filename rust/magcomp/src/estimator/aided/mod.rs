@@ -37,6 +37,7 @@ use adapt::Adaptation;
 use events::Trial;
 use magnitude::Magnitude;
 use motion::Motion;
+use start::Unproven;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
 use strength::Strength;
 use watch::{Former, Watch};
@@ -72,6 +73,7 @@ pub(crate) struct Aided {
     strength: Strength,
     /// When the latest misfit passed by itself.
     passed_ns: Option<i64>,
+    unproven: Unproven,
     /// Seconds of motion for which the calibration still holds.
     hold_s: f64,
     /// Time since the prior on |m| was applied, s.
@@ -99,6 +101,7 @@ impl Aided {
             event: None,
             strength: Strength::default(),
             passed_ns: None,
+            unproven: Unproven::default(),
             hold_s: 0.0,
             prior_age_s: 0.0,
             lost_strength_ut: None,
@@ -118,7 +121,9 @@ impl Aided {
             .ok();
         }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
-        Calibration::new(filter.soft_iron(), filter.vector(OFFSET), filter.vector(FIELD).norm().max(1.0)).ok()
+        // where the field points is lost: m is but the latest sample
+        let strength_ut = self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm());
+        Calibration::new(filter.soft_iron(), filter.vector(OFFSET), strength_ut.max(1.0)).ok()
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.

@@ -13,14 +13,17 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::learn::LONGEST_DRIFT_S;
+use super::adapt::Adaptation;
+use super::learn::{LONG_GAP, LONGEST_DRIFT_S};
 use super::magnitude::Magnitude;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, iron_rows};
+use super::strength::Strength;
 use super::tuning;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Calibration;
 use crate::reading::SensorMode;
+use serde::{Deserialize, Serialize};
 
 /// A first raw sample of this size may be a field without an offset, uT.
 const NEAR_UT: std::ops::Range<f64> = 20.0..75.0;
@@ -33,10 +36,30 @@ const SUM_VARIANCE_UT2: f64 = 0.25;
 /// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
 const GIVEN_OFFSET_SD_UT: f64 = 2.0;
 const GIVEN_IRON_SD: f64 = 0.02;
+/// Seconds of motion in which a calibration that was given, or is from before a pause, must prove itself.
+const PROVING_S: f32 = 5.0;
+/// More sigmas than b may move meanwhile.
+const REFUTING_SIGMAS: f64 = 6.0;
+/// Share by which the magnitude may be off the one that goes with such a calibration: more than a building bends a field.
+const CONTRADICTION_SHARE: f64 = 0.5;
+/// So many looks in a row, the first without a rotation: one may be a spike.
+const CONTRADICTIONS: u32 = 2;
 /// Share of the variance of the gyroscope's scale that its three axes have in common (one drive, one temperature).
 const SCALE_COMMON: f64 = 0.8;
 /// Added to what the bias is known to at the second start, rad/s.
 const RESTART_BIAS_RAD_S: f64 = 0.002;
+
+/// A calibration that was given, or is from before a pause: the device may have changed since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Unproven {
+    /// Seconds of motion that still are to be passed without a misfit; 0: it is proven.
+    pub(super) rest_s: f32,
+    /// Its b, uT, and the variance of b per axis, uT^2.
+    offset_ut: Vector3<f32>,
+    variance_ut2: f32,
+    /// Looks in a row at a field of a wrong strength.
+    contradictions: u32,
+}
 
 impl Aided {
     /// A filter that knows one raw sample.
@@ -71,12 +94,14 @@ impl Aided {
         dense.add_iron_variance(GIVEN_IRON_SD * GIVEN_IRON_SD);
         let mut gaussian = Gaussian::zero();
         if gaussian.keep(&dense) {
+            self.question(&dense);
             self.filter = Some(gaussian);
             self.lost_strength_ut = Some(calibration.field_strength_ut() * trace / 3.0);
             self.restarted = true;
             self.adopted = true;
             self.trial = None;
             self.watch = Watch::new();
+            self.strength = Strength::default();
             self.magnitude = Magnitude::new();
         }
     }
@@ -99,6 +124,46 @@ impl Aided {
         dense.add_variance(SCALE, (1.0 - SCALE_COMMON) * scale);
         dense.add_block(SCALE, &Matrix3::repeat(SCALE_COMMON * scale));
         dense
+    }
+
+    /// From here on the calibration must prove itself.
+    fn question(&mut self, dense: &Dense) {
+        self.unproven = Unproven {
+            rest_s: PROVING_S,
+            offset_ut: dense.vector(OFFSET).cast(),
+            variance_ut2: (dense.block(OFFSET, OFFSET).trace() / 3.0) as f32,
+            contradictions: 0,
+        };
+    }
+
+    pub(super) fn is_unproven(&self) -> bool {
+        self.adopted && self.unproven.rest_s > 0.0
+    }
+
+    /// Whether an unproven calibration does not hold: its b has been moved further than it was known, or its field is of
+    /// a wrong strength.
+    pub(super) fn refuted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
+        let moved_ut: Vector3<f64> = dense.vector(OFFSET) - self.unproven.offset_ut.cast();
+        let limit_ut2 = REFUTING_SIGMAS.powi(2) * f64::from(self.unproven.variance_ut2);
+        self.is_unproven() && (moved_ut.norm_squared() > limit_ut2 || self.contradicted(raw_ut, dense))
+    }
+
+    /// Whether the samples since the field was lost give it a wrong strength.
+    fn contradicted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
+        let Some((strength_ut, w)) = self.lost_strength_ut.zip(dense.soft_iron().try_inverse()) else { return false };
+        let size_ut = (w * (raw_ut - dense.vector(OFFSET))).norm();
+        let off = (size_ut / strength_ut - 1.0).abs() > CONTRADICTION_SHARE;
+        self.unproven.contradictions = if off { self.unproven.contradictions + 1 } else { 0 };
+        self.unproven.contradictions >= CONTRADICTIONS
+    }
+
+    /// A filter that has forgotten a calibration which does not hold.
+    pub(super) fn start_anew(&mut self, raw_ut: &Vector3<f64>) -> Dense {
+        self.lost_strength_ut = None;
+        self.unproven = Unproven::default();
+        self.watch = Watch::new();
+        self.adaptation = Adaptation::new(&self.config);
+        self.start(raw_ut).open()
     }
 
     /// Until the first calibration: a second start, then adoption.
@@ -153,6 +218,10 @@ impl Aided {
                 if (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() < LONGEST_DRIFT_S * 3.0 {
                     dense.add_variance(OFFSET, walk_ut2);
                 }
+                if dt_s > LONG_GAP * self.config.gap_s {
+                    self.question(&dense);
+                }
+                self.contradicted(raw_ut, &dense);
                 if let Some(w) = dense.soft_iron().try_inverse() {
                     dense.set_vector(FIELD, &(w * (raw_ut - dense.vector(OFFSET))));
                 }

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::{Aided, AidedConfig};
 use super::simulator::{Random, World};
+use crate::calibration::Calibration;
 use crate::pairing::{InertialPairing, PairedInertial, Rotation};
 use crate::reading::{HoldReason, SensorMode, Status};
 
@@ -142,4 +143,38 @@ fn a_spike_as_the_first_sample_does_no_harm() {
     }
     let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
     assert!(error < 2.0 && aided.event.is_none(), "offset wrong by {error} uT, {:?}", aided.event);
+}
+
+#[test]
+fn a_calibration_from_before_the_device_changed_does_not_last() {
+    for (step_ut, seed) in [(30.0, 60), (100.0, 61), (300.0, 62), (100.0, 63)] {
+        // given at the start, or the device's own from before a pause
+        for given in [true, false] {
+            let mut world = World::new(seed);
+            let mut aided = Aided::new(AidedConfig::default());
+            if given {
+                let strength_ut = world.field_ut.norm();
+                aided.begin_from(&Calibration::new(world.soft_iron, world.hard_iron_ut, strength_ut).unwrap());
+            } else {
+                for _ in 0..2_000 {
+                    let sample = world.sample(0.01);
+                    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                }
+                world.time_ns += 60_000_000_000;
+            }
+            world.hard_iron_ut += Vector3::new(0.6, -0.64, 0.48) * step_ut;
+            let mut worst_deg: f64 = 0.0;
+            for k in 0..2_000 {
+                let sample = world.sample(0.01);
+                let unknown = PairedInertial { rotation: None, ..sample.inertial };
+                let output =
+                    aided.push(sample.time_ns, sample.raw_ut, if k == 0 { &unknown } else { &sample.inertial });
+                if let Some(f) = output.filtered_ut.filter(|_| k >= 700) {
+                    worst_deg = worst_deg.max(f.angle(&sample.field_ut).to_degrees());
+                }
+            }
+            assert!(aided.calibration().is_some(), "{step_ut} uT, given {given}");
+            assert!(worst_deg < 3.0, "{step_ut} uT, given {given}: {worst_deg} deg from 7 s on");
+        }
+    }
 }
