@@ -271,6 +271,12 @@ impl InertialPairing {
         (rate_rad_s - rate_rad_s.component_mul(&self.scale.cast()) - self.bias_rad_s.cast()) * span_s
     }
 
+    /// A turn in `span_s` as the gyroscope reads it: the estimator takes the same g and s off again.
+    fn as_read(&self, turned_rad: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
+        let scale: Vector3<f64> = self.scale.cast();
+        (turned_rad + self.bias_rad_s.cast() * span_s).component_div(&scale.map(|s| 1.0 - s))
+    }
+
     /// Integrates from the anchor to `event` by the trapezoid rule, and makes it the anchor.
     fn advance(&mut self, event: Event) {
         if let Some(anchor) = self.anchor {
@@ -325,6 +331,9 @@ impl InertialPairing {
 
     fn rotation_at(&mut self, time_ns: i64, started: bool) -> Option<Rotation> {
         let anchor = self.anchor?;
+        if anchor.time_ns > time_ns {
+            return self.share_of_a_flood(anchor.time_ns, time_ns, started);
+        }
         let mut owed_rad = Vector3::zeros();
         let rate_rad_s = match self.rates.first() {
             Some(next) if anchor.time_ns < time_ns => {
@@ -346,10 +355,8 @@ impl InertialPairing {
             }
         };
         let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
-        // handed out as the gyroscope reads it: the estimator takes the same g and s off again
         let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
-        let scale: Vector3<f64> = self.scale.cast();
-        let increment_rad = (turned_rad + self.bias_rad_s.cast() * span_s).component_div(&scale.map(|s| 1.0 - s));
+        let increment_rad = self.as_read(&turned_rad, span_s);
         let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
         self.gathered_rad2 = 0.0;
         self.gathered_rad = Vector3::zeros();
@@ -359,6 +366,24 @@ impl InertialPairing {
             self.owed_rad = Vector3::zeros();
         }
         (started && !broken).then_some(Rotation { increment_rad, rate_rad_s, variance_rad2 })
+    }
+
+    /// More events came at once than the ring holds, and what was folded lies ahead of the sample too: how the turn is spread
+    /// over that time is lost, and taken to be even.
+    fn share_of_a_flood(&mut self, ahead_ns: i64, time_ns: i64, started: bool) -> Option<Rotation> {
+        let last_ns = self.last_paired_ns.filter(|_| started && !self.broken);
+        let Some(last_ns) = last_ns else {
+            self.broken = true;
+            return None;
+        };
+        let (span_s, share) = (seconds(last_ns, time_ns), seconds(last_ns, time_ns) / seconds(last_ns, ahead_ns));
+        let all_rad = then(&-self.owed_rad, &self.gathered_rad);
+        let (turned_rad, variance_rad2) = (all_rad * share, self.gathered_rad2 * share);
+        self.gathered_rad = all_rad - turned_rad;
+        self.gathered_rad2 -= variance_rad2;
+        self.owed_rad = Vector3::zeros();
+        let increment_rad = self.as_read(&turned_rad, span_s);
+        Some(Rotation { increment_rad, rate_rad_s: increment_rad / span_s, variance_rad2 })
     }
 
     fn up_at(&mut self, time_ns: i64) -> Option<Vector3<f64>> {

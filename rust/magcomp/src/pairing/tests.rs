@@ -158,6 +158,28 @@ fn a_flood_of_events_is_folded_and_nothing_is_lost() {
 }
 
 #[test]
+fn a_batch_of_events_ahead_of_its_samples_is_spread_over_them() {
+    let mut pairing = InertialPairing::new(PairingConfig::default());
+    let (mut product, mut truth) = (UnitQuaternion::identity(), UnitQuaternion::identity());
+    let (mut count, mut worst) = (0, 0.0_f64);
+    for batch in 0..20 {
+        let times = (1..=50).map(|k| (batch * 50 + k) * 10 * MS);
+        for time in times.clone() {
+            pairing.push_rotation_rate(time, rate(time as f64 * 1e-9)).unwrap();
+        }
+        for time in times {
+            let Some(rotation) = pairing.pair(time).rotation else { continue };
+            product *= UnitQuaternion::from_scaled_axis(rotation.increment_rad);
+            truth *= turned((time - 10 * MS) as f64 * 1e-9, time as f64 * 1e-9);
+            (count, worst) = (count + 1, worst.max(product.angle_to(&truth)));
+        }
+    }
+    assert!(count > 950, "{count} of 1000 samples");
+    // a third of a second taken as even, of a rate that changes by 1 rad/s in it
+    assert!(worst < 0.06 && product.angle_to(&truth) < 0.01, "{worst} rad");
+}
+
+#[test]
 fn a_pause_of_the_magnetometer_is_bridged_by_a_gyroscope_with_errors() {
     let (bias, scale) = (Vector3::new(0.05, -0.08, 0.02), Vector3::new(0.01, -0.02, 0.015));
     let reading = |t_s: f64| (rate(t_s) + bias).component_div(&scale.map(|s| 1.0 - s));

@@ -22,7 +22,8 @@ import kotlinx.coroutines.flow.callbackFlow
  * @property rateHz events a second of each sensor, 1 to 1000; the system takes it as a wish. Above 200 Hz Android 12 and
  *   newer want the permission `android.permission.HIGH_SAMPLING_RATE_SENSORS`. Default 100
  * @property maxReportLatencyUs how long the system may collect events before it delivers them, microseconds; more saves
- *   power and delays readings. Default 0: at once
+ *   power and delays readings; from about 150 000 on it makes them worse too, as events come sensor by sensor. Default 0: at
+ *   once
  * @property gyroscope whether the gyroscope is used where there is one. Default true
  * @property up whether gravity, else the accelerometer, is used; without it there is no heading. Default true
  */
