@@ -10,8 +10,8 @@
 //! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
 //! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
-//! (a ramp, or a field that keeps changing). If the calibration in force before the last step fits, `device` starts
-//! from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
+//! (a ramp, or a field that keeps changing). As soon as the calibration in force before the last step fits,
+//! `device` starts from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
 //! while undecided, `erratic` and the recall are new.
 
 // index arithmetic is the mathematics here
@@ -105,6 +105,12 @@ pub(crate) struct Step<'a> {
     pub(crate) motion: f64,
 }
 
+/// Whether the samples that do not fit now fit the calibration from before the last step.
+fn fits_again(watch: &Watch) -> bool {
+    let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
+    watch.former_ut.norm() < RECALL_LIMIT_UT.min(0.4 * step_ut)
+}
+
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
     pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>) -> Self {
@@ -133,7 +139,7 @@ impl Trial {
         let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
         let base = filter.open();
         let mut device = base.clone();
-        let recall = former.filter(|_| watch.former_ut.norm() < RECALL_LIMIT_UT.min(0.4 * step_ut));
+        let recall = former.filter(|_| fits_again(watch));
         self.recalled = recall.is_some();
         if let Some(former) = recall {
             former.put_into(&mut device);
@@ -187,6 +193,14 @@ impl Trial {
                     place.update(&p, Correct::FieldOnly);
                 }
             }
+        }
+        // a cover comes off in a while: what it leaves shows later than the onset
+        if let Some(former) = former.filter(|_| !self.recalled && self.phase == Phase::Undecided && fits_again(watch)) {
+            device = filter.open();
+            former.put_into(&mut device);
+            self.recalled = true;
+            self.log_ratio = 0.0;
+            self.device_misfit = 0.0;
         }
         self.device.keep(&device);
         self.place.keep(&place);
