@@ -7,7 +7,8 @@ public final class Compass: Sendable {
 
     /// - Parameters:
     ///   - source: where events come from
-    ///   - config: what was left out is the library's default
+    ///   - config: what was left out is the library's default, but for the heading's axis: `.auto`, which does not flip when
+    ///     the phone is raised
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     public init(source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil) {
         (self.source, self.config, self.store) = (source, config, store)

@@ -15,7 +15,8 @@ import kotlinx.coroutines.launch
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
  *
  * @param source where events come from
- * @param config what was left out is the library's default
+ * @param config what was left out is the library's default, but for the heading's axis: `AUTO`, which does not flip when the
+ *   phone is raised
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  */
 public class Compass @JvmOverloads constructor(
