@@ -131,6 +131,7 @@ impl Aided {
             return;
         }
         if !gated && !step.resting {
+            self.unproven.rest_rad = (self.unproven.rest_rad - step.angle_rad as f32).max(0.0);
             self.unproven.rest_s = (self.unproven.rest_s - (step.dt_s * step.motion) as f32).max(0.0);
         }
         let field = dense.vector(FIELD);

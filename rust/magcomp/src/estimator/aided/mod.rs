@@ -61,7 +61,8 @@ pub(crate) struct Aided {
     /// The filter has been started anew from its own first answer.
     restarted: bool,
     adopted: bool,
-    /// Misfits still allowed to the samples right after the first before that one is dropped; 0: one has fitted.
+    /// Misfits still allowed: to the samples right after the first before that one is dropped (0: one has fitted), or to the
+    /// strength of the field before an unproven calibration is.
     unconfirmed: u32,
     adaptation: Adaptation,
     motion: Motion,

@@ -36,9 +36,12 @@ const SUM_VARIANCE_UT2: f64 = 0.25;
 /// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
 const GIVEN_OFFSET_SD_UT: f64 = 2.0;
 const GIVEN_IRON_SD: f64 = 0.02;
-/// Seconds of motion in which a calibration that was given, or is from before a pause, must prove itself.
+/// A calibration that was given, or is from before a pause, must prove itself: a b wrong by 20 uT leaves a misfit of 16 uT in a
+/// turn of this angle, rad ...
+const PROVING_RAD: f32 = 0.8;
+/// ... or goes into b little by little, in seconds of motion ...
 const PROVING_S: f32 = 5.0;
-/// More sigmas than b may move meanwhile.
+/// ... by more than so many sigmas.
 const REFUTING_SIGMAS: f64 = 6.0;
 /// Share by which the magnitude may be off the one that goes with such a calibration: more than a building bends a field.
 const CONTRADICTION_SHARE: f64 = 0.5;
@@ -52,13 +55,13 @@ const RESTART_BIAS_RAD_S: f64 = 0.002;
 /// A calibration that was given, or is from before a pause: the device may have changed since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Unproven {
-    /// Seconds of motion that still are to be passed without a misfit; 0: it is proven.
+    /// What still is to be turned without a misfit, rad; 0: a misfit is told from the calibration's own error.
+    pub(super) rest_rad: f32,
+    /// Seconds of motion in which b still may not be moved far; 0: it is proven.
     pub(super) rest_s: f32,
     /// Its b, uT, and the variance of b per axis, uT^2.
     offset_ut: Vector3<f32>,
     variance_ut2: f32,
-    /// Looks in a row at a field of a wrong strength.
-    contradictions: u32,
 }
 
 impl Aided {
@@ -129,15 +132,16 @@ impl Aided {
     /// From here on the calibration must prove itself.
     fn question(&mut self, dense: &Dense) {
         self.unproven = Unproven {
+            rest_rad: PROVING_RAD,
             rest_s: PROVING_S,
             offset_ut: dense.vector(OFFSET).cast(),
             variance_ut2: (dense.block(OFFSET, OFFSET).trace() / 3.0) as f32,
-            contradictions: 0,
         };
+        self.unconfirmed = CONTRADICTIONS;
     }
 
     pub(super) fn is_unproven(&self) -> bool {
-        self.adopted && self.unproven.rest_s > 0.0
+        self.adopted && self.unproven.rest_rad > 0.0
     }
 
     /// Whether an unproven calibration does not hold: its b has been moved further than it was known, or its field is of
@@ -145,7 +149,8 @@ impl Aided {
     pub(super) fn refuted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
         let moved_ut: Vector3<f64> = dense.vector(OFFSET) - self.unproven.offset_ut.cast();
         let limit_ut2 = REFUTING_SIGMAS.powi(2) * f64::from(self.unproven.variance_ut2);
-        self.is_unproven() && (moved_ut.norm_squared() > limit_ut2 || self.contradicted(raw_ut, dense))
+        let moved = self.adopted && self.unproven.rest_s > 0.0 && moved_ut.norm_squared() > limit_ut2;
+        moved || (self.is_unproven() && self.contradicted(raw_ut, dense))
     }
 
     /// Whether the samples since the field was lost give it a wrong strength.
@@ -153,8 +158,8 @@ impl Aided {
         let Some((strength_ut, w)) = self.lost_strength_ut.zip(dense.soft_iron().try_inverse()) else { return false };
         let size_ut = (w * (raw_ut - dense.vector(OFFSET))).norm();
         let off = (size_ut / strength_ut - 1.0).abs() > CONTRADICTION_SHARE;
-        self.unproven.contradictions = if off { self.unproven.contradictions + 1 } else { 0 };
-        self.unproven.contradictions >= CONTRADICTIONS
+        self.unconfirmed = if off { self.unconfirmed.saturating_sub(1) } else { CONTRADICTIONS };
+        self.unconfirmed == 0
     }
 
     /// A filter that has forgotten a calibration which does not hold.
@@ -221,7 +226,9 @@ impl Aided {
                 if dt_s > LONG_GAP * self.config.gap_s {
                     self.question(&dense);
                 }
-                self.contradicted(raw_ut, &dense);
+                if self.is_unproven() {
+                    self.contradicted(raw_ut, &dense);
+                }
                 if let Some(w) = dense.soft_iron().try_inverse() {
                     dense.set_vector(FIELD, &(w * (raw_ut - dense.vector(OFFSET))));
                 }
@@ -274,6 +281,7 @@ impl Aided {
         self.lost_strength_ut = Some(magnitude.strength_ut);
         self.restarted = true;
         self.adopted = false;
+        self.unconfirmed = 0;
         self.adopt(dense);
     }
 }
