@@ -224,10 +224,10 @@ proptest! {
                     prop_assert!((0.0..360.0).contains(&found.heading_deg));
                     prop_assert!((-90.0..=90.0).contains(&found.inclination_deg));
                 }
+                if let Some(sigma) = heading_sigma_deg(&field, &up, axis, rotation, &Matrix3::identity(), tilt) {
+                    prop_assert!(sigma.is_finite());
+                }
             }
-        }
-        if let Some(sigma) = heading_sigma_deg(&field, &up, &Matrix3::identity(), tilt) {
-            prop_assert!(sigma.is_finite());
         }
         prop_assert!(Coverage::cell(&field) < magcomp::CELLS);
     }
