@@ -47,9 +47,9 @@ use super::tuning;
 
 const USELESS_STEP_UT: f64 = 17.0;
 const USELESS_LEVER_UT: f64 = 150.0;
-const USELESS_GAIN: f64 = 0.05;
-const USELESS_ON: f64 = 0.6;
-const USELESS_OFF: f64 = 0.3;
+const USELESS_GAIN: f32 = 0.05;
+const USELESS_ON: f32 = 0.6;
+const USELESS_OFF: f32 = 0.3;
 /// Time constant of the slow difference between c and f, and of the slow innovation, s.
 const SLOW_TIME_S: f64 = 0.25;
 /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows.
@@ -95,12 +95,12 @@ pub(crate) struct Adaptation {
     carried_ut2: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
-    slow_innovation_ut: Vector3<f64>,
+    slow_innovation_ut: Vector3<f32>,
     slow_power_ut2: f64,
     /// Mean square of c - f per axis, uT^2.
     power_ut2: f64,
     slow_age_s: f64,
-    useless_share: f64,
+    useless_share: f32,
     pub(crate) useless: bool,
 }
 
@@ -174,7 +174,7 @@ impl Adaptation {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
             let surprise = size > USELESS_STEP_UT && size > USELESS_LEVER_UT * angle_rad;
-            self.useless_share += USELESS_GAIN * (f64::from(surprise) - self.useless_share);
+            self.useless_share += USELESS_GAIN * (f32::from(u8::from(surprise)) - self.useless_share);
             if self.useless_share > USELESS_ON {
                 self.useless = true;
             } else if self.useless_share < USELESS_OFF {
@@ -195,8 +195,10 @@ impl Adaptation {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
         let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
-        self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * gain;
-        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
+        let slow_ut: Vector3<f64> = self.slow_innovation_ut.cast();
+        let slow_ut = slow_ut + (innovation.v - slow_ut) * gain;
+        self.slow_innovation_ut = slow_ut.cast();
+        let slow = slow_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
         let excess = excess + SLOW_WEIGHT * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);

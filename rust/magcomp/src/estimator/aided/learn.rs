@@ -44,6 +44,10 @@ const UNADOPTED_SHARE: f64 = 0.451;
 const UNADOPTED_STEP_UT: f64 = 8.0;
 /// A misfit within this time of one that passed by itself is likelier the place's again than the device's, ns.
 const UNREST_NS: i64 = 120_000_000_000;
+/// A new place is believed to be the earth's field in this time, s: until then the heading may be wrong by what it differs by.
+const NEW_PLACE_TIME_S: f64 = 300.0;
+/// The field is what it was before a new place when it differs from that by less than this share.
+const BACK_SHARE: f64 = 0.3;
 /// NIS beyond which a sample is a spike and says nothing about the local field.
 const SPIKE_NIS: f64 = 200.0;
 /// Seconds of motion for which the calibration still holds after a disturbance: what bends a field bends it around too.
@@ -74,6 +78,8 @@ impl Aided {
         let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
         let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
         let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
+        let fade = (-dt_s / NEW_PLACE_TIME_S).exp();
+        self.displaced_ut = (turn * self.displaced_ut.cast() * fade).cast();
         self.adaptation.carry(noise.carried_ut2(dense.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.config);
@@ -235,8 +241,19 @@ impl Aided {
                 self.strength.clear();
                 return self.go_on_with(trial.device(filter), dense);
             }
-            Verdict::NewPlace => return self.go_on_with(trial.place(filter), dense),
-            Verdict::Place => self.event = event(EventKind::PlaceChanged),
+            Verdict::NewPlace | Verdict::Place => {
+                let winner = trial.place(filter);
+                let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
+                let moved_ut = displaced_ut + winner.vector(FIELD) - dense.vector(FIELD);
+                let back = moved_ut.norm() < BACK_SHARE * displaced_ut.norm();
+                if verdict == Verdict::Place {
+                    self.event = event(EventKind::PlaceChanged);
+                }
+                if verdict == Verdict::NewPlace || back {
+                    self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
+                    return self.go_on_with(winner, dense);
+                }
+            }
             Verdict::Erratic => {
                 self.event = event(EventKind::Erratic);
                 // what came just before the onset may have gone into the bias, which now carries the heading

@@ -75,6 +75,8 @@ pub(crate) struct Aided {
     /// When the latest misfit passed by itself.
     passed_ns: Option<i64>,
     unproven: Unproven,
+    /// What the field of a new place differs by from the one carried there, device frame, uT.
+    displaced_ut: Vector3<f32>,
     /// Seconds of motion for which the calibration still holds.
     hold_s: f64,
     /// Time since the prior on |m| was applied, s.
@@ -103,6 +105,7 @@ impl Aided {
             strength: Strength::default(),
             passed_ns: None,
             unproven: Unproven::default(),
+            displaced_ut: Vector3::zeros(),
             hold_s: 0.0,
             prior_age_s: 0.0,
             lost_strength_ut: None,

@@ -67,9 +67,11 @@ impl Aided {
             + noise
             + Matrix3::identity() * unseen
             + timing;
+        let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
         let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none())
             + Matrix3::identity() * floor
-            + timing;
+            + timing
+            + displaced_ut * displaced_ut.transpose();
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }

@@ -82,6 +82,38 @@ fn a_place_step_is_held_and_forgotten() {
     }
 }
 
+/// After 30 s it is taken for the place's; which of both is the earth's nobody can tell.
+#[test]
+fn a_place_that_stays_is_told_by_the_sigma_and_its_end_at_once() {
+    for seed in 50..56 {
+        let (mut world, mut aided) = settled(seed);
+        let (earth, there) = (world.field_ut, world.field_ut + Vector3::new(14.0, -8.0, 12.0));
+        // of the carried field against the earth's, where both are horizontal: worst error over its sigma, worst error
+        let follow = |world: &mut World, aided: &mut Aided, samples: usize| {
+            let (mut worst_sigmas, mut worst_deg) = (0.0_f64, 0.0_f64);
+            for _ in 0..samples {
+                let sample = world.sample(0.01);
+                let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let (f, to_device) = (output.filtered_ut.unwrap(), world.attitude.inverse());
+                let across = f.cross(&(to_device * Vector3::z())).normalize();
+                let truth = to_device * earth;
+                let sd = across.dot(&(output.filtered_covariance_ut2 * across)).sqrt();
+                worst_sigmas = worst_sigmas.max(across.dot(&truth).abs() / sd);
+                worst_deg = worst_deg.max(f.angle(&truth).to_degrees());
+            }
+            (worst_sigmas, worst_deg)
+        };
+        world.field_ut = there;
+        follow(&mut world, &mut aided, 3_600);
+        let (sigmas, deg) = follow(&mut world, &mut aided, 2_000);
+        assert!(deg > 10.0 && sigmas < 2.5, "seed {seed}: {deg} deg, {sigmas} sigmas");
+        world.field_ut = earth;
+        follow(&mut world, &mut aided, 300);
+        let (sigmas, deg) = follow(&mut world, &mut aided, 500);
+        assert!(deg < 3.0 && sigmas < 5.0, "seed {seed}: {deg} deg, {sigmas} sigmas");
+    }
+}
+
 #[test]
 fn a_step_of_the_size_of_the_soft_iron_leaves_no_error_behind() {
     for seed in 60..64 {
