@@ -6,9 +6,10 @@
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
 //! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a / G - u). Carried so, what motion adds to
 //! gravity is averaged as the world sees it, where it comes to nothing (a body that stays about where it is). Samples
-//! near |a| = G are not better ones: in a turn they are those with a part across gravity. What is left:
+//! near |a| = G are not better ones: in a turn they are those with a part across gravity. What of it lasts, as in a car that
+//! brakes, draws u away, and shows in what is left when it has passed the same low-pass:
 //! ```text
-//! sigma_tilt^2 = mean |a / G - u|^2 / 3 (t_a / T)
+//! s += (dt / T) (a / G - u - s),   sigma_tilt^2 = mean |s - u (u . s)|^2 / 2
 //! ```
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
@@ -29,8 +30,6 @@ const LARGEST_BIAS_RAD_S: f64 = 0.15;
 
 /// A blow counts as no more than this, in g.
 const LARGEST_OFF: f64 = 1.0;
-/// Correlation time of what a hand's motion adds to gravity, s.
-const SHAKE_TIME_S: f64 = 0.02;
 
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,11 +42,11 @@ pub(crate) struct Motion {
     /// Low-passed rate over 5 s: how much has been turned of late, rad/s.
     pub(crate) lately_rad_s: f64,
     pub(crate) up: Option<Vector3<f64>>,
-    up_age_s: f64,
-    /// Mean square of what the accelerometer reads beside gravity, in g^2.
-    shaken: f64,
+    up_age_s: f32,
+    /// s: what the accelerometer reads beside gravity, low-passed, in g.
+    slow: Vector3<f32>,
     /// Variance of `up` about a horizontal axis for that, rad^2.
-    pub(crate) tilt_rad2: f64,
+    pub(crate) tilt_rad2: f32,
 }
 
 impl Motion {
@@ -60,7 +59,7 @@ impl Motion {
             lately_rad_s: 0.0,
             up: None,
             up_age_s: 0.0,
-            shaken: 0.0,
+            slow: Vector3::zeros(),
             tilt_rad2: 0.0,
         }
     }
@@ -106,6 +105,7 @@ impl Motion {
     ) {
         if let Some(up) = &mut self.up {
             *up = r * *up;
+            self.slow = (r * self.slow.cast()).cast();
         }
         let Some(measured) = measured else { return };
         let size = measured.norm();
@@ -120,13 +120,16 @@ impl Motion {
             Some(up) => {
                 let off = measured / config.gravity_m_s2 - *up;
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
-                let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(self.up_age_s + dt_s);
-                self.up_age_s = (self.up_age_s + dt_s).min(2.0 * config.up_time_s);
+                let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(f64::from(self.up_age_s) + dt_s);
+                self.up_age_s = (f64::from(self.up_age_s) + dt_s).min(2.0 * config.up_time_s) as f32;
                 let gain = (dt_s / time_s).min(1.0);
                 let off = off * (LARGEST_OFF / off.norm().max(LARGEST_OFF));
                 *up += off * gain;
-                self.shaken += gain * (off.norm_squared() - self.shaken);
-                self.tilt_rad2 = self.shaken / 3.0 * (SHAKE_TIME_S / time_s).min(1.0);
+                let slow: Vector3<f64> = self.slow.cast();
+                let slow = slow + (off - slow) * gain;
+                self.slow = slow.cast();
+                let across = (slow.norm_squared() - slow.dot(up).powi(2)).max(0.0) as f32;
+                self.tilt_rad2 += gain as f32 * (0.5 * across - self.tilt_rad2);
                 let norm = up.norm();
                 if norm > 1e-6 {
                     *up /= norm;
@@ -168,5 +171,27 @@ mod tests {
         // 22 deg of motion over a memory of 5 s
         let sigma_deg = motion.tilt_rad2.sqrt().to_degrees();
         assert!((0.5..2.0).contains(&sigma_deg), "{sigma_deg} deg");
+    }
+
+    #[test]
+    fn a_car_that_speeds_up_and_brakes_is_told() {
+        // 2 m/s^2 forwards, then backwards, 10 s each; and the same in 0.1 s, which averages out
+        let config = AidedConfig::default();
+        for (half_s, most_deg) in [(10.0, 6.0), (0.1, 0.2)] {
+            let mut motion = Motion::new();
+            let (mut squares, mut variances) = (0.0, 0.0);
+            for k in 0..12_000 {
+                let t_s = f64::from(k) * 0.01;
+                let felt = Vector3::new(if (t_s / half_s) as i64 % 2 == 0 { 2.0 } else { -2.0 }, 0.0, 9.80665);
+                motion.carry_up(&Matrix3::identity(), Some(felt), 0.001, 0.01, &config);
+                if t_s > 20.0 {
+                    squares += motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
+                    variances += f64::from(motion.tilt_rad2) / 1e4;
+                }
+            }
+            // the angle is that about both horizontal axes
+            let [seen_deg, sigma_deg] = [0.5 * squares, variances].map(|v| f64::sqrt(v).to_degrees());
+            assert!(seen_deg < most_deg && (0.6..1.8).contains(&(sigma_deg / seen_deg)), "{seen_deg}, {sigma_deg} deg");
+        }
     }
 }
