@@ -44,7 +44,7 @@ impl Aided {
     ) -> AidedOutput {
         let mut output = self.blank(time_ns, self.status());
         output.up = self.motion.up;
-        output.tilt_rad2 = Some(f64::from(self.motion.tilt_rad2));
+        output.tilt_rad2 = Some(self.motion.tilt_rad2());
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
         let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
