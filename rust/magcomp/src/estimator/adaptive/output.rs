@@ -33,7 +33,8 @@ impl Adaptive {
             let up = self.witness.up().filter(|_| self.trial.is_some());
             let heading_covariance = up.map(|up| {
                 let angle = self.rivals.heading_rad2(&u, &up, &field).sqrt().min(LARGEST_ANGLE_RAD);
-                let across = field.cross(&up) * angle.tan();
+                let (sin, cos) = angle.sin_cos();
+                let across = field.cross(&up) * (sin / cos);
                 across * across.transpose() + noise
             });
             let strength = self.strength_of(&shape(&published.tau));
