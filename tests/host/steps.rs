@@ -286,6 +286,33 @@ fn bad_samples_in_mid_stream_change_nothing_that_follows() {
     assert_eq!(clean.snapshot(), dirty.snapshot());
 }
 
+/// Set back by an hour, or a single stamp an hour too late: the calibration stays.
+#[test]
+fn another_clock_is_taken_over() {
+    const HOUR_NS: i64 = 3_600_000_000_000;
+    for stray in [false, true] {
+        let mut random = Random::new(360);
+        let mut compensator = calibrated(&mut random, NOISE_UT);
+        let known = compensator.calibration().expect("calibrated");
+        let mut push = |k: usize, by_ns: i64| {
+            let MagneticSample { time_ns, field_ut } = sample(STEP + k, random.raw_one(&before(), NOISE_UT));
+            compensator.push(MagneticSample { time_ns: time_ns + by_ns, field_ut })
+        };
+        if stray {
+            assert!(!matches!(push(0, HOUR_NS).status, Status::Rejected(_)));
+        }
+        let by_ns = if stray { 0 } else { -HOUR_NS };
+        for k in 1..50 {
+            assert!(matches!(push(k, by_ns).status, Status::Rejected(RejectReason::TimeNotAfter { .. })), "sample {k}");
+        }
+        for k in 50..100 {
+            assert!(!matches!(push(k, by_ns).status, Status::Rejected(_)), "sample {k}");
+        }
+        let now = compensator.calibration().expect("kept");
+        assert!((now.hard_iron_ut() - known.hard_iron_ut()).norm() < 0.5, "{now:?}");
+    }
+}
+
 /// A magnet comes onto the phone and goes again.
 #[test]
 fn a_step_and_back() {

@@ -20,6 +20,8 @@ use serde::{Deserialize, Serialize};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
+/// So many samples in a row whose time follows that of one another, but not that of the latest: the clock is another one.
+const ANOTHER_CLOCK: u32 = 50;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -61,6 +63,11 @@ struct Inputs {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.
     repeats: usize,
+    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
+    #[serde(skip)]
+    astray: u32,
+    #[serde(skip)]
+    astray_ns: i64,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
     /// The aided estimator answered the latest sample, not one with the magnetometer alone.
@@ -140,11 +147,16 @@ impl Compensator {
         self.pairing.push_up(sample.time_ns, sample.up_m_s2)
     }
 
-    /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing.
+    /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50
+    /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+    /// stays then, and all else begins anew.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
-        if let Err(reason) = self.check(&sample) {
+        if let Err(reason) = self.check(&sample)
+            && !self.begins_another_clock(sample.time_ns, reason)
+        {
             return self.reading(sample.time_ns, Answer::none(self.inputs.mode, Status::Rejected(reason)));
         }
+        (self.inputs.astray, self.inputs.astray_ns) = (0, 0);
         let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
         let previous_ns = self.inputs.latest.map(|latest| latest.time_ns);
         self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
@@ -411,6 +423,21 @@ impl Compensator {
         if let Some(calibration) = calibration {
             self.adopt(calibration);
         }
+    }
+
+    fn begins_another_clock(&mut self, time_ns: i64, reason: RejectReason) -> bool {
+        if !matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. }) {
+            return false;
+        }
+        let inputs = &mut self.inputs;
+        let step_s = (i128::from(time_ns) - i128::from(inputs.astray_ns)) as f64 * 1e-9;
+        let follows = inputs.astray > 0 && step_s > 0.0 && step_s <= self.config.sensor.max_gap_s;
+        (inputs.astray, inputs.astray_ns) = (if follows { inputs.astray + 1 } else { 1 }, time_ns);
+        if inputs.astray < ANOTHER_CLOCK {
+            return false;
+        }
+        self.begin_with(self.calibration());
+        true
     }
 
     fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {

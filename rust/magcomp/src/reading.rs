@@ -180,7 +180,7 @@ pub enum RejectReason {
     },
     /// Time did not advance.
     #[error(
-        "time {time_ns} ns is not after the latest sample's {latest_ns} ns; call reset() if the clock was restarted"
+        "time {time_ns} ns is not after the latest sample's {latest_ns} ns; 50 such samples that follow one another begin another clock"
     )]
     TimeNotAfter {
         /// Time of this sample, nanoseconds.
@@ -190,7 +190,7 @@ pub enum RejectReason {
     },
     /// Time jumped ahead further than any pause.
     #[error(
-        "time jumped ahead by {gap_s} s, more than {limit_s} s; is the unit nanoseconds? call reset() if it is right"
+        "time jumped ahead by {gap_s} s, more than {limit_s} s; is the unit nanoseconds? 50 such samples that follow one another begin another clock"
     )]
     TimeJump {
         /// The jump, s.
