@@ -71,6 +71,7 @@ impl Aided {
         self.adopted = false;
         self.unconfirmed = CONFIRMING;
         self.trial = None;
+        self.displaced_ut = Vector3::zeros();
         let near = NEAR_UT.contains(&raw_ut.norm());
         let mut dense = self.fresh(if near { NEAR_SD_UT } else { FAR_SD_UT });
         dense.set_vector(if near { FIELD } else { OFFSET }, raw_ut);
@@ -103,6 +104,7 @@ impl Aided {
             self.restarted = true;
             self.adopted = true;
             self.trial = None;
+            self.displaced_ut = Vector3::zeros();
             self.watch = Watch::new();
             self.strength = Strength::default();
             self.magnitude = Magnitude::new();
