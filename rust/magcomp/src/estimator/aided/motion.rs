@@ -9,9 +9,9 @@
 //! near |a| = G are not better ones: in a turn they are those with a part across gravity. What of it lasts, as in a car that
 //! brakes, draws u away, and shows in what is left when it has passed the same low-pass:
 //! ```text
-//! s += (dt / T) (a / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (0.5 deg)^2)_+
+//! s += (dt / T) (a / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (1 deg)^2)_+
 //! ```
-//! (half a degree is the accelerometer's own, `HeadingConfig::tilt_sigma_deg`).
+//! (a late gyroscope feigns a degree).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
 use nalgebra::{Matrix3, Vector3};
@@ -31,8 +31,8 @@ const LARGEST_BIAS_RAD_S: f64 = 0.15;
 
 /// A blow counts as no more than this, in g.
 const LARGEST_OFF: f64 = 1.0;
-/// Half a degree, squared: an accelerometer is off by that at rest, too, rad^2.
-const REST_TILT_RAD2: f32 = 7.6e-5;
+/// One degree, squared, rad^2: as much is feigned by a gyroscope that is 10 ms late.
+const FEIGNED_RAD2: f32 = 3.05e-4;
 
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,7 +73,7 @@ impl Motion {
 
     /// Variance of `up` about a horizontal axis for what motion adds to gravity, rad^2.
     pub(crate) fn tilt_rad2(&self) -> f64 {
-        f64::from((self.leaning - REST_TILT_RAD2).max(0.0))
+        f64::from((self.leaning - FEIGNED_RAD2).max(0.0))
     }
 
     pub(crate) fn at_rest(&self) -> bool {
@@ -178,7 +178,7 @@ mod tests {
         assert!(worst_deg < 2.0, "{worst_deg} deg");
         // 22 deg of motion over a memory of 5 s
         let sigma_deg = motion.tilt_rad2().sqrt().to_degrees();
-        assert!((0.5..2.0).contains(&sigma_deg), "{sigma_deg} deg");
+        assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
     }
 
     #[test]
