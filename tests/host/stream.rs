@@ -419,6 +419,24 @@ fn any_event() -> impl Strategy<Value = (Event, i64, [f64; 3])> {
 }
 
 /// Nothing in a reading is NaN or infinite, and everything is in its range.
+/// With no limit to pauses, one from nearly the first to nearly the last nanosecond.
+#[test]
+fn no_pause_is_too_long_for_an_integer() {
+    for method in [Method::Auto, Method::Adaptive, Method::Aided, Method::Windowed] {
+        let mut config = config(method, 20, 40);
+        config.sensor.max_gap_s = f64::MAX;
+        let mut compensator = compensator(&config);
+        let (mut random, truth) = (Random::new(1), calibration(&REF, 45.0));
+        for start_ns in [i64::MIN, i64::MAX - 2_000_000_000] {
+            for k in 1..150 {
+                let (time_ns, field_ut) = (start_ns + k * 10_000_000, random.raw_one(&truth, 0.5));
+                let reading = compensator.push(MagneticSample { time_ns, field_ut });
+                assert!(!matches!(reading.status, Status::Rejected(_)), "{method:?}: {:?}", reading.status);
+            }
+        }
+    }
+}
+
 fn sound(reading: &Reading) -> Result<(), TestCaseError> {
     for field in [reading.field_ut, reading.filtered_field_ut].into_iter().flatten() {
         prop_assert!(field.iter().all(|v| v.is_finite()), "{reading:?}");

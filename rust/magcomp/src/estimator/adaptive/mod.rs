@@ -220,7 +220,7 @@ impl Adaptive {
         self.count += 1;
         let gated = leaps || self.is_gated(raw_ut);
         if let Some(before) = self.late[RECENT - 1] {
-            self.noise.learn_period((time_ns - before.time_ns) as f64 * 1e-9);
+            self.noise.learn_period(time_ns.saturating_sub(before.time_ns) as f64 * 1e-9);
         }
         self.late.rotate_left(1);
         self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });

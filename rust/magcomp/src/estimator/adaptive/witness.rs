@@ -249,7 +249,8 @@ impl Witness {
 
     /// Whether a disturbed place has become what it was; asked once.
     pub fn is_back(&mut self) -> bool {
-        let back = |doubt: &Doubt| doubt.back_ns.is_some_and(|at| (doubt.latest_ns - at) as f64 > BACK_S * 1e9);
+        let back =
+            |doubt: &Doubt| doubt.back_ns.is_some_and(|at| doubt.latest_ns.saturating_sub(at) as f64 > BACK_S * 1e9);
         let is_back = self.doubt.as_ref().is_some_and(back);
         if is_back {
             self.doubt = None;
