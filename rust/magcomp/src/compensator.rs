@@ -1,6 +1,8 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, gives it to the estimator, corrects it, and
 //! forms the heading from the corrected field and the latest `up`.
 
+mod check;
+
 use crate::answer::Answer;
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError, HeadingConfig, Method};
@@ -11,7 +13,7 @@ use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::windowed::{Windowed, WindowedState};
 use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
-use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
+use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::snapshot::{Restored, SnapshotError, open, seal};
 use crate::tilt::Tilt;
@@ -20,8 +22,6 @@ use serde::{Deserialize, Serialize};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
-/// So many samples in a row whose time follows that of one another, but not that of the latest: the clock is another one.
-const ANOTHER_CLOCK: u32 = 50;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -423,48 +423,5 @@ impl Compensator {
         if let Some(calibration) = calibration {
             self.adopt(calibration);
         }
-    }
-
-    fn begins_another_clock(&mut self, time_ns: i64, reason: RejectReason) -> bool {
-        if !matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. }) {
-            return false;
-        }
-        let inputs = &mut self.inputs;
-        let step_s = (i128::from(time_ns) - i128::from(inputs.astray_ns)) as f64 * 1e-9;
-        let follows = inputs.astray > 0 && step_s > 0.0 && step_s <= self.config.sensor.max_gap_s;
-        (inputs.astray, inputs.astray_ns) = (if follows { inputs.astray + 1 } else { 1 }, time_ns);
-        if inputs.astray < ANOTHER_CLOCK {
-            return false;
-        }
-        self.begin_with(self.calibration());
-        true
-    }
-
-    fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        let limits = &self.config.sensor;
-        let field = &sample.field_ut;
-        if !field.iter().all(|v| v.is_finite()) {
-            return Err(RejectReason::NotFinite);
-        }
-        let value_ut = field[field.iamax()];
-        if let Some(rail_ut) = limits.rail_ut.filter(|rail| value_ut.abs() >= *rail) {
-            return Err(RejectReason::Saturated { value_ut, rail_ut });
-        }
-        if value_ut.abs() > limits.range_ut {
-            return Err(RejectReason::OutOfRange { value_ut, limit_ut: limits.range_ut });
-        }
-        let Some(latest) = self.inputs.latest else { return Ok(()) };
-        if sample.time_ns <= latest.time_ns {
-            return Err(RejectReason::TimeNotAfter { time_ns: sample.time_ns, latest_ns: latest.time_ns });
-        }
-        let gap_s = (i128::from(sample.time_ns) - i128::from(latest.time_ns)) as f64 * 1e-9;
-        if gap_s > limits.max_gap_s {
-            return Err(RejectReason::TimeJump { gap_s, limit_s: limits.max_gap_s });
-        }
-        let repeats = self.inputs.repeats + 1;
-        if limits.stuck_samples > 0 && latest.field_ut == *field && repeats >= limits.stuck_samples {
-            return Err(RejectReason::Stuck { repeats });
-        }
-        Ok(())
     }
 }
