@@ -25,7 +25,8 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
-/// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
+/// No clock, no thread, no allocation in `push` (but where the sensor's clock turns out to be another one). It never panics
+/// and never returns NaN.
 ///
 /// ```
 /// use magcomp::nalgebra::Vector3;

@@ -164,13 +164,12 @@ impl Witness {
         let seen = see(tau, u)?;
         let c = shape(tau) * (u - centre(tau));
         let variance = noise * seen.slope * seen.slope;
-        let level = self.up_m_s2.and_then(|up| {
-            let size_g = up.norm() / GRAVITY_M_S2;
-            let up = up.try_normalize(0.1 * GRAVITY_M_S2)?;
+        let level = self.up_m_s2.zip(self.up()).map(|(up_m_s2, up)| {
+            let size_g = up_m_s2.norm() / GRAVITY_M_S2;
             let tilt = TILT_SD.powi(2) + (size_g - 1.0).powi(2);
             let tilted = ((c - up * up.dot(&c)).norm_squared() + 0.01) * tilt;
             let lasting = variance + TILT_CORRELATION * tilted;
-            Some((up, lasting, (white * variance + tilted) / lasting))
+            (up, lasting, (white * variance + tilted) / lasting)
         });
         Some(Corrected { c, size: seen.radius, variance, white, level })
     }

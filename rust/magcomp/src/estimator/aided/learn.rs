@@ -45,7 +45,7 @@ const UNADOPTED_STEP_UT: f64 = 8.0;
 /// A misfit within this time of one that passed by itself is likelier the place's again than the device's, ns.
 const UNREST_NS: i64 = 120_000_000_000;
 /// A new place is believed to be the earth's field in this time, s: until then the heading may be wrong by what it differs by.
-const NEW_PLACE_TIME_S: f64 = 300.0;
+pub(super) const NEW_PLACE_TIME_S: f64 = 300.0;
 /// The field is what it was before a new place when it differs from that by less than this share.
 const BACK_SHARE: f64 = 0.3;
 /// NIS beyond which a sample is a spike and says nothing about the local field.
@@ -78,8 +78,8 @@ impl Aided {
         let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
         let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
         let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
-        let fade = (-dt_s / NEW_PLACE_TIME_S).exp();
-        self.displaced_ut = (turn * self.displaced_ut.cast() * fade).cast();
+        self.displaced_ut = (turn * self.displaced_ut.cast()).cast();
+        self.displaced_s += dt_s as f32;
         self.adaptation.carry(noise.carried_ut2(dense.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.config);
@@ -251,6 +251,7 @@ impl Aided {
                 }
                 if verdict == Verdict::NewPlace || back {
                     self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
+                    self.displaced_s = 0.0;
                     return self.go_on_with(winner, dense);
                 }
             }

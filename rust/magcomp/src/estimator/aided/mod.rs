@@ -77,6 +77,8 @@ pub(crate) struct Aided {
     unproven: Unproven,
     /// What the field of a new place differs by from the one carried there, device frame, uT.
     displaced_ut: Vector3<f32>,
+    /// How long it has been the place, s.
+    displaced_s: f32,
     /// Seconds of motion for which the calibration still holds.
     hold_s: f64,
     /// Time since the prior on |m| was applied, s.
@@ -106,6 +108,7 @@ impl Aided {
             passed_ns: None,
             unproven: Unproven::default(),
             displaced_ut: Vector3::zeros(),
+            displaced_s: 0.0,
             hold_s: 0.0,
             prior_age_s: 0.0,
             lost_strength_ut: None,

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::events::Phase;
+use super::learn::NEW_PLACE_TIME_S;
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
@@ -67,7 +68,8 @@ impl Aided {
             + noise
             + Matrix3::identity() * unseen
             + timing;
-        let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
+        let doubted = (-f64::from(self.displaced_s) / NEW_PLACE_TIME_S).exp();
+        let displaced_ut = self.displaced_ut.cast() * doubted;
         let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none())
             + Matrix3::identity() * floor
             + timing
