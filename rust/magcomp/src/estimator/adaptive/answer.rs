@@ -1,6 +1,7 @@
 //! What is answered: whether the samples lie on any ellipsoid, what is in force, how sure it is and the status.
 
-use super::hypothesis::{Gaussian, Hypothesis, NO_EVIDENCE};
+use super::hypothesis::{Gaussian, NO_EVIDENCE};
+use super::parameters::Vector9;
 use super::publish::{Published, compare, directions, may_compare};
 use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle, spread};
 use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
@@ -14,14 +15,14 @@ const UNLIKELY: f64 = 3.0;
 /// Samples after which hypotheses that fit none of them begin anew, and at which of them: no review falls there.
 const RENEWED: usize = 64;
 const RENEWED_AT: usize = 55;
-/// Above CLOSE_DEG new parameters must be better by this (in squares) to replace what was in force before the change ...
+/// Where new parameters and those in force before the change contradict each other, how much better (in squares) the new ones
+/// must be ...
 const MARGIN: f64 = 2.0;
-/// ... and by this to replace what has been released since: of two estimates from the same short arc the later is not the better.
+/// ... and by how much to replace what has been released since: of two estimates from the same short arc the later is not the
+/// better.
 const MARGIN_AGAIN: f64 = 4.0;
 /// Expected mean square error, over that at the latest release, from which nothing is released for the time being.
-const DOUBT: f64 = 1.5;
-/// Expected mean square error, over that of what was held before, from which the latter is in force again.
-const REGRET: f64 = 1.5;
+const DOUBT: f64 = 2.0;
 
 impl Adaptive {
     /// Whether the samples of the segment lie on any ellipsoid.
@@ -69,7 +70,6 @@ impl Adaptive {
     /// The gate.
     pub(super) fn publish(&mut self, time_ns: i64) {
         let Some(best) = self.rivals.best().copied() else { return };
-        let tau = best.posterior.mean;
         match self.trial {
             None => {
                 // from the middle of the samples to now
@@ -80,10 +80,11 @@ impl Adaptive {
                 self.published = Some(Published { tau: mean, covariance, expected: 0.0 });
             }
             Some(trial) => {
+                // at the start places are still being sought, and their mean is none of them
+                let mean = if trial.base.is_some() { self.rivals.mean() } else { Some(best.posterior.mean) };
+                let Some(tau) = mean.filter(|_| may_compare(&self.samples, best.order)) else { return };
                 let weight = directions(&self.samples, &self.centre_ut, self.unit_ut, &tau);
-                let likelihood = self.likelihood();
-                let compared = compare(&self.rivals, self.published.as_ref(), &likelihood, &weight);
-                let Some(compared) = compared.filter(|_| may_compare(&self.samples, best.order)) else { return };
+                let compared = compare(&self.rivals, &tau, self.published.as_ref(), &self.likelihood(), &weight);
                 let limit = self.release_below_deg.to_radians();
                 let close = compared.new < CLOSE_DEG.to_radians().powi(2);
                 let better = match &self.published {
@@ -93,7 +94,7 @@ impl Adaptive {
                     }
                     // nothing has changed: what is in force is what is best, once the others are no longer likely
                     Some(_) if best.order == ModelOrder::Nothing => close && compared.new <= compared.held_by_mixture,
-                    Some(_) if !close => compared.new < compared.held / MARGIN,
+                    Some(_) if !close && compared.contradicts_itself() => compared.new < compared.held / MARGIN,
                     Some(_) => compared.new < compared.held,
                     None => {
                         compared.new < limit * limit && {
@@ -102,13 +103,13 @@ impl Adaptive {
                     }
                 };
                 if !trial.misfit && better && !self.witness.holds(best.order) {
-                    self.release(time_ns, trial, &best, compared.new);
+                    self.release(time_ns, trial, &tau, best.order, compared.new);
                 } else if let Some(published) = &mut self.published {
                     published.covariance = self.rivals.spread_about(&published.tau);
-                    // released too soon: what was held before is predicted to be better by far
+                    // released too soon: what was held before is predicted to be better
                     if let Some(mut held) = trial.held.filter(|_| trial.released) {
                         held.covariance = self.rivals.spread_about(&held.tau);
-                        if weight.expected(&held.covariance) * REGRET < weight.expected(&published.covariance) {
+                        if weight.expected(&held.covariance) < weight.expected(&published.covariance) {
                             *published = held;
                         }
                     }
@@ -120,13 +121,12 @@ impl Adaptive {
         }
     }
 
-    fn release(&mut self, time_ns: i64, trial: Trial, best: &Hypothesis, expected: f64) {
-        let tau = best.posterior.mean;
-        self.published = Some(Published { tau, covariance: self.rivals.spread_about(&tau), expected });
-        self.order = best.order;
+    fn release(&mut self, time_ns: i64, trial: Trial, tau: &Vector9, order: ModelOrder, expected: f64) {
+        self.published = Some(Published { tau: *tau, covariance: self.rivals.spread_about(tau), expected });
+        self.order = order;
         if !trial.released {
-            let kind = if best.order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-            if trial.base.is_some() && best.order != ModelOrder::Nothing {
+            let kind = if order == ModelOrder::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+            if trial.base.is_some() && order != ModelOrder::Nothing {
                 self.event = Some(Event { kind, since_ns: trial.since_ns, decided_ns: time_ns });
             }
             self.trial = Some(Trial { released: true, ..trial });

@@ -13,8 +13,10 @@ const GATED: f64 = 3.0;
 const NOT_GATED: f64 = -0.5;
 /// Log odds of a large change: three of five.
 pub(super) const LARGE_CHANGE: f64 = 8.0;
-/// log B of a small change: e^-14 is one in 1.2 million.
-const SMALL_CHANGE: f64 = 14.0;
+/// log B of a small change: e^-10 is one in 22 thousand at most, and far less of what is looked at.
+const SMALL_CHANGE: f64 = 10.0;
+/// The same while b drifts: a part of what a span misses by is the drift's.
+const SMALL_CHANGE_ADRIFT: f64 = 14.0;
 /// Expected error (degrees) above which evidence that is linearised about the estimate means nothing.
 const ROUGH_DEG: f64 = 20.0;
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
@@ -150,7 +152,8 @@ impl Adaptive {
         }
         let Some(posterior) = self.rivals.best().map(|best| best.posterior) else { return };
         let likelihood = self.likelihood_of(self.samples.span(span));
-        if change::log_evidence_of_jump(&likelihood, &posterior, SMALL_CHANGE) < SMALL_CHANGE {
+        let enough = if self.drift.is_on() { SMALL_CHANGE_ADRIFT } else { SMALL_CHANGE };
+        if change::log_evidence_of_jump(&likelihood, &posterior, enough) < enough {
             return;
         }
         // where samples of late were gated, it began with them; what was not gated before is older

@@ -1,6 +1,7 @@
 //! What is in force, and when something new replaces it.
 //!
-//! After a change new parameters are released only where the direction error predicted for them is smaller than that of
+//! What may replace them is the mean of the hypotheses: of all parameters the least mean square error is predicted for it.
+//! After a change it is released only where the direction error predicted for it is smaller than that of
 //! holding the old ones, over the directions of late and the whole sphere, each for half. What holding costs is taken
 //! from the samples themselves: they miss the old ellipsoid by m along the field, and twice m^2 across it is what an
 //! error of b in a random direction then does.
@@ -29,7 +30,8 @@ const DIRECTIONS: usize = 12;
 /// Fewest samples of a segment before what was known already is released again, and before something new is.
 const FEWEST_KNOWN: usize = 3;
 const FEWEST_HARD_IRON: usize = 5;
-const FEWEST: usize = 6;
+const FEWEST_DIAGONAL: usize = 8;
+const FEWEST_ALL: usize = 7;
 
 /// Directions of the latest samples, and the sphere.
 pub(super) fn directions(samples: &Samples, centre_ut: &Vector3<f64>, unit_ut: f64, tau: &Vector9) -> AngularWeight {
@@ -42,7 +44,10 @@ pub(super) fn directions(samples: &Samples, centre_ut: &Vector3<f64>, unit_ut: f
     path.and(&AngularWeight::sphere(tau))
 }
 
-/// Predicted mean square direction errors (radians^2): of the best hypothesis, and of what is in force.
+/// Standard deviations between two places beyond which one of them must be wrong about itself, squared.
+const APART: f64 = 4.0;
+
+/// Predicted mean square direction errors (radians^2): of new parameters, and of what is in force.
 pub(super) struct Comparison {
     pub new: f64,
     /// By what the samples miss it, and by the mixture.
@@ -52,19 +57,26 @@ pub(super) struct Comparison {
 
 pub(super) fn compare(
     rivals: &Rivals,
+    tau: &Vector9,
     held: Option<&Published>,
     likelihood: &Likelihood,
     weight: &AngularWeight,
-) -> Option<Comparison> {
-    let best = rivals.best()?;
-    let new = weight.expected(&rivals.spread_about(&best.posterior.mean));
+) -> Comparison {
+    let new = weight.expected(&rivals.spread_about(tau));
     let held_by_mixture = held.map_or(f64::INFINITY, |published| weight.expected(&rivals.spread_about(&published.tau)));
     let held = held.map_or(f64::INFINITY, |published| {
         let missed = likelihood.at(&published.tau).map_or(f64::INFINITY, |point| point.distance_squared);
         let scale = shape(&published.tau).norm_squared() / 3.0;
         held_by_mixture.min(2.0 * (missed - likelihood.variance).max(0.0) * scale)
     });
-    Some(Comparison { new, held, held_by_mixture })
+    Comparison { new, held, held_by_mixture }
+}
+
+impl Comparison {
+    /// Whether the new ones lie further from those in force than both predictions allow: one of the two is wrong.
+    pub fn contradicts_itself(&self) -> bool {
+        self.held_by_mixture > APART * (self.held + self.new)
+    }
 }
 
 /// Whether there are samples enough to compare at all.
@@ -73,7 +85,8 @@ pub(super) fn may_compare(samples: &Samples, order: ModelOrder) -> bool {
         >= match order {
             ModelOrder::Nothing | ModelOrder::Former => FEWEST_KNOWN,
             ModelOrder::HardIron => FEWEST_HARD_IRON,
-            ModelOrder::Diagonal | ModelOrder::All => FEWEST,
+            ModelOrder::Diagonal => FEWEST_DIAGONAL,
+            ModelOrder::All => FEWEST_ALL,
         }
 }
 

@@ -146,6 +146,16 @@ impl Rivals {
         known.filter(|(_, weight)| *weight > NEGLIGIBLE)
     }
 
+    /// Mean of the mixture: no other tau has a smaller second moment about it.
+    pub fn mean(&self) -> Option<Vector9> {
+        let (mut sum, mut total) = (Vector9::zeros(), 0.0);
+        for (hypothesis, weight) in self.weighty() {
+            sum += hypothesis.posterior.mean * weight;
+            total += weight;
+        }
+        (total > 0.0).then(|| sum / total)
+    }
+
     /// Second moment of the mixture about tau.
     pub fn spread_about(&self, tau: &Vector9) -> Matrix9 {
         let mut sum = Matrix9::zeros();
@@ -317,5 +327,22 @@ mod tests {
         // both the same, sd of b 0.02 across 0.5; and not known at all
         assert!((rms_deg(Vector3::zeros(), 0.02) - (0.02_f64 / 0.5).to_degrees()).abs() < 0.01);
         assert!((rms_deg(Vector3::zeros(), 100.0) - 180.0 / 3.0_f64.sqrt()).abs() < 0.1);
+    }
+
+    /// What is released is where the mixture's second moment is least.
+    #[test]
+    fn about_its_mean_the_mixture_spreads_least() {
+        let at = |place: f64, log_prior: f64| {
+            let gaussian = Gaussian { mean: Vector9::repeat(place), covariance: Matrix9::identity() * 0.01 };
+            Hypothesis::new(ModelOrder::All, &gaussian, log_prior).expect("a Gaussian")
+        };
+        // weights 3 : 1
+        let rivals = Rivals::new([at(1.0, 3.0_f64.ln()), at(2.0, 0.0)], &[]);
+        let mean = rivals.mean().expect("weights");
+        assert!((mean - Vector9::repeat(1.25)).norm() < 1e-12, "{mean}");
+        let spread = |place: f64| rivals.spread_about(&Vector9::repeat(place)).trace();
+        // 9 (0.01 + 3/4 1/4)
+        assert!((spread(1.25) - 9.0 * (0.01 + 0.1875)).abs() < 1e-12);
+        assert!(spread(1.25) < spread(1.0).min(spread(1.2)).min(spread(1.3)));
     }
 }
