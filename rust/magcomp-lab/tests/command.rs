@@ -162,6 +162,13 @@ fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
 }
 
 #[test]
+fn the_help_of_replay_says_what_a_recording_is() {
+    let (code, help, _) = run(&["replay", "--help"]);
+    assert_eq!(code, 0);
+    assert!(help.contains("t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]"), "{help}");
+}
+
+#[test]
 fn simulate_is_reproducible_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let written = |name: &str, seed: &str| {

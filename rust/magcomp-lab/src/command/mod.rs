@@ -28,19 +28,14 @@ pub struct Cli {
     verb: Verb,
 }
 
+// each verb's own documentation is its help
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Show what it does: real recordings compensated, then the steps: aided, and the paper's
     Demo(demo::Demo),
-    /// Run a recording through the compensator, one row out for every row in
     Replay(replay::Replay),
-    /// The disturbance of the device steps and the methods follow: figs. 4 and 5, and the aided method beside
     Step(step::Step),
-    /// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound
     Crb(crb::Crb),
-    /// Methods side by side on the same samples
     Compare(compare::Compare),
-    /// Write a simulated recording with its reference orientation
     Simulate(simulate::Simulate),
 }
 
