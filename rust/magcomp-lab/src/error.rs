@@ -95,6 +95,6 @@ impl LabError {
     /// Whether whoever read our output went away: no failure of ours.
     #[must_use]
     pub fn is_broken_pipe(&self) -> bool {
-        matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)
+        matches!(self, Self::Stdout(source) | Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
     }
 }
