@@ -103,6 +103,18 @@ fn rejected_samples_keep_their_row() {
 }
 
 #[test]
+fn what_is_missing_is_said_when_no_row_is_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.csv");
+    fs::write(&input, "t_s,mx,my,mz\n0,1,2,9999\n").unwrap();
+    let (code, table, _) = run(&["replay", text(&input)]);
+    assert_eq!(code, 0);
+    assert!(table.contains("the last one says: rejected: field component 9999 uT"), "{table}");
+    let (_, table, _) = run(&["replay", text(&simulated(folder.path(), "12"))]);
+    assert!(!table.contains("the last one says"), "{table}");
+}
+
+#[test]
 fn a_wrong_input_is_one_line_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
@@ -152,6 +164,7 @@ fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
         &["crb", "--runs", "0"],
         &["replay", "x", "--place", "1,2"],
         &["replay", "x", "--declination", "400"],
+        &["simulate", "x", "--change", "repeated", "--at", "1e-9"],
         &[],
     ] {
         assert_eq!(run(arguments).0, 2, "{arguments:?}");

@@ -139,7 +139,10 @@ impl Replay {
         let legs = waypoints.and_then(|waypoints| judge_legs(&recording, &steps, &waypoints));
         let judgement = Judgement { legs, ..judge(&recording, &steps, part, axis) };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let table = table(&recording, &name, &judgement);
+        let mut table = table(&recording, &name, &judgement);
+        if let Some(last) = steps.last().filter(|_| judgement.answered == 0.0) {
+            table.note(&format!("no row was answered; the last one says: {}", last.reading.status));
+        }
         self.common.finish(std::slice::from_ref(&table), &judgement, || {
             let mut report = Report::new(
                 &format!("{} replayed", recording.name()),

@@ -45,7 +45,7 @@ pub(super) struct Simulate {
     #[arg(long, value_enum, default_value_t)]
     change: ChangeKind,
     /// When they begin to change, s; the period of repeated steps; half of the length when not given
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = |text: &str| between(text, 0.001, 3600.0))]
     at: Option<f64>,
     /// How long a ramp or a pulse takes, s
     #[arg(long, default_value_t = 10.0, value_parser = positive)]
