@@ -79,9 +79,9 @@ public struct CompensatedReadings: AsyncSequence, Sendable {
 /// One iterator's compensator.
 private struct Estimation {
     /// Once a minute: what a crash costs at the most.
-    private static let saveEveryNs: Int64 = 60_000_000_000
+    private static let saveEveryNs = 60e9
     /// As often as an eye sees.
-    private static let unseenEveryNs: Int64 = 200_000_000
+    private static let unseenEveryNs = 0.2e9
 
     private let compensator: Compensator
     private let store: (any CalibrationStore)?
@@ -140,15 +140,18 @@ private struct Estimation {
     private mutating func nowAndThen(_ timeNs: Int64) throws {
         let saved = savedNs ?? timeNs
         savedNs = saved
-        if timeNs - saved >= Self.saveEveryNs {
+        if Self.apart(timeNs, saved) >= Self.saveEveryNs {
             savedNs = timeNs
             save()
         }
-        if unseenNs.map({ timeNs - $0 >= Self.unseenEveryNs }) ?? true {
+        if unseenNs.map({ Self.apart(timeNs, $0) >= Self.unseenEveryNs }) ?? true {
             unseenNs = timeNs
             unseen = try compensator.coverage().unseenDirections
         }
     }
+
+    /// Nanoseconds between two times; the clock may have begun anew between them, so either may be the later.
+    private static func apart(_ oneNs: Int64, _ otherNs: Int64) -> Double { abs(Double(oneNs) - Double(otherNs)) }
 
     private func save() {
         guard let store, (try? compensator.calibration()) != nil else { return }

@@ -44,6 +44,16 @@ import Testing
         #expect((1...75).contains(changes.count))
     }
 
+    @Test func afterAStampAnHourAheadGuidanceGoesOn() async throws {
+        var all = events
+        guard case .magnetic(var astray) = all[199] else { throw Broken() }
+        astray.timeNs += 3_600_000_000_000
+        all.insert(.magnetic(astray), at: 200)
+        let readings = try await Played(events: all).samples().compensated(capacity: 1600).collected()
+        let unseen = try #require(readings.last).unseenDirections.count
+        #expect(unseen < 24, "\(unseen) directions")
+    }
+
     @Test func twoIteratorsHaveACompensatorEach() async throws {
         let sequence = Played(events: events).samples().compensated(capacity: 1500)
         async let first = sequence.collected()

@@ -1,5 +1,6 @@
 package org.magcomp
 
+import kotlin.math.abs
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.channels.BufferOverflow
 import kotlinx.coroutines.channels.Channel
@@ -115,18 +116,27 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
         } else {
             compensator.push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
         }
-        val timeNs = sample.timeNs
+        val reading = buffer.toReading()
+        // a time that is refused may be any
+        if (reading.status !is Status.Rejected) nowAndThen(sample.timeNs)
+        return Numbered(number++, CompensatedReading(reading, sample, unseen))
+    }
+
+    private fun nowAndThen(timeNs: Long) {
         val saved = savedNs ?: timeNs.also { savedNs = it }
-        if (timeNs - saved >= SAVE_EVERY_NS) {
+        if (apart(timeNs, saved) >= SAVE_EVERY_NS) {
             savedNs = timeNs
             save()
         }
-        if (timeNs - (unseenNs ?: (timeNs - UNSEEN_EVERY_NS)) >= UNSEEN_EVERY_NS) {
+        val looked = unseenNs
+        if (looked == null || apart(timeNs, looked) >= UNSEEN_EVERY_NS) {
             unseenNs = timeNs
             unseen = compensator.coverage().unseenDirections
         }
-        return Numbered(number++, CompensatedReading(buffer.toReading(), sample, unseen))
     }
+
+    /** Nanoseconds between two times; the clock may have begun anew between them, so either may be the later. */
+    private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
 
     private fun save() {
         if (store != null && compensator.calibration() != null) store.save(compensator.snapshot())

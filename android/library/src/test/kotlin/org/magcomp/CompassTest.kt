@@ -22,9 +22,12 @@ import org.junit.jupiter.api.io.TempDir
 
 class CompassTest {
     private class Kept(var snapshot: String? = null) : CalibrationStore {
+        var saves = 0
+
         override fun load(): String? = snapshot
 
         override fun save(snapshot: String) {
+            saves += 1
             this.snapshot = snapshot
         }
     }
@@ -58,6 +61,17 @@ class CompassTest {
         assertTrue(first.size >= 47, "${first.size} at the first sample")
         assertTrue(last.size < 24, "${last.size} after turning about")
         assertEquals(last.size / 48.0, 1 - readings.last().reading.coverage, 0.05, "renewed five times a second")
+    }
+
+    @Test
+    fun `after a stamp an hour ahead guidance and saving go on`() = runBlocking {
+        val store = Kept()
+        val all = events(tumbling(6500)).toMutableList()
+        val field = (all[199] as SensorSample.Magnetic).sample
+        all.add(200, SensorSample.Magnetic(field.copy(timeNs = field.timeNs + 3_600_000_000_000)))
+        val readings = all.asFlow().compensated(store = store, capacity = all.size).toList()
+        assertTrue(readings.last().unseenDirections.size < 24, "${readings.last().unseenDirections.size} unseen")
+        assertTrue(store.saves >= 2, "saved ${store.saves} times: a minute after the way back, and at the end")
     }
 
     @Test
