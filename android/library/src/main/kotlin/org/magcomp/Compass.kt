@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.content.Context
+import java.io.IOException
 import java.util.concurrent.Executor
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.CoroutineStart
@@ -56,6 +57,8 @@ public class Compass @JvmOverloads constructor(
                 listener.onEnd(e)
             } catch (e: RecordingException) {
                 listener.onEnd(e)
+            } catch (e: IOException) {
+                listener.onEnd(e)
             } catch (e: MagcompException) {
                 listener.onEnd(e)
             }
@@ -71,7 +74,7 @@ public interface CompassListener {
 
     /**
      * There are no more readings, because the source ended or for this error: a [SensorException], a
-     * [RecordingException] or a [MagcompException]. Not called after closing.
+     * [RecordingException], an [IOException] of a recording's file or a [MagcompException]. Not called after closing.
      */
     public fun onEnd(error: Exception?)
 }

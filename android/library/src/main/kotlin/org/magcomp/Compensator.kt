@@ -9,7 +9,8 @@ package org.magcomp
  * @property config what it was made with; what was left out is the library's default
  * @throws MagcompException.Config when a field of the config is out of range
  */
-public class Compensator @JvmOverloads constructor(public val config: Config = Config()) : AutoCloseable {
+public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: Config = Config()) :
+    AutoCloseable {
     private val native = NativeCompensator(config)
     private val handle = native.fastHandle()
 
@@ -22,6 +23,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * @param yUt raw field towards the top of the screen, microtesla
      * @param zUt raw field out of the screen, microtesla
      */
+    @Throws(MagcompException::class)
     public fun push(timeNs: Long, xUt: Double, yUt: Double, zUt: Double, out: ReadingBuffer) {
         push(timeNs, xUt, yUt, zUt, Double.NaN, Double.NaN, Double.NaN, out)
     }
@@ -30,6 +32,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * A raw magnetometer event with the operating system's own estimate of the hard iron ([bxUt], [byUt], [bzUt],
      * microtesla; NaN for none). Else as the shorter form.
      */
+    @Throws(MagcompException::class)
     public fun push(
         timeNs: Long,
         xUt: Double,
@@ -45,6 +48,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
     }
 
     /** A raw magnetometer event and its answer as immutable records. */
+    @Throws(MagcompException::class)
     public fun push(sample: MagneticSample): Reading {
         val buffer = ReadingBuffer()
         val field = sample.fieldUt
@@ -58,6 +62,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      *
      * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
+    @Throws(MagcompException::class)
     public fun pushRotationRate(timeNs: Long, xRadS: Double, yRadS: Double, zRadS: Double): Boolean =
         check(FastPath.pushRotationRate(handle, timeNs, xRadS, yRadS, zRadS)) == 0
 
@@ -66,10 +71,15 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      *
      * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
+    @Throws(MagcompException::class)
     public fun pushUp(timeNs: Long, xMS2: Double, yMS2: Double, zMS2: Double): Boolean =
         check(FastPath.pushUp(handle, timeNs, xMS2, yMS2, zMS2)) == 0
 
-    /** Many events in the order they happened, for recordings; the answers to the magnetic ones. */
+    /**
+     * Many events in the order they happened, for recordings; the answers to the magnetic ones. The operating system's own
+     * hard iron is not looked at.
+     */
+    @Throws(MagcompException::class)
     public fun pushAll(events: List<SensorSample>): List<Reading> {
         val kinds = ByteArray(events.size)
         val times = LongArray(events.size) { events[it].timeNs }
@@ -106,30 +116,37 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      *
      * @throws MagcompException.Config when the declination is out of range
      */
+    @Throws(MagcompException::class)
     public fun setHeadingFrame(frame: HeadingFrame): Unit = unlessClosed { native.setHeadingFrame(frame) }
 
     /** Hard iron, soft iron and field strength in force, if any. */
+    @Throws(MagcompException::class)
     public fun calibration(): Calibration? = unlessClosed { native.calibration() }
 
     /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
      * null when it is not known.
      */
+    @Throws(MagcompException::class)
     public fun covariance(): List<Double>? = unlessClosed { native.covariance() }
 
     /** The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none. */
+    @Throws(MagcompException::class)
     public fun fit(): Fit? = unlessClosed { native.fit() }
 
     /** Which directions were seen, for guidance. */
+    @Throws(MagcompException::class)
     public fun coverage(): Coverage = unlessClosed { native.coverage() }
 
     /**
      * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
      * [MagcompException.Panicked].
      */
+    @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** The whole state as text with a version and a checksum, to be kept and restored. */
+    @Throws(MagcompException::class)
     public fun snapshot(): String = unlessClosed { native.snapshot() }
 
     /**
@@ -139,6 +156,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
      */
+    @Throws(MagcompException::class)
     public fun restore(snapshot: String): Restored = unlessClosed { native.restore(snapshot) }
 
     /**
@@ -148,6 +166,7 @@ public class Compensator @JvmOverloads constructor(public val config: Config = C
      * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
      * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
      */
+    @Throws(MagcompException::class)
     public fun restoreCalibration(snapshot: String): Unit = unlessClosed { native.restoreCalibration(snapshot) }
 
     /** Frees the native state now. May be called twice, and while another thread pushes. */

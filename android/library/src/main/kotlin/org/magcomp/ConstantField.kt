@@ -18,12 +18,15 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
      *
      * @throws MagcompException.Rejected when it is not finite; nothing has changed then
      */
+    @Throws(MagcompException::class)
     public fun add(rawUt: Vector3): Unit = unlessClosed { native.add(rawUt) }
 
     /** Orientations so far. */
+    @Throws(MagcompException::class)
     public fun orientations(): Int = unlessClosed { native.orientations() }
 
     /** Which directions were seen and which were not, about the best centre known so far. Costs a fit. */
+    @Throws(MagcompException::class)
     public fun coverage(): Coverage = unlessClosed { native.coverage() }
 
     /**
@@ -32,10 +35,12 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
      * @param options what was left out is the library's default
      * @throws MagcompException.Fit says what the orientations lack; the session can go on
      */
+    @Throws(MagcompException::class)
     @JvmOverloads
     public fun finish(options: FitOptions? = null): Fit = unlessClosed { native.finish(options) }
 
     /** Forgets the orientations, and makes it usable again after [MagcompException.Panicked]. */
+    @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** Frees the native state now. May be called twice, and while another thread adds. */

@@ -5,8 +5,10 @@ import static org.junit.jupiter.api.Assertions.assertInstanceOf;
 import static org.junit.jupiter.api.Assertions.assertNotNull;
 import static org.junit.jupiter.api.Assertions.assertNull;
 import static org.junit.jupiter.api.Assertions.assertTrue;
+import static org.junit.jupiter.api.Assertions.fail;
 
 import java.io.File;
+import java.io.IOException;
 import java.io.StringReader;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
@@ -61,6 +63,27 @@ class CompassJavaTest {
         try (AutoCloseable running = compass.start(executor, counter)) {
             Exception error = counter.ended.get(60, TimeUnit.SECONDS);
             assertEquals(1, assertInstanceOf(RecordingException.class, error).getLine());
+        }
+    }
+
+    @Test
+    void aListenerGetsTheErrorOfAFileThatIsNotThere() throws Exception {
+        Counter counter = new Counter();
+        try (AutoCloseable running = new Compass(new RecordingSource(new File("no such.csv"))).start(executor, counter)) {
+            assertInstanceOf(IOException.class, counter.ended.get(60, TimeUnit.SECONDS));
+        }
+    }
+
+    @Test
+    void errorsCanBeCaught() {
+        // compiles because the class says what it throws
+        try (Compensator compensator = new Compensator()) {
+            compensator.restore("nonsense");
+            fail("restored");
+        } catch (MagcompException.SnapshotDamaged e) {
+            assertTrue(e.text().contains("snapshot"), e.text());
+        } catch (MagcompException e) {
+            fail(e);
         }
     }
 
