@@ -66,7 +66,9 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     mutating func next() async throws -> SensorSample? {
         if lines == nil { try begin() }
         if events.isEmpty {
-            guard let text = nextLine() else { return nil }
+            var text = nextLine()
+            while text == "" { text = nextLine() }
+            guard let text else { return nil }
             try read(text)
         }
         return events.popLast()
@@ -81,7 +83,8 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         guard let header = nextLine() else {
             throw RecordingError(name: name, line: 1, column: nil, problem: "the header is missing")
         }
-        let names = cells(header)
+        // spreadsheets write a mark first
+        let names = cells(header.hasPrefix("\u{FEFF}") ? String(header.dropFirst()) : header)
         width = names.count
         columns = Dictionary(zip(names, 0...), uniquingKeysWith: { _, last in last })
         for column in ["t_s", "mx", "my", "mz"] where columns[column] == nil {

@@ -29,7 +29,8 @@ import Testing
     }
 
     @Test func columnsMayComeInAnyOrderAndItCanBeIteratedAgain() async throws {
-        let source = source("mz,note,mx,my,t_s,ax,ay,az\r\n3,?, 1,2,0.25,0,0,9.8")
+        // with the mark, the line ends and the empty last line of a spreadsheet
+        let source = source("\u{FEFF}mz,note,mx,my,t_s,ax,ay,az\r\n3,?, 1,2,0.25,0,0,9.8\r\n\r\n")
         let expected: [SensorSample] = [
             .up(UpSample(timeNs: 250_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.8))),
             .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))),

@@ -3,6 +3,7 @@ package org.magcomp
 import java.io.File
 import java.io.Reader
 import java.util.zip.GZIPInputStream
+import kotlin.math.abs
 import kotlin.math.floor
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.flow
@@ -22,7 +23,8 @@ public class RecordingException(public val name: String, public val line: Int, p
  * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
  * magnetometer event, in this order, as far as it has them.
  *
- * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order.
+ * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order, and with
+ * [java.io.IOException] when its file can't be read.
  *
  * @param name said in errors
  * @param open opens the text anew for every collector
@@ -36,12 +38,14 @@ public class RecordingSource(private val name: String, private val open: () -> R
 
     override fun samples(): Flow<SensorSample> = flow {
         open().buffered().use { lines ->
-            val header = lines.readLine() ?: throw RecordingException(name, 1, null, "the header is missing")
+            // spreadsheets write a mark first
+            val header = lines.readLine()?.removePrefix("\uFEFF") ?: throw RecordingException(name, 1, null, "the header is missing")
             val columns = Columns(header)
             var number = 1
             while (true) {
                 val line = lines.readLine() ?: break
                 number += 1
+                if (line.isEmpty()) continue
                 val row = columns.row(line, number)
                 row.vector("gx", "gy", "gz")?.let { emit(SensorSample.RotationRate(RotationRateSample(row.timeNs, it))) }
                 row.vector("ax", "ay", "az")?.let { emit(SensorSample.Up(UpSample(row.timeNs, it))) }
@@ -71,7 +75,9 @@ public class RecordingSource(private val name: String, private val open: () -> R
 
     private inner class Row(val columns: Columns, val cells: List<String>, val line: Int) {
         val timeNs: Long = number("t_s").let {
-            if (it.isNaN() || it.isInfinite()) throw RecordingException(name, line, "t_s", "the time is not finite")
+            if (!(abs(it) < LARGEST_TIME_S)) {
+                throw RecordingException(name, line, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds")
+            }
             nearest(it * 1e9)
         }
 
@@ -90,6 +96,9 @@ public class RecordingSource(private val name: String, private val open: () -> R
     }
 
     private companion object {
+        /** Times beyond this do not fit 64-bit nanoseconds. */
+        const val LARGEST_TIME_S = 9e9
+
         /** Halves away from 0, as Rust rounds. */
         fun nearest(value: Double): Long = (if (value < 0) -floor(-value + 0.5) else floor(value + 0.5)).toLong()
     }

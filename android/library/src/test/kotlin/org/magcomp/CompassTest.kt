@@ -153,12 +153,15 @@ class CompassTest {
         assertEquals(Pair(3, "my"), error("t_s,mx,my,mz\n0,1,2,3\n1,1,x,3\n").let { Pair(it.line, it.column) })
         assertEquals(Pair(2, null), error("t_s,mx,my,mz\n0,1,2\n").let { Pair(it.line, it.column) })
         assertEquals(Pair(2, "t_s"), error("t_s,mx,my,mz\nnan,1,2,3\n").let { Pair(it.line, it.column) })
+        assertEquals(Pair(2, "t_s"), error("t_s,mx,my,mz\n1e10,1,2,3\n").let { Pair(it.line, it.column) })
         assertEquals("r.csv, line 1: the header is missing", error("").message)
     }
 
     @Test
     fun `a recording's columns may come in any order`() = runBlocking {
-        val source = RecordingSource("text") { "mz,note,mx,my,t_s,ax,ay,az\n3,?,1,2,0.25,0,0,9.8\n".reader() }
+        // with the mark, the line ends and the empty last line of a spreadsheet
+        val text = "\uFEFFmz,note,mx,my,t_s,ax,ay,az\r\n3,?,1,2,0.25,0,0,9.8\r\n\r\n"
+        val source = RecordingSource("text") { text.reader() }
         val expected = listOf(
             SensorSample.Up(UpSample(250_000_000, Vector3(0.0, 0.0, 9.8))),
             SensorSample.Magnetic(MagneticSample(250_000_000, Vector3(1.0, 2.0, 3.0))),
