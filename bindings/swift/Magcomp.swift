@@ -836,12 +836,14 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func fastHandle()  -> Int64
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
     func fit() throws  -> Fit?
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
+     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+     * stays then, and all else begins anew.
      */
     func push(sample: MagneticSample) throws  -> Reading
 
@@ -1010,7 +1012,7 @@ open func fastHandle() -> Int64  {
 }
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
 open func fit()throws  -> Fit?  {
     return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1022,7 +1024,9 @@ open func fit()throws  -> Fit?  {
 }
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
+     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+     * stays then, and all else begins anew.
      */
 open func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -4958,7 +4962,7 @@ public enum Status: Equatable, Hashable {
      */
     case tracking
     /**
-     * Something changed; not yet decided what.
+     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
      */
     case suspect(
         /**
@@ -4982,7 +4986,7 @@ public enum Status: Equatable, Hashable {
          */sinceNs: Int64
     )
     /**
-     * This sample was not used; nothing has changed.
+     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
      */
     case rejected(
         /**
@@ -5897,10 +5901,10 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() != 21106) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 33260) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 44924) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 49827) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 43669) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 34691) {

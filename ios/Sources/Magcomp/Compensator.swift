@@ -20,7 +20,8 @@ public final class Compensator: Sendable {
     }
 
     /// A raw magnetometer event and its answer. A sample that can't be used comes back with status `.rejected` and changes
-    /// nothing.
+    /// nothing; but 50 in a row whose time follows that of one another, and not that of the latest, are from another clock: the
+    /// calibration stays then, and all else begins anew.
     public func push(_ sample: MagneticSample) throws -> Reading {
         let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
         let unknown = Double.nan
@@ -79,20 +80,22 @@ public final class Compensator: Sendable {
     /// Which directions were seen, for guidance.
     public func coverage() throws -> Coverage { try native.coverage() }
 
-    /// Forgets everything but the config, and makes it usable again after `MagcompError.Panicked`.
+    /// Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
+    /// `MagcompError.Panicked`.
     public func reset() throws { try native.reset() }
 
     /// The whole state as text with a version and a checksum, to be kept and restored.
     public func snapshot() throws -> String { try native.snapshot() }
 
-    /// Takes over a snapshot: everything when it was made with the same config, else its calibration alone.
+    /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
+    /// of the library, else its calibration alone.
     ///
     /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
     @discardableResult
     public func restore(_ snapshot: String) throws -> Restored { try native.restore(snapshot: snapshot) }
 
-    /// Takes over a snapshot's calibration alone, and the clock starts anew: for the next launch of an app, or of the
-    /// phone, whose sensor clock begins at 0 again.
+    /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of an
+    /// app, or of the phone, whose sensor clock begins at 0 again.
     ///
     /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
     public func restoreCalibration(_ snapshot: String) throws { try native.restoreCalibration(snapshot: snapshot) }

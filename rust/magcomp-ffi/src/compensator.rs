@@ -48,7 +48,9 @@ impl Compensator {
         Ok(Arc::new(Self { config, use_reported_hard_iron, running: Guarded::new(running), handle: OnceLock::new() }))
     }
 
-    /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+    /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
+    /// a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+    /// stays then, and all else begins anew.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
         self.push_for(sample, |reading, jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,
@@ -85,7 +87,7 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.calibration().map(Into::into)))
     }
 
-    /// The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+    /// The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
     pub fn fit(&self) -> Result<Option<Fit>, MagcompError> {
         self.running.with(|running| Ok(running.core.fit().map(Into::into)))
     }

@@ -12,7 +12,7 @@ pub enum Status {
     },
     /// Calibrated, and following changes.
     Tracking,
-    /// Something changed; not yet decided what.
+    /// Something changed; not yet decided what, or the field is erratic though of its usual strength.
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,
@@ -27,7 +27,7 @@ pub enum Status {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
-    /// This sample was not used; nothing has changed.
+    /// This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
     Rejected {
         /// Why it was not used.
         reason: RejectReason,

@@ -117,7 +117,8 @@ pub enum Status {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
-    /// This sample was not used; nothing has changed.
+    /// This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see
+    /// `Compensator::push`).
     Rejected(RejectReason),
 }
 

@@ -976,10 +976,10 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fast_handle() and 0xFFFF) != 21106) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 33260) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 44924) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 49827) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 43669) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 34691) {
@@ -1459,12 +1459,14 @@ public interface NativeCompensatorInterface {
     fun `fastHandle`(): kotlin.Long
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
     fun `fit`(): Fit?
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
+     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+     * stays then, and all else begins anew.
      */
     fun `push`(`sample`: MagneticSample): Reading
 
@@ -1703,7 +1705,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided method, which makes none.
+     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
     @Throws(MagcompException::class)override fun `fit`(): Fit? {
             return FfiConverterOptionalTypeFit.lift(
@@ -1720,7 +1722,9 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing.
+     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
+     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
+     * stays then, and all else begins anew.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
             return FfiConverterTypeReading.lift(
@@ -5408,7 +5412,7 @@ sealed class Status {
 
 
     /**
-     * Something changed; not yet decided what.
+     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
      */
     data class Suspect(
         /**
@@ -5453,7 +5457,7 @@ sealed class Status {
     }
 
     /**
-     * This sample was not used; nothing has changed.
+     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
      */
     data class Rejected(
         /**

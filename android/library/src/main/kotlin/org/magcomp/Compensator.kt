@@ -16,7 +16,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /**
      * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that can't be used comes back
-     * with status `Rejected` and changes nothing.
+     * with status `Rejected` and changes nothing; but 50 in a row whose time follows that of one another, and not that of the
+     * latest, are from another clock: the calibration stays then, and all else begins anew.
      *
      * @param timeNs time of the event, nanoseconds
      * @param xUt raw field to the right of the screen, microtesla
