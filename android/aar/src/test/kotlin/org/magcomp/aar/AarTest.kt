@@ -108,6 +108,7 @@ class AarTest {
         val rules = String(parts.getValue("proguard.txt"))
         val kept = Regex("""-keep class (org\.magcomp\.\w+)""").findAll(rules).map { it.groupValues[1] }.toSet()
         assertTrue("-keep class com.sun.jna.** { *; }" in rules)
+        assertTrue("-keepattributes RuntimeVisibleAnnotations" in rules, "Structure.FieldOrder")
         // every class with native methods, JNI's and those JNA registers
         val native = classes.filterKeys { it.endsWith(".class") }.keys.map { it.removeSuffix(".class").replace('/', '.') }.filter { name ->
             Class.forName(name, false, javaClass.classLoader).declaredMethods.any { java.lang.reflect.Modifier.isNative(it.modifiers) }
