@@ -8,6 +8,7 @@ import java.util.concurrent.Executor
 import org.magcomp.CompassListener
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
+import org.magcomp.MagcompException
 import org.magcomp.SensorException
 import org.magcomp.headingFrame
 
@@ -27,9 +28,6 @@ class CompassActivity : Activity(), CompassListener {
 
     override fun onResume() {
         super.onResume()
-        // the screen may have turned meanwhile
-        @Suppress("DEPRECATION") // its successor needs API 30
-        compass.frame = headingFrame(windowManager.defaultDisplay.rotation)
         running = compass.start(mainThread, this)
     }
 
@@ -38,9 +36,20 @@ class CompassActivity : Activity(), CompassListener {
         super.onPause()
     }
 
-    override fun onReading(reading: CompensatedReading) = view.show(reading)
+    override fun onReading(reading: CompensatedReading) {
+        // looked at again and again, as a screen that turns upside down restarts no activity
+        @Suppress("DEPRECATION") // its successor needs API 30
+        compass.frame = headingFrame(windowManager.defaultDisplay.rotation)
+        view.show(reading)
+    }
 
     override fun onEnd(error: Exception?) {
-        view.explain(if (error is SensorException) error.message else error?.toString())
+        view.explain(
+            when (error) {
+                is SensorException -> error.message
+                is MagcompException -> error.text()
+                else -> error?.toString()
+            },
+        )
     }
 }
