@@ -114,6 +114,8 @@ private struct Estimation {
         var estimation = try Estimation(config, store: store, frame: frame)
         defer { estimation.end() }
         for try await event in events {
+            // not every sequence ends with its task
+            if Task.isCancelled { break }
             if let numbered = try estimation.push(event) { answer(numbered) }
         }
     }

@@ -105,6 +105,28 @@ import Testing
         try await eventually { ended.value }
     }
 
+    @Test func anEndlessSourceThatNeverWaitsEndsWithItsIterator() async throws {
+        struct Endless: AsyncSequence, AsyncIteratorProtocol, Sendable {
+            let asked: Shared<Int64>
+
+            func makeAsyncIterator() -> Endless { self }
+
+            func next() async -> SensorSample? {
+                asked.change { $0 += 1 }
+                let v = Vector3(x: 1, y: 2, z: Double(asked.value % 7))
+                return .magnetic(MagneticSample(timeNs: asked.value * stepNs, fieldUt: v))
+            }
+        }
+        let asked = Shared<Int64>(0)
+        for try await _ in Endless(asked: asked).compensated() { break }
+        // once it has ended, it is asked no more
+        try await eventually {
+            let before = asked.value
+            Thread.sleep(forTimeInterval: 0.05)
+            return asked.value == before
+        }
+    }
+
     @Test func theCalibrationIsKeptFromOneLaunchToTheNext() async throws {
         let store = Kept()
         _ = try await Compass(source: Played(events: events), store: store).readings().collected()

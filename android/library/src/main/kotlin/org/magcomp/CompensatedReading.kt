@@ -7,6 +7,7 @@ import kotlinx.coroutines.channels.Channel
 import kotlinx.coroutines.coroutineScope
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.flow.cancellable
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.launch
 
@@ -52,7 +53,7 @@ public fun Flow<SensorSample>.compensated(
             launch(Dispatchers.Default) {
                 try {
                     Estimation(config, store, frame).use { estimation ->
-                        samples.collect { sample -> estimation.push(sample)?.let { readings.send(it) } }
+                        samples.cancellable().collect { sample -> estimation.push(sample)?.let { readings.send(it) } }
                     }
                 } finally {
                     readings.close()

@@ -90,6 +90,14 @@ class CompassTest {
     }
 
     @Test
+    fun `a source that never waits ends with its collector`() = runBlocking {
+        var asked = 0L
+        val source = generateSequence { if (asked < MANY) MagneticSample(++asked * STEP_NS, Vector3(1.0, 2.0, 3.0 + asked % 7)) else null }
+        assertEquals(3, source.map { SensorSample.Magnetic(it) }.asFlow().compensated().take(3).toList().size)
+        assertTrue(asked < MANY, "it was played to its end")
+    }
+
+    @Test
     fun `the calibration is kept from one launch to the next`() = runBlocking {
         val store = Kept()
         Compass(Played(events), store = store).readings().last()
@@ -168,6 +176,10 @@ class CompassTest {
         )
         assertEquals(expected, source.samples().toList())
         assertEquals(expected, source.samples().toList(), "cold: it can be collected again")
+    }
+
+    private companion object {
+        const val MANY = 300_000L
     }
 
     /** As much of preferences as the store needs. */
