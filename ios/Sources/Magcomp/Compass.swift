@@ -26,7 +26,8 @@ public final class Compass: Sendable {
     }
     #endif
 
-    /// The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned.
+    /// The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. With a
+    /// declination out of range readings end with `MagcompError.Config`.
     public var frame: HeadingFrame {
         get { frames.value }
         set { frames.value = newValue }

@@ -5,7 +5,7 @@ import android.content.SharedPreferences
 
 /**
  * Where a calibration is kept from one launch to the next. The text carries its own version and checksum: a store need
- * not look into it, and an old or damaged one is passed over as if there were none.
+ * not look into it, and an old or damaged one is passed over as if there were none. What a store throws ends the readings.
  */
 public interface CalibrationStore {
     /** What was saved last, or null. */

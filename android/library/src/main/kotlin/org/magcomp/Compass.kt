@@ -36,7 +36,10 @@ public class Compass @JvmOverloads constructor(
         ),
     )
 
-    /** The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. */
+    /**
+     * The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. With a
+     * declination out of range readings end with [MagcompException.Config].
+     */
     public var frame: HeadingFrame by frames::value
 
     /** One reading for every magnetometer sample, as long as it is collected. */
