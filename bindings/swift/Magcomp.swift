@@ -893,6 +893,12 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
      */
     func snapshot() throws  -> String
 
+    /**
+     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * is none.
+     */
+    func snapshotCalibration() throws  -> String?
+
 }
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
@@ -1134,6 +1140,19 @@ open func snapshot()throws  -> String  {
     return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_snapshot(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * is none.
+     */
+open func snapshotCalibration()throws  -> String?  {
+    return try  FfiConverterOptionString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(
             self.uniffiCloneHandle(),uniffiCallStatus
     )
 })
@@ -4689,7 +4708,8 @@ public enum Restored: Equatable, Hashable {
      */
     case everything
     /**
-     * The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
+     * The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+     * over, the rest starts anew.
      */
     case calibrationOnly
 
@@ -5263,6 +5283,30 @@ fileprivate struct FfiConverterOptionBool: FfiConverterRustBuffer {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterBool.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionString: FfiConverterRustBuffer {
+    typealias SwiftType = String?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterString.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterString.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5929,6 +5973,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot() != 48416) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() != 15625) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 211) {

@@ -290,6 +290,20 @@ fn the_calibration_of_a_snapshot_alone_lets_the_clock_start_anew() {
 }
 
 #[test]
+fn a_calibration_kept_alone_is_short_and_is_taken_over() {
+    let (config, source) = small(40);
+    assert_eq!(compensator(&config).snapshot_calibration(), None);
+    let kept = source.snapshot_calibration().unwrap();
+    assert!(kept.len() < 1000, "{} characters", kept.len());
+    let mut target = compensator(&config);
+    assert_eq!(target.restore_calibration(&kept), Ok(()));
+    assert_eq!(target.calibration(), source.calibration());
+    let mut other = compensator(&config);
+    assert_eq!(other.restore(&kept), Ok(Restored::CalibrationOnly));
+    assert_eq!(other.snapshot(), target.snapshot());
+}
+
+#[test]
 fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
     for (method, gyroscope) in [(Method::Auto, true), (Method::Auto, false), (Method::Windowed, true)] {
         let mut compensator = compensator(&config(method, 100, 300));

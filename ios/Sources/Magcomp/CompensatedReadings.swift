@@ -156,9 +156,8 @@ private struct Estimation {
     private static func apart(_ oneNs: Int64, _ otherNs: Int64) -> Double { abs(Double(oneNs) - Double(otherNs)) }
 
     private func save() {
-        guard let store, (try? compensator.calibration()) != nil else { return }
         // after a defect there is nothing to keep
-        if let snapshot = try? compensator.snapshot() { store.save(snapshot) }
+        if let store, let snapshot = try? compensator.snapshotCalibration() { store.save(snapshot) }
     }
 
     func end() {

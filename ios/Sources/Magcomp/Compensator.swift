@@ -87,6 +87,10 @@ public final class Compensator: Sendable {
     /// The whole state as text with a version and a checksum, to be kept and restored.
     public func snapshot() throws -> String { try native.snapshot() }
 
+    /// The calibration in force alone, as such a text of a few hundred characters, for ``restoreCalibration(_:)``; nil when
+    /// there is none.
+    public func snapshotCalibration() throws -> String? { try native.snapshotCalibration() }
+
     /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
     /// of the library, else its calibration alone.
     ///

@@ -21,7 +21,8 @@ pub struct Compensator {
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
+    /// The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+    /// over, the rest starts anew.
     CalibrationOnly,
 }
 
@@ -112,6 +113,12 @@ impl Compensator {
     /// The whole state as text with a version and a checksum, to be kept and restored.
     pub fn snapshot(&self) -> Result<String, MagcompError> {
         self.running.with(|running| Ok(running.core.snapshot()))
+    }
+
+    /// The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+    /// is none.
+    pub fn snapshot_calibration(&self) -> Result<Option<String>, MagcompError> {
+        self.running.with(|running| Ok(running.core.snapshot_calibration()))
     }
 
     /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same

@@ -389,6 +389,13 @@ impl Compensator {
         seal(self.calibration(), &state)
     }
 
+    /// The calibration in force alone, as such a text of a few hundred characters, for [`Self::restore_calibration`]; none
+    /// when there is none.
+    #[must_use]
+    pub fn snapshot_calibration(&self) -> Option<String> {
+        self.calibration().map(|calibration| seal(Some(calibration), &()))
+    }
+
     /// Takes over a snapshot: everything when it was made with the same config, heading settings aside, which stay as
     /// they are here; else as [`Self::restore_calibration`].
     ///

@@ -17,8 +17,8 @@ pub const SNAPSHOT_VERSION: u32 = 1;
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot was made with another config or by another version of this library: its calibration was taken over,
-    /// the rest starts anew.
+    /// The snapshot holds no more, or was made with another config or by another version of this library: its calibration
+    /// was taken over, the rest starts anew.
     CalibrationOnly,
 }
 
@@ -77,9 +77,9 @@ fn opened(rest: &str) -> Option<Opened<'_>> {
 }
 
 impl Opened<'_> {
-    /// The state; none when another version of the library wrote it.
+    /// The state; none when another version of the library wrote it, or the calibration alone was kept.
     pub fn state<S: DeserializeOwned>(&self) -> Result<Option<S>, SnapshotError> {
-        if self.library != LIBRARY {
+        if self.library != LIBRARY || self.state.is_empty() {
             return Ok(None);
         }
         decode(self.state).map(Some).ok_or(SnapshotError::Damaged)

@@ -715,6 +715,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_snapshot(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_constantfield_add(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_constantfield_coverage(
@@ -784,6 +786,8 @@ internal object UniffiLib {
     external fun uniffi_magcomp_ffi_fn_method_compensator_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_snapshot(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_clone_constantfield(`handle`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Long
@@ -1004,6 +1008,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot() and 0xFFFF) != 48416) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() and 0xFFFF) != 15625) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 211) {
@@ -1516,6 +1523,12 @@ public interface NativeCompensatorInterface {
      */
     fun `snapshot`(): kotlin.String
 
+    /**
+     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * is none.
+     */
+    fun `snapshotCalibration`(): kotlin.String?
+
     companion object
 }
 
@@ -1872,6 +1885,24 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_snapshot(
+        it,
+        _status)
+}
+    }
+    )
+    }
+
+
+
+    /**
+     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * is none.
+     */
+    @Throws(MagcompException::class)override fun `snapshotCalibration`(): kotlin.String? {
+            return FfiConverterOptionalString.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(
         it,
         _status)
 }
@@ -5245,7 +5276,8 @@ enum class Restored {
      */
     EVERYTHING,
     /**
-     * The snapshot was made with another config or by another version of the library: its calibration was taken over, the rest starts anew.
+     * The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+     * over, the rest starts anew.
      */
     CALIBRATION_ONLY;
 
@@ -5755,6 +5787,38 @@ public object FfiConverterOptionalBoolean: FfiConverterRustBuffer<kotlin.Boolean
         } else {
             buf.put(1)
             FfiConverterBoolean.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+public object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?> {
+    override fun read(buf: ByteBuffer): kotlin.String? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterString.read(buf)
+    }
+
+    override fun allocationSize(value: kotlin.String?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterString.allocationSize(value)
+        }
+    }
+
+    override fun write(value: kotlin.String?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterString.write(value, buf)
         }
     }
 }

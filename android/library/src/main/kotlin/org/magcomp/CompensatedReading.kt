@@ -140,7 +140,7 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
 
     private fun save() {
-        if (store != null && compensator.calibration() != null) store.save(compensator.snapshot())
+        if (store != null) compensator.snapshotCalibration()?.let(store::save)
     }
 
     override fun close() {

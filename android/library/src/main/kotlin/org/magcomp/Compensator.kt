@@ -151,6 +151,13 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun snapshot(): String = unlessClosed { native.snapshot() }
 
     /**
+     * The calibration in force alone, as such a text of a few hundred characters, for [restoreCalibration]; null when there is
+     * none.
+     */
+    @Throws(MagcompException::class)
+    public fun snapshotCalibration(): String? = unlessClosed { native.snapshotCalibration() }
+
+    /**
      * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
      * of the library, else its calibration alone.
      *

@@ -101,7 +101,7 @@ class CompassTest {
     fun `the calibration is kept from one launch to the next`() = runBlocking {
         val store = Kept()
         Compass(Played(events), store = store).readings().last()
-        assertNotNull(store.snapshot)
+        assertTrue(store.snapshot!!.length < 1000, "no more than the next launch takes over")
         val again = Compass(Played(events.take(2)), store = store).readings().take(1).toList().single()
         assertNotNull(again.reading.fieldUt, "calibrated from the first sample on, though the clock began anew")
         assertTrue(again.reading.status !is Status.Rejected)
