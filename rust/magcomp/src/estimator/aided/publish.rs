@@ -7,6 +7,7 @@ use super::learn::NEW_PLACE_TIME_S;
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
+use crate::ellipsoid::FitError;
 use crate::pairing::Rotation;
 use crate::reading::{HoldReason, Missing, Status};
 
@@ -18,6 +19,10 @@ const CLOCK_SHARE_LATE_GYROSCOPE: f64 = 0.15;
 const TOO_LITTLE_RAD_S: f64 = 0.04;
 /// Magnetometer noise assumed at most in the magnitude mode, whose one-step increments mean nothing, uT.
 const MAGNITUDE_NOISE_UT: f64 = 2.0;
+/// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
+const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
+/// Standard deviations of |m| by which it must be outside.
+const BEYOND_DOUBT: f64 = 3.0;
 
 impl Aided {
     /// An answer that says nothing but its status.
@@ -43,7 +48,7 @@ impl Aided {
         rotation: &Rotation,
         filter: &Gaussian,
     ) -> AidedOutput {
-        let mut output = self.blank(time_ns, self.status());
+        let mut output = self.blank(time_ns, self.status(filter));
         output.up = self.motion.up;
         output.tilt_rad2 = Some(self.motion.tilt_rad2());
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
@@ -84,9 +89,10 @@ impl Aided {
         output
     }
 
-    fn status(&self) -> Status {
+    fn status(&self, filter: &Gaussian) -> Status {
+        let impossible = impossible_field(filter);
         if !self.adopted {
-            return Status::Collecting(Missing::Rotation);
+            return Status::Collecting(impossible.map_or(Missing::Rotation, Missing::Fit));
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
@@ -100,7 +106,9 @@ impl Aided {
         if let Some(since_ns) = self.strength.since_ns {
             return Status::Disturbed { since_ns };
         }
-        if self.motion.at_rest() {
+        if let Some(error) = impossible {
+            Status::Held(HoldReason::FitRefused(error))
+        } else if self.motion.at_rest() {
             Status::Held(HoldReason::AtRest)
         } else if self.motion.lately_rad_s < TOO_LITTLE_RAD_S {
             Status::Held(HoldReason::TooLittleRotation)
@@ -147,4 +155,17 @@ impl Aided {
 /// The covariance of (b, e).
 pub(super) fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
     SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j))
+}
+
+/// That no place has a field as strong or as weak as m, if so.
+fn impossible_field(filter: &Gaussian) -> Option<FitError> {
+    let m = filter.vector(FIELD);
+    let field_ut = m.norm();
+    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
+    let (low_ut, high_ut) = POSSIBLE_UT;
+    (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
+        field_ut,
+        low_ut,
+        high_ut,
+    })
 }

@@ -178,3 +178,18 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
         }
     }
 }
+
+#[test]
+fn a_field_that_no_place_has_is_told() {
+    // Gauss, a tenth, milligauss; and what is found indoors, which is not to be told
+    for (factor, possible) in [(0.01, false), (0.1, false), (10.0, false), (0.5, true), (1.0, true), (2.0, true)] {
+        let mut world = World::new(9);
+        let mut aided = Aided::new(AidedConfig::default());
+        for k in 0..3_000 {
+            let sample = world.sample(0.01);
+            let status = aided.push(sample.time_ns, sample.raw_ut * factor, &sample.inertial).status;
+            let told = status.to_string().contains("unit is not microtesla");
+            assert!(k < 1_000 || told != possible, "{factor} at {k}: {status}");
+        }
+    }
+}
