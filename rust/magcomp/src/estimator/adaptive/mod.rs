@@ -245,7 +245,7 @@ impl Adaptive {
         if !rests && !self.called {
             self.judge();
         }
-        self.attest(time_ns, raw_ut);
+        self.attest(time_ns, raw_ut, rests);
         if !self.called {
             self.publish(time_ns);
         }

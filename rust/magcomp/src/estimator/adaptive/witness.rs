@@ -3,8 +3,8 @@
 //! from before corrects them, c = T (u - beta) (field strengths), with n = c / |c| and `up` (unit vector):
 //!     place:   |c| = 1 + f,  up.c = v + w                             unknown f, w: another field, the same calibration
 //!     device:  |c - d| = 1,  up.(c - d) = v                           unknown d: the same field, b moved by d
-//! v, the vertical part, is learned while nothing is in doubt. Both unknowns walk, quickly at first: a change may take half
-//! a second. Each sums its log likelihood, -(z^2 / S + log S) / 2; their difference decides. Without `up` the
+//! v, the vertical part, is learned while nothing is in doubt and the device is turned. Both unknowns walk, quickly at first: a
+//! change may take half a second. Each sums its log likelihood, -(z^2 / S + log S) / 2; their difference decides. Without `up` the
 //! magnitude alone does, later. The vertical part's error is that of `aided/magnitude`.
 
 use super::noise::Noise;
@@ -369,11 +369,16 @@ impl Adaptive {
     }
 
     /// Whether it is the place that changed.
-    pub(super) fn attest(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) {
+    pub(super) fn attest(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, rests: bool) {
         let Some(published) = self.published else { return };
         // that nothing has changed may be released too early: it is no decision
         let open = |trial: &Trial| trial.base.is_some() && (!trial.released || self.order == ModelOrder::Nothing);
         let doubtful = self.trial.filter(open).map(|trial| trial.since_ns);
+        if rests && doubtful.is_none() {
+            // it has told of its place already
+            self.witness.doubt = None;
+            return;
+        }
         let known = self.direction_sigma_deg.to_radians().powi(2);
         let u = self.unit(raw_ut);
         self.witness.look(time_ns, &u, &published.tau, known, doubtful, &self.noise);
