@@ -2,13 +2,15 @@
 //! a device whose hard iron does, and recordings where nothing does. The accelerometer is that of a shaking hand.
 
 use magcomp::nalgebra::Vector3;
-use magcomp::{Compensator, Config, Method, Status};
+use magcomp::{Calibration, Compensator, Config, Method, Status};
 use magcomp_lab::experiment::aided::config;
 use magcomp_lab::inertial::InertialSensor;
 use magcomp_lab::motion::Motion;
+use magcomp_lab::parameters::Parameters;
 use magcomp_lab::phone::{CHANGE_S, PLACE_S, Phone, PhoneChange};
 use magcomp_lab::recording::read;
 use magcomp_lab::replay::{Ignore, replay};
+use magcomp_lab::schedule::Schedule;
 use magcomp_lab::simulate::Simulation;
 
 /// Standard deviation of the accelerometer's noise, m/s^2: a hand that shakes, not the sensor.
@@ -28,7 +30,11 @@ struct Seen {
 }
 
 fn follow(stream: &Simulation, gravity: bool) -> Seen {
-    let mut compensator = Compensator::new(config(Method::Adaptive)).expect("the default config");
+    follow_by(config(Method::Adaptive), stream, gravity)
+}
+
+fn follow_by(config: Config, stream: &Simulation, gravity: bool) -> Seen {
+    let mut compensator = Compensator::new(config).expect("a valid config");
     let mut ups = stream.ups.iter().peekable();
     let mut seen = Seen { statuses: Vec::new(), hard_iron_ut: Vec::new(), errors_deg: Vec::new() };
     for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {
@@ -82,6 +88,47 @@ fn with_gravity_a_disturbed_place_is_reported_and_not_learned() {
         kept += usize::from(moved < 3.0 && worst < 2.0 && late == 0);
     }
     assert!(reported >= 30 && kept >= 31, "reported {reported}, kept {kept} of 32");
+}
+
+/// Rms over 16 runs, degrees, from 10 to 30 s after b began to drift for 30 s and in the 30 s after that, and in how many of them
+/// an error ever exceeds 20 degrees; in rooms that may be uneven, as they are by default. Walking the calibration of an earlier
+/// session is given.
+fn late_drift(motion: Motion, rate_ut_s: f64, begins_s: f64) -> ([f64; 2], usize) {
+    let mut errors = Vec::new();
+    for seed in 900..916 {
+        let mut scenario = Phone { seed, duration_s: begins_s + 60.0, motion, ..Phone::default() }.scenario();
+        let (start, field_ut) = (scenario.parameters.start, scenario.world_ut.start.norm());
+        let hard_iron = start.hard_iron + Vector3::new(0.6, -0.5, 0.62).normalize() * (rate_ut_s * 30.0 / field_ut);
+        scenario.parameters = Schedule::ramp(start, begins_s, 30.0, Parameters { hard_iron, ..start });
+        let known = Calibration::new(start.soft_iron, start.hard_iron * field_ut, field_ut).ok();
+        let initial = known.filter(|_| motion != Motion::Tumble);
+        let config = Config { method: Method::Adaptive, initial, ..Config::default() };
+        errors.push(follow_by(config, &scenario.run(), false).errors_deg);
+    }
+    let of = |from_s: f64, to_s: f64| {
+        let range = ((begins_s + from_s) * 100.0) as usize..((begins_s + to_s) * 100.0) as usize;
+        errors.iter().flat_map(move |run| run[range.clone()].iter().copied()).collect::<Vec<f64>>()
+    };
+    let rms = |values: Vec<f64>| (values.iter().map(|error| error * error).sum::<f64>() / values.len() as f64).sqrt();
+    let begins = (begins_s * 100.0) as usize;
+    let far = errors.iter().filter(|run| run[begins..].iter().any(|error| *error > 20.0)).count();
+    ([rms(of(10.0, 30.0)), rms(of(30.0, 60.0))], far)
+}
+
+#[test]
+fn a_drift_that_begins_late_is_followed() {
+    for (motion, rate_ut_s, begins_s, limits, most_far) in [
+        (Motion::Tumble, 0.5, 30.0, [4.5, 2.0], 0),
+        (Motion::Tumble, 0.1, 60.0, [2.5, 2.5], 0),
+        (Motion::Stroll, 0.5, 30.0, [4.5, 2.0], 0),
+        // where a filter that knows too little gives way, one run in 32 calls a change instead
+        (Motion::Stroll, 1.0, 10.0, [6.0, 3.5], 1),
+    ] {
+        let (found, far) = late_drift(motion, rate_ut_s, begins_s);
+        println!("{motion:?}, {rate_ut_s} uT/s from {begins_s} s: {found:.2?} deg, {far} runs over 20 deg");
+        assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{motion:?}, {rate_ut_s}: {found:?}");
+        assert!(far <= most_far, "{motion:?}, {rate_ut_s}: {far} runs over 20 deg");
+    }
 }
 
 #[test]

@@ -2,6 +2,8 @@
 //! G = d(T (u - beta))/dtau; over a set of directions its mean square is dtau^T W dtau, and its expectation tr(W P), with
 //!     W = mean of G^T (1 - n n^T) G / r^2      (radians^2)
 
+use super::CLOSE_DEG;
+use super::hypothesis::Gaussian;
 use super::parameters::{Matrix9, Vector9, centre, radius_gradient, see, shape, vector_gradient};
 use crate::ellipsoid::ldl::add;
 use nalgebra::Vector3;
@@ -11,6 +13,11 @@ use nalgebra::Vector3;
 pub(super) struct AngularWeight {
     sum: Matrix9,
     count: f64,
+}
+
+/// Whether the error expected all around is less than CLOSE_DEG.
+pub(super) fn is_close(known: &Gaussian) -> bool {
+    AngularWeight::sphere(&known.mean).expected(&known.covariance) < CLOSE_DEG.to_radians().powi(2)
 }
 
 /// Half of an icosahedron's corners: their mean is that of the sphere for everything even up to the fifth degree.

@@ -279,6 +279,7 @@ impl Adaptive {
         self.rivals.shift(&by);
         self.witness.shift(&by);
         self.motion.shift(&by);
+        self.drift.shift(&by);
         self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
         if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
             base.shift(&by);

@@ -16,9 +16,9 @@ pub(super) const LARGE_CHANGE: f64 = 8.0;
 /// log B of a small change: e^-10 is one in 22 thousand at most, and far less of what is looked at.
 const SMALL_CHANGE: f64 = 10.0;
 /// The same while b drifts: a part of what a span misses by is the drift's.
-const SMALL_CHANGE_ADRIFT: f64 = 14.0;
+pub(super) const SMALL_CHANGE_ADRIFT: f64 = 14.0;
 /// Expected error (degrees) above which evidence that is linearised about the estimate means nothing.
-const ROUGH_DEG: f64 = 20.0;
+pub(super) const ROUGH_DEG: f64 = 20.0;
 /// Log odds by which a prefix of the segment must be older than the change before it is dropped.
 const OLDER: f64 = 3.0;
 /// Fewest samples that a small change leaves to the segment.

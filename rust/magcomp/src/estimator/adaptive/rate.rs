@@ -4,19 +4,21 @@
 //! What a block says about tau leaves K and D as they are, and r_0 follows m. In t seconds, with S the rows of beta,
 //!     tau <- J tau + t S e,   J = I + t S K,   cov(r, tau) <- K P J^T + t D S^T,   R = K P K^T + D
 //! and after that r decays. It begins with a fit of tau and r to the whole segment (`line`), and is carried on beside the
-//! hypothesis that b rests. Whether r = 0 now: the density there before and after the samples (Dickey 1971),
+//! filters of `drift`. Whether r = 0 now: the density there before and after the samples (Dickey 1971),
 //!     log B = r^T R^-1 r / 2 - log (det R_0 / det R) / 2
-//! Where there is a rate, and the blocks to come are predicted better with it, the coordinates move with it: then b rests in
+//! Where there is a rate, and the blocks to come are predicted better with it than by those, the coordinates move with it: then b rests in
 //! them, and everything else is as it was.
 
-use super::drift::Drift;
+use super::angle::is_close;
+use super::drift::{rested, take};
 use super::hypothesis::{Gaussian, Hypothesis};
 use super::likelihood::Likelihood;
 use super::line::{Line, Matrix12, Vector12};
+use super::notice::ROUGH_DEG;
 use super::parameters::{Matrix9, Vector9};
 use super::rivals::Rivals;
 use super::samples::{REVIEWED, span_length};
-use super::{ABSORBED_BELOW_DEG, Adaptive, BLOCK_SPAN, CLOSE_DEG, angle};
+use super::{ABSORBED_BELOW_DEG, Adaptive, BLOCK_SPAN};
 use crate::ellipsoid::Moments;
 use crate::ellipsoid::ldl::Ldl;
 use crate::reading::ModelOrder;
@@ -37,6 +39,9 @@ const BETTER: f64 = 3.0;
 /// Age of a segment of which nothing has been absorbed, from which and how often it is looked at.
 const WHOLE_FROM: usize = 256;
 const WHOLE_EVERY: usize = 64;
+/// Square of an expected error, in the unevenness of the room, up to which what it bends, half that square, is a twentieth of
+/// the unevenness.
+const UNBENT: f64 = 0.1;
 /// Square of a rate, in its variance, from which it is taken for an error: five standard deviations.
 const PLAUSIBLE: f64 = 25.0;
 /// What is kept from one block to the next of the log evidence for the course against rest.
@@ -71,8 +76,8 @@ fn usual(unit_ut: f64) -> f64 {
 }
 
 impl Course {
-    fn new(known: Gaussian, unit_ut: f64) -> Self {
-        let rest = Matrix3::from_diagonal_element(usual(unit_ut));
+    pub fn new(known: Gaussian, variance: f64) -> Self {
+        let rest = Matrix3::from_diagonal_element(variance);
         Self { known, rate: Vector3::zeros(), gain: SMatrix::zeros(), rest }
     }
 
@@ -126,15 +131,22 @@ impl Course {
     }
 
     /// `seconds` more, in coordinates that move; `walk` adds to what is known.
-    pub fn carry(&mut self, moving: &Vector3<f64>, seconds: f64, unit_ut: f64, walk: impl Fn(&Gaussian) -> Gaussian) {
+    pub fn carry(
+        &mut self,
+        moving: &Vector3<f64>,
+        seconds: f64,
+        lasting_s: f64,
+        usual: f64,
+        walk: impl Fn(&Gaussian) -> Gaussian,
+    ) {
         let spread = self.spread();
         let mut cross = self.gain * self.known.covariance;
         let along = (cross * self.gain.transpose() + self.rest) * seconds;
         let mut of_beta = cross.fixed_view_mut::<3, 3>(0, 6);
         of_beta += along;
         self.known = walk(&self.ahead(&self.known, seconds));
-        let keep = (-seconds / RATE_S).exp();
-        let fresh = (1.0 - keep * keep) * usual(unit_ut);
+        let keep = (-seconds / lasting_s).exp();
+        let fresh = (1.0 - keep * keep) * usual;
         self.regress(&(cross * keep), &(spread * (keep * keep) + Matrix3::from_diagonal_element(fresh)));
         self.rate = (self.rate + moving) * keep - moving;
     }
@@ -149,16 +161,6 @@ impl Course {
         let Some(factors) = Ldl::new(&self.spread()) else { return f64::MIN };
         0.5 * (factors.square(&(self.rate + moving)) - 3.0 * usual(unit_ut).ln() + factors.log_det)
     }
-}
-
-/// Log evidence of a block of samples, up to what does not depend on what is known: (g^T (H + P^-1)^-1 g - log det (I + P H) - L) / 2.
-fn log_evidence(known: &Gaussian, block: &Likelihood) -> Option<f64> {
-    let point = block.at(&known.mean)?;
-    let score = block.score(&known.mean, &point);
-    let (_, raw) = block.derivatives(&known.mean, &point);
-    let prior = Ldl::new(&known.covariance)?;
-    let factors = Ldl::new(&(raw + prior.inverse()))?;
-    Some(0.5 * (factors.square(&score) - factors.log_det - prior.log_det - point.cost))
 }
 
 /// What was known, Lambda and tau_0, and a block of samples, linearised at tau.
@@ -202,7 +204,8 @@ impl Adaptive {
     pub(super) fn absorb(&mut self, time_ns: i64) {
         let block = span_length(BLOCK_SPAN);
         let count = self.samples.segment().count();
-        let enough = if self.motion.on { CLOSE_DEG } else { ABSORBED_BELOW_DEG };
+        let bend = (UNBENT * self.noise.unevenness()).sqrt().to_degrees();
+        let enough = if self.drift.has_begun() { ROUGH_DEG } else { bend.clamp(ABSORBED_BELOW_DEG, ROUGH_DEG) };
         let narrow = self.trial.is_none_or(|trial| trial.released) && self.direction_sigma_deg < enough;
         // what is still in doubt must not be taken for decided
         if count < 2 * block || !narrow || !self.rivals.agree() {
@@ -210,23 +213,28 @@ impl Adaptive {
         }
         let (Some(best), Some(widest)) = (self.rivals.best().copied(), self.rivals.widest().copied()) else { return };
         let (older, timed) = self.samples.absorb(BLOCK_SPAN);
-        let seconds = (time_ns.saturating_sub(self.absorbed_ns) as f64 * 1e-9).clamp(0.0, 86_400.0);
-        self.absorbed_ns = time_ns;
         let likelihood = self.likelihood_of(&older);
         let tau = best.posterior.mean;
-        let Some(known) = absorbed(best.prior(), &likelihood, &tau) else { return };
         let period_s = self.noise.period_s();
+        let seconds = (time_ns.saturating_sub(self.absorbed_ns) as f64 * 1e-9).clamp(0.0, 86_400.0);
+        if self.drift.has_begun() {
+            self.drift.learn(&likelihood, &tau, self.unit_ut);
+        } else {
+            let Some(known) = absorbed(best.prior(), &likelihood, &tau) else { return };
+            self.drift.begin(&known, self.unit_ut);
+        }
+        self.absorbed_ns = time_ns;
+        let Some(known) = self.drift.mixture() else { return };
         let course = match self.motion.course {
             Some(mut course) if self.motion.on => {
-                course.learn(&known);
+                self.drift.at_rest().into_iter().for_each(|known| course.learn(known));
                 course
             }
             Some(mut course) if self.motion.ahead > LOST && course.is_plausible(self.unit_ut) => {
                 let along = self.along(&course.rate, block, count).map(|along| self.likelihood_of(&along));
-                let prior = Ldl::new(&course.known.covariance).map(|factors| factors.inverse());
                 let mean = course.known.mean;
-                let learned = prior.and_then(|prior| absorbed((&prior, &mean), &along.unwrap_or(likelihood), &mean));
-                learned.iter().for_each(|known| course.learn(known));
+                let learned = take(&course.known, &along.unwrap_or(likelihood), &mean);
+                learned.iter().for_each(|(_, known)| course.learn(known));
                 course
             }
             // from the whole segment, or anew
@@ -234,60 +242,59 @@ impl Adaptive {
                 self.motion.ahead = 0.0;
                 let line = Line::new(&likelihood, &timed, period_s, widest.prior(), self.unit_ut);
                 let fit = if other.is_none() { line.fit(&tau) } else { None };
-                fit.unwrap_or_else(|| Course::new(known, self.unit_ut))
+                fit.unwrap_or_else(|| Course::new(known, usual(self.unit_ut)))
             }
         };
         let half_s = 0.5 * period_s * count as f64;
         let evidence = course.log_evidence(&self.motion.rate, self.unit_ut);
-        if !self.motion.on && evidence > BEGINS && self.motion.ahead > BETTER && course.is_plausible(self.unit_ut) {
+        let better = evidence > BEGINS && self.motion.ahead > BETTER;
+        if !self.motion.on && better && course.is_plausible(self.unit_ut) && is_close(&course.known) {
             self.set_off(best.order, course, half_s + 0.5 * period_s * block as f64);
         } else {
-            self.go_on(&best, course, &known, evidence, half_s, seconds);
+            self.go_on(&best, course, evidence, half_s, seconds);
         }
     }
 
     /// From one block to the next.
-    fn go_on(
-        &mut self,
-        best: &Hypothesis,
-        mut course: Course,
-        known: &Gaussian,
-        evidence: f64,
-        ahead_s: f64,
-        seconds: f64,
-    ) {
+    fn go_on(&mut self, best: &Hypothesis, mut course: Course, evidence: f64, ahead_s: f64, seconds: f64) {
         let unit_ut = self.unit_ut;
-        let rest = self.likelihood_of(self.samples.segment());
-        let still = |known: &Gaussian| Drift::default().walk(known, unit_ut, seconds);
+        let block = self.likelihood_of(self.samples.segment());
+        let still = |known: &Gaussian| rested(known, unit_ut, seconds);
         let moved = self.motion.on && evidence > ENDS;
-        let known = if moved {
-            course.carry(&self.motion.rate, ahead_s, unit_ut, |known| *known);
-            self.drift.learn(&course.known, &rest, unit_ut, seconds);
-            course.known = self.drift.walk(&course.known, unit_ut, seconds);
+        if moved {
+            course.carry(&self.motion.rate, ahead_s, RATE_S, usual(unit_ut), |known| *known);
+            self.drift.at_rest().into_iter().for_each(|known| *known = course.known);
+            self.drift.walk(&self.motion.rate, unit_ut, seconds, ahead_s);
+            self.drift.accelerate(&course.rate);
+            self.drift.at_rest().into_iter().for_each(|known| course.known = *known);
             self.motion.rate += std::mem::take(&mut course.rate);
-            course.known
         } else {
-            course.carry(&self.motion.rate, ahead_s, unit_ut, still);
-            course.rate += std::mem::take(&mut self.motion.rate);
-            self.drift.learn(known, &rest, unit_ut, seconds);
-            let known = self.drift.walk(known, unit_ut, seconds);
+            course.carry(&self.motion.rate, ahead_s, RATE_S, usual(unit_ut), still);
+            let moving = std::mem::take(&mut self.motion.rate);
+            course.rate += moving;
+            self.drift.walk(&moving, unit_ut, seconds, ahead_s);
+            self.drift.accelerate(&-moving);
+        }
+        let Some(known) = self.drift.mixture() else { return };
+        if !moved {
             let along = self.along(&course.rate, 0, self.samples.segment().count());
-            let with = along.and_then(|along| log_evidence(&course.known, &self.likelihood_of(&along)));
-            let ahead = with.zip(log_evidence(&known, &rest)).map_or(2.0 * LOST, |(with, without)| with - without);
+            let with = along.and_then(|along| take(&course.known, &self.likelihood_of(&along), &course.known.mean));
+            let ahead = with
+                .zip(take(&known, &block, &known.mean))
+                .map_or(2.0 * LOST, |((with, _), (without, _))| with - without);
             self.motion.ahead = KEPT * self.motion.ahead + ahead;
-            known
-        };
+        }
         (self.motion.on, self.motion.course) = (moved, Some(course));
         self.next_block(best.order, &known, &best.posterior.mean);
     }
 
     /// b is found to move, since `seconds` ago: from now on the coordinates move with it.
     fn set_off(&mut self, order: ModelOrder, mut course: Course, seconds: f64) {
-        course.carry(&self.motion.rate, seconds, self.unit_ut, |known| *known);
+        course.carry(&self.motion.rate, seconds, RATE_S, usual(self.unit_ut), |known| *known);
         let known = course.known;
         self.motion.rate += std::mem::take(&mut course.rate);
         (self.motion.on, self.motion.course) = (true, Some(course));
-        self.drift.reset();
+        self.drift.begin(&known, self.unit_ut);
         self.samples.clear(self.centre_ut);
         self.next_block(order, &known, &known.mean);
     }
@@ -331,9 +338,10 @@ impl Adaptive {
         let likelihood = self.likelihood_of(self.samples.segment());
         let line = Line::new(&likelihood, &self.samples.timed, period_s, widest.prior(), self.unit_ut);
         let Some(course) = line.fit(&widest.posterior.mean) else { return };
-        let expected = angle::AngularWeight::sphere(&course.known.mean).expected(&course.known.covariance);
-        let close = expected < CLOSE_DEG.to_radians().powi(2);
-        if close && course.is_plausible(self.unit_ut) && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS {
+        if is_close(&course.known)
+            && course.is_plausible(self.unit_ut)
+            && course.log_evidence(&self.motion.rate, self.unit_ut) > BEGINS
+        {
             self.absorbed_ns = time_ns;
             self.set_off(order, course, 0.5 * period_s * age as f64);
         }

@@ -120,7 +120,7 @@ fn a_course_is_a_filter_of_twelve_states() {
         (0..3).for_each(|i| (f[(6 + i, 9 + i)], f[(9 + i, 9 + i)]) = (t, keep));
         (mean, p) = (f * mean, f * p * f.transpose());
         (9..12).for_each(|i| p[(i, i)] += (1.0 - keep * keep) * RATE_VARIANCE_UT / (UNIT_UT * UNIT_UT));
-        course.carry(&Vector3::zeros(), t, UNIT_UT, |known| *known);
+        course.carry(&Vector3::zeros(), t, RATE_S, RATE_VARIANCE_UT / (UNIT_UT * UNIT_UT), |known| *known);
         assert!((course.known.mean - mean.fixed_rows::<9>(0)).amax() < 1e-9);
         assert!((course.rate - mean.fixed_rows::<3>(9)).amax() < 1e-9);
         assert!((course.known.covariance - p.fixed_view::<9, 9>(0, 0)).amax() < 1e-10);
