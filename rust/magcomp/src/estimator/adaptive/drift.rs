@@ -97,9 +97,9 @@ impl Drift {
         }
     }
 
-    /// Whether b is likelier to move than not.
+    /// Whether b may be moving.
     pub fn is_on(&self) -> bool {
-        self.share() > 0.5
+        self.share() > 0.0
     }
 
     /// A block of samples, linear at tau.

@@ -15,7 +15,7 @@ const NOT_GATED: f64 = -0.5;
 pub(super) const LARGE_CHANGE: f64 = 8.0;
 /// log B of a small change: e^-10 is one in 22 thousand at most, and far less of what is looked at.
 const SMALL_CHANGE: f64 = 10.0;
-/// The same while b drifts: a part of what a span misses by is the drift's.
+/// The same while b may drift: a part of what a span misses by is the drift's.
 pub(super) const SMALL_CHANGE_ADRIFT: f64 = 14.0;
 /// Expected error (degrees) above which evidence that is linearised about the estimate means nothing.
 pub(super) const ROUGH_DEG: f64 = 20.0;
