@@ -227,14 +227,18 @@ impl Adaptive {
         let Some(known) = self.drift.mixture() else { return };
         let course = match self.motion.course {
             Some(mut course) if self.motion.on => {
-                self.drift.at_rest().into_iter().for_each(|known| course.learn(known));
+                if let Some(known) = self.drift.at_rest() {
+                    course.learn(known);
+                }
                 course
             }
             Some(mut course) if self.motion.ahead > LOST && course.is_plausible(self.unit_ut) => {
                 let along = self.along(&course.rate, block, count).map(|along| self.likelihood_of(&along));
                 let mean = course.known.mean;
                 let learned = take(&course.known, &along.unwrap_or(likelihood), &mean);
-                learned.iter().for_each(|(_, known)| course.learn(known));
+                if let Some((_, known)) = learned {
+                    course.learn(&known);
+                }
                 course
             }
             // from the whole segment, or anew
@@ -263,10 +267,14 @@ impl Adaptive {
         let moved = self.motion.on && evidence > ENDS;
         if moved {
             course.carry(&self.motion.rate, ahead_s, RATE_S, usual(unit_ut), |known| *known);
-            self.drift.at_rest().into_iter().for_each(|known| *known = course.known);
+            if let Some(known) = self.drift.at_rest() {
+                *known = course.known;
+            }
             self.drift.walk(&self.motion.rate, unit_ut, seconds, ahead_s);
             self.drift.accelerate(&course.rate);
-            self.drift.at_rest().into_iter().for_each(|known| course.known = *known);
+            if let Some(known) = self.drift.at_rest() {
+                course.known = *known;
+            }
             self.motion.rate += std::mem::take(&mut course.rate);
         } else {
             course.carry(&self.motion.rate, ahead_s, RATE_S, usual(unit_ut), still);
