@@ -234,8 +234,7 @@ impl Adaptive {
             self.fit();
             if self.trial.is_some() && REVIEWS.contains(&self.samples.age) {
                 self.review();
-            }
-            if self.count.is_multiple_of(2) {
+            } else if self.count.is_multiple_of(2) {
                 self.look_for_small_change(time_ns);
             } else {
                 self.absorb(time_ns);
