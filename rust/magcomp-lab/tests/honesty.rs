@@ -52,18 +52,15 @@ fn the_covariance_of_all_parameters_is_right_where_nothing_changes() {
 /// Before the change, its first hundred samples, the next nine hundred, later.
 const PERIODS: usize = 4;
 /// Points by which shares may differ from 68 and 95: in the first hundred samples after a change a run has few errors, all alike.
-const POINTS: [f64; PERIODS] = [5.0, 12.0, 5.0, 5.0];
+const POINTS: [f64; PERIODS] = [5.0, 10.0, 5.0, 5.0];
 
 /// Where the shares are further off than that, the least they must be: what was measured less four points. To be tightened.
-const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 8] = [
-    (Case::StepHand, [NEAR, [85.0, 94.0], [69.0, 94.0], NEAR]),
-    (Case::StepWalk, [NEAR, NEAR, [56.0, 84.0], NEAR]),
-    (Case::PhoneHand, [NEAR, [49.0, 84.0], NEAR, NEAR]),
-    (Case::PhoneWalk, [NEAR, [55.0, 73.0], NEAR, NEAR]),
-    (Case::PhoneWalkKnown, [NEAR, [48.0, 73.0], [72.0, 94.0], NEAR]),
-    (Case::PhoneDrift, [[60.0, 86.0], NEAR, NEAR, NEAR]),
+const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 5] = [
+    (Case::StepHand, [NEAR, [89.0, 95.0], [71.0, 94.0], NEAR]),
+    (Case::StepWalk, [NEAR, NEAR, [57.0, 84.0], NEAR]),
+    (Case::PhoneWalk, [NEAR, [60.0, 78.0], NEAR, NEAR]),
+    (Case::PhoneWalkKnown, [NEAR, [55.0, 79.0], [71.0, 94.0], NEAR]),
     (Case::PhoneWalkSteady, [NEAR, NEAR, [71.0, 93.0], [71.0, 93.0]]),
-    (Case::PhoneSpikes, [NEAR, [48.0, 82.0], NEAR, NEAR]),
 ];
 /// Where nothing can be known and nothing may be said.
 const SILENT: [Case; 2] = [Case::PhonePlanar, Case::PhoneStill];

@@ -30,6 +30,8 @@ pub(super) struct Hypothesis {
     prior_mean: Vector9,
     prior_information: Matrix9,
     log_prior: f64,
+    /// Its prior for what is told, over that for what is released.
+    pub told: f64,
     log_det_prior: f64,
     /// (log det Lambda - log det (G + Lambda)) / 2.
     log_volume: f64,
@@ -87,6 +89,7 @@ impl Hypothesis {
             prior_mean: prior.mean,
             prior_information: factors.inverse(),
             log_prior,
+            told: 1.0,
             log_det_prior,
             log_volume: 0.0,
             posterior: *prior,

@@ -292,7 +292,11 @@ impl Adaptive {
 
     /// Hypotheses of what may have happened since what was known, `base`.
     fn compete(&mut self, since_ns: i64, base: Option<Gaussian>) {
-        let jumps = JUMPS.iter().filter_map(|jump| Hypothesis::new(jump.order, &jump.after(&base?), jump.log_prior));
+        let jumps = JUMPS.iter().filter_map(|jump| {
+            let mut hypothesis = Hypothesis::new(jump.order, &jump.after(&base?), jump.log_prior)?;
+            hypothesis.told = (jump.log_told - jump.log_prior).exp();
+            Some(hypothesis)
+        });
         let former = self.former.iter().flatten().filter_map(|former| {
             let prior = JUMPS[0].after(former);
             base.and_then(|_| Hypothesis::new(ModelOrder::Former, &prior, LOG_PRIOR_FORMER))

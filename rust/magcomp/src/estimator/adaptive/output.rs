@@ -2,8 +2,8 @@
 //!     M = (unit / |h|) T^-1, b = centre + unit beta (+ how far the coordinates have moved), c = |h| T (u - beta)
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
-use super::Adaptive;
 use super::parameters::{Matrix9, centre, shape, six};
+use super::{Adaptive, RECENT};
 use crate::calibration::Calibration;
 use crate::reading::{Event, ModelOrder, Status};
 use nalgebra::{Matrix3, Vector3};
@@ -30,6 +30,10 @@ impl Adaptive {
         let found = self.published.and_then(|published| {
             let u = self.unit(raw_ut);
             let (field, covariance, noise) = published.correct(&u, &self.noise)?;
+            // by what a gated sample misses the sphere it may be off across it, too
+            let gated = self.late[RECENT - 1].is_some_and(|late| late.gated);
+            let missed = Matrix3::from_diagonal_element(if gated { (field.norm() - 1.0).powi(2) } else { 0.0 });
+            let (covariance, noise) = (covariance + missed, noise + missed);
             let up = self.witness.up().filter(|_| self.trial.is_some());
             let heading_covariance = up.map(|up| {
                 let angle = self.rivals.heading_rad2(&u, &up, &field).sqrt().min(LARGEST_ANGLE_RAD);

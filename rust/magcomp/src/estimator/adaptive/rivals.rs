@@ -168,11 +168,12 @@ impl Rivals {
 
     /// Mean square of the angle about `up` (unit vector) between where `field`, of the corrected sample u, points and where it
     /// does by each of them, radians^2: with n across the horizontal part of T (u - beta), of length r,
-    /// angle^2 + s / (1 + s / s_any), s = n^T G P G^T n / r^2.
+    /// angle^2 + s / (1 + s / s_any), s = n^T G P G^T n / r^2. Weighed by the prior for what is told.
     pub fn heading_rad2(&self, u: &Vector3<f64>, up: &Vector3<f64>, field: &Vector3<f64>) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         let east = field.cross(up);
         for (hypothesis, weight) in self.weighty() {
+            let weight = weight * hypothesis.told;
             let Gaussian { mean, covariance } = &hypothesis.posterior;
             let Some(seen) = see(mean, u) else { continue };
             let across = seen.direction.cross(up);
