@@ -63,6 +63,9 @@ pub enum LabError {
     /// No declination for that place and date.
     #[error("no declination: {0}")]
     Declination(String),
+    /// Options that do not go together.
+    #[error("{0}")]
+    Usage(String),
     /// An experiment had nothing to average.
     #[error("{0}")]
     Experiment(String),

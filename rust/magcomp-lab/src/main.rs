@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use magcomp_lab::command::Cli;
+use magcomp_lab::error::LabError;
 use std::process::ExitCode;
 
 /// The input or the run failed.
@@ -23,7 +24,7 @@ fn main() -> ExitCode {
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("magcomp: {error}");
-            ExitCode::from(FAILED)
+            ExitCode::from(if matches!(error, LabError::Usage(_)) { USAGE } else { FAILED })
         }
     }
 }

@@ -165,9 +165,21 @@ fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
         &["replay", "x", "--place", "1,2"],
         &["replay", "x", "--declination", "400"],
         &["simulate", "x", "--change", "repeated", "--at", "1e-9"],
+        &["step", "--rate", "50"],
+        &["step", "--motion", "tumble", "--set", "mid"],
+        &["step", "--method", "adaptive", "--spikes", "2"],
+        &["step", "--method", "adaptive", "--motion", "tumble", "--scenario", "ramp"],
         &[],
     ] {
         assert_eq!(run(arguments).0, 2, "{arguments:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (simulated(folder.path(), "5"), folder.path().join("out.csv"));
+    for part in [&["--from", "30"][..], &["--from", "4", "--to", "2"]] {
+        let (code, _, error) = run(&[&["replay", text(&input), "--output", text(&output)], part].concat());
+        assert_eq!((code, error.lines().count()), (2, 1), "{error}");
+        assert!(error.contains("leave no row to count: the recording lasts 5.0 s"), "{error}");
+        assert!(!output.exists());
     }
     let (code, help, _) = run(&["--help"]);
     assert_eq!(code, 0);

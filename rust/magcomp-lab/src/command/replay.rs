@@ -124,6 +124,14 @@ impl Replay {
         };
 
         let recording = recording::read(&self.input)?;
+        let usual = usual_part(&recording);
+        let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
+        let end_s = recording.duration_s();
+        if part.start >= part.end.min(end_s) && end_s > 0.0 {
+            let to = self.to.map_or_else(String::new, |to| format!(" and --to {to}"));
+            let why = format!("leave no row to count: the recording lasts {end_s:.1} s");
+            return Err(LabError::Usage(format!("--from {}{to} {why}", part.start)));
+        }
         let mut steps = replay(&recording, &config, ignore)?;
         for _ in 1..self.passes {
             for (step, again) in steps.iter_mut().zip(replay(&recording, &config, ignore)?) {
@@ -133,8 +141,6 @@ impl Replay {
         if let Some(output) = &self.output {
             write(output, &recording, &steps, declination_deg.is_some())?;
         }
-        let usual = usual_part(&recording);
-        let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
         let legs = waypoints.and_then(|waypoints| judge_legs(&recording, &steps, &waypoints));
         let judgement = Judgement { legs, ..judge(&recording, &steps, part, axis) };

@@ -29,35 +29,35 @@ pub(super) struct Step {
     /// Signal-to-noise ratio, dB; 30 for figs. 4 and 5, 40 for tumble and pedestrian when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
-    /// Figs. 4 and 5: parameters before the step
-    #[arg(long, value_enum, default_value_t)]
-    set: ParameterSet,
-    /// Figs. 4 and 5: what the fits minimise
-    #[arg(long, value_enum, default_value_t)]
-    residual: ResidualChoice,
+    /// Figs. 4 and 5: parameters before the step; ref when not given
+    #[arg(long, value_enum)]
+    set: Option<ParameterSet>,
+    /// Figs. 4 and 5: what the fits minimise; corrected when not given
+    #[arg(long, value_enum)]
+    residual: Option<ResidualChoice>,
     /// Tumble, pedestrian: what changes; parameters for tumble and offset for pedestrian when not given
     #[arg(long, value_enum)]
     change: Option<PhoneChange>,
-    /// Tumble, pedestrian: samples per second of every sensor
-    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = |text: &str| between(text, 25.0, 400.0))]
-    rate: f64,
+    /// Tumble, pedestrian: samples per second of every sensor; 100 when not given
+    #[arg(long, value_name = "HZ", value_parser = |text: &str| between(text, 25.0, 400.0))]
+    rate: Option<f64>,
     /// Tumble, pedestrian: gyroscope bias, deg/s, in a random direction
-    #[arg(long, value_name = "DEG_S", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 20.0))]
-    gyro_bias: f64,
+    #[arg(long, value_name = "DEG_S", value_parser = |text: &str| between(text, 0.0, 20.0))]
+    gyro_bias: Option<f64>,
     /// Tumble, pedestrian: error of the gyroscope's scale, percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, allow_negative_numbers = true, value_parser = |text: &str| between(text, -20.0, 20.0))]
-    gyro_scale: f64,
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = |text: &str| between(text, -20.0, 20.0))]
+    gyro_scale: Option<f64>,
     /// Tumble, pedestrian: how late the gyroscope's events are stamped, ms
-    #[arg(long, value_name = "MS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = |text: &str| between(text, -100.0, 100.0))]
-    gyro_late: f64,
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = |text: &str| between(text, -100.0, 100.0))]
+    gyro_late: Option<f64>,
     /// Tumble, pedestrian: samples hit by a spike of 30 to 150 uT, percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 50.0))]
-    spikes: f64,
+    #[arg(long, value_name = "PERCENT", value_parser = |text: &str| between(text, 0.0, 50.0))]
+    spikes: Option<f64>,
     /// Which methods; those that belong to the motion when not given
     #[arg(long, value_enum)]
     method: Option<StepMethod>,
     /// Adaptive: the scenario, instead of the one that belongs to the motion
-    #[arg(long, value_enum, requires = "method")]
+    #[arg(long, value_enum, requires = "method", conflicts_with = "motion")]
     scenario: Option<Case>,
     /// Adaptive: noise it starts from, uT
     #[arg(long, value_name = "UT", requires = "method", value_parser = |text: &str| between(text, 0.01, 20.0))]
@@ -77,11 +77,27 @@ enum StepMethod {
 
 impl Step {
     pub fn run(self) -> Result<(), LabError> {
-        if self.method == Some(StepMethod::Adaptive) {
-            return self.adaptive();
+        let adaptive = self.method == Some(StepMethod::Adaptive);
+        let of_figures = [("--set", self.set.is_some()), ("--residual", self.residual.is_some())];
+        let of_phones = [
+            ("--change", self.change.is_some()),
+            ("--rate", self.rate.is_some()),
+            ("--gyro-bias", self.gyro_bias.is_some()),
+            ("--gyro-scale", self.gyro_scale.is_some()),
+            ("--gyro-late", self.gyro_late.is_some()),
+            ("--spikes", self.spikes.is_some()),
+        ];
+        let phone = AidedOptions::of(self.motion).filter(|_| !adaptive);
+        let strange = of_figures.iter().filter(|_| adaptive || phone.is_some());
+        let strange = strange.chain(of_phones.iter().filter(|_| phone.is_none()));
+        let given: Vec<&str> = strange.filter(|(_, given)| *given).map(|(name, _)| *name).collect();
+        if !given.is_empty() {
+            let why = "no such choice with this --motion and --method (see --help)";
+            return Err(LabError::Usage(format!("{}: {why}", given.join(", "))));
         }
-        match AidedOptions::of(self.motion) {
+        match phone {
             Some(options) => self.aided(options),
+            None if adaptive => self.adaptive(),
             None => self.windowed(),
         }
     }
@@ -121,11 +137,11 @@ impl Step {
             seed: self.common.seed,
             change: self.change.unwrap_or(options.phone.change),
             snr_db: self.snr.unwrap_or(options.phone.snr_db),
-            spikes: self.spikes / 100.0,
-            rate_hz: self.rate,
-            gyro_bias_deg_s: self.gyro_bias,
-            gyro_scale_percent: self.gyro_scale,
-            gyro_late_ms: self.gyro_late,
+            spikes: self.spikes.unwrap_or(0.0) / 100.0,
+            rate_hz: self.rate.unwrap_or(options.phone.rate_hz),
+            gyro_bias_deg_s: self.gyro_bias.unwrap_or(0.0),
+            gyro_scale_percent: self.gyro_scale.unwrap_or(0.0),
+            gyro_late_ms: self.gyro_late.unwrap_or(0.0),
             ..options.phone
         };
         let runs = self.runs.map_or(options.runs, |runs| runs as usize);
@@ -143,10 +159,10 @@ impl Step {
     fn windowed(self) -> Result<(), LabError> {
         let defaults = StepOptions::default();
         let options = StepOptions {
-            set: self.set,
+            set: self.set.unwrap_or_default(),
             motion: self.motion,
             snr_db: self.snr.unwrap_or(defaults.snr_db),
-            residual: self.residual,
+            residual: self.residual.unwrap_or_default(),
             runs: self.runs.map_or(defaults.runs, |runs| runs as usize),
             seed: self.common.seed,
         };
