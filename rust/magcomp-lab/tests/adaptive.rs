@@ -109,6 +109,13 @@ fn never_much_worse_than_holding() {
     }
 }
 
+/// Walking, the other side of a flat arc became the likelier one for 40 samples, at an expected error of 40 degrees.
+#[test]
+fn what_is_hardly_known_replaces_nothing() {
+    let score = adaptive(Case::StepWalk, 1, 19_017).score;
+    assert!(score.worst_over_held < 2.0, "{}", score.worst_over_held);
+}
+
 #[test]
 fn sigmas_are_honest_where_nothing_changes() {
     for (case, period) in [(Case::Constant, 3), (Case::PhoneSteady, 3), (Case::PhoneWalkSteady, 0)] {

@@ -1,6 +1,7 @@
 //! What is answered: whether the samples lie on any ellipsoid, what is in force, how sure it is and the status.
 
 use super::hypothesis::{Gaussian, NO_EVIDENCE};
+use super::notice::ROUGH_DEG;
 use super::parameters::Vector9;
 use super::publish::{Published, compare, directions, may_compare};
 use super::{Adaptive, CLOSE_DEG, RECENT, Trial, angle, spread};
@@ -89,8 +90,11 @@ impl Adaptive {
                 let close = compared.new < CLOSE_DEG.to_radians().powi(2);
                 let better = match &self.published {
                     // once released, it may become better, not worse: a doubt that comes up later is waited for
+                    // (and what is hardly known replaces nothing, however much better it is predicted to be)
                     Some(published) if trial.released => {
-                        compared.new < (DOUBT * published.expected).max(compared.held_by_mixture / MARGIN_AGAIN)
+                        let rough = ROUGH_DEG.to_radians().powi(2);
+                        let instead = (compared.held_by_mixture / MARGIN_AGAIN).min(rough);
+                        compared.new < (DOUBT * published.expected).max(instead)
                     }
                     // nothing has changed: what is in force is what is best, once the others are no longer likely
                     Some(_) if best.order == ModelOrder::Nothing => close && compared.new <= compared.held_by_mixture,
