@@ -3376,11 +3376,11 @@ public enum FitProblem: Equatable, Hashable {
      */
     case notAnEllipsoid
     /**
-     * The ellipsoid is too small or too large for the Earth's field.
+     * The field is too weak or too strong to be the Earth's.
      */
     case fieldOutOfRange(
         /**
-         * Geometric mean of the half axes, microtesla.
+         * Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
          */fieldUt: Double,
         /**
          * Smallest accepted, microtesla.

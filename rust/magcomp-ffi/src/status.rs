@@ -211,9 +211,9 @@ pub enum FitProblem {
     },
     /// The best quadric is not an ellipsoid.
     NotAnEllipsoid,
-    /// The ellipsoid is too small or too large for the Earth's field.
+    /// The field is too weak or too strong to be the Earth's.
     FieldOutOfRange {
-        /// Geometric mean of the half axes, microtesla.
+        /// Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
         field_ut: f64,
         /// Smallest accepted, microtesla.
         low_ut: f64,

@@ -145,7 +145,7 @@ pub enum Missing {
 pub enum HoldReason {
     /// sigma_T is below its threshold: the latest orientations are too much alike.
     LowUniformity,
-    /// The latest fit was refused; the error says what is missing.
+    /// The latest fit was refused, or with the gyroscope the field is one that no place on Earth has; the error says why.
     FitRefused(FitError),
     /// The device lies still.
     AtRest,

@@ -3909,11 +3909,11 @@ sealed class FitProblem {
 
 
     /**
-     * The ellipsoid is too small or too large for the Earth's field.
+     * The field is too weak or too strong to be the Earth's.
      */
     data class FieldOutOfRange(
         /**
-         * Geometric mean of the half axes, microtesla.
+         * Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
          */
         val `fieldUt`: kotlin.Double,
         /**

@@ -129,12 +129,12 @@ pub enum FitError {
         "samples are fitted best by a surface that is no ellipsoid; the disturbance changed meanwhile, or too few directions were seen"
     )]
     NotAnEllipsoid,
-    /// The ellipsoid is too small or too large for the Earth's field.
+    /// The field is too weak or too strong to be the Earth's.
     #[error(
         "field strength {field_ut:.1} uT is outside {low_ut} to {high_ut} uT; the place is disturbed or the sensor's unit is not microtesla"
     )]
     FieldOutOfRange {
-        /// Geometric mean of the half axes, uT.
+        /// Strength found, uT: the geometric mean of the half axes, or |m| with the gyroscope.
         field_ut: f64,
         /// Smallest accepted, uT.
         low_ut: f64,

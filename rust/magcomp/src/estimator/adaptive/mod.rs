@@ -44,7 +44,7 @@ use likelihood::Likelihood;
 use nalgebra::{Matrix3, Vector3};
 use neighbours::Neighbours;
 use noise::Noise;
-use notice::LARGE_CHANGE;
+use notice::{LARGE_CHANGE, RETURNED};
 pub(crate) use output::AdaptiveOutput;
 use parameters::Vector9;
 use publish::Published;
@@ -229,6 +229,8 @@ impl Adaptive {
         let onset = self.onset();
         if self.called || onset.odds >= LARGE_CHANGE {
             self.large_change(onset.first);
+        } else if self.former_is_back() {
+            self.large_change(RECENT - RETURNED);
         } else if !gated && !rests {
             self.samples.add(raw_ut);
             self.fit();

@@ -13,6 +13,9 @@ const GATED: f64 = 3.0;
 const NOT_GATED: f64 = -0.5;
 /// Log odds of a large change: three of five.
 pub(super) const LARGE_CHANGE: f64 = 8.0;
+/// So many gated samples in a row are a change already where they fit a former calibration to so many standard deviations.
+pub(super) const RETURNED: usize = 2;
+const AS_BEFORE: f64 = 2.5;
 /// log B of a small change: e^-10 is one in 22 thousand at most, and far less of what is looked at.
 const SMALL_CHANGE: f64 = 10.0;
 /// The same while b may drift: a part of what a span misses by is the drift's.
@@ -55,6 +58,20 @@ impl Adaptive {
             }
         }
         onset
+    }
+
+    /// Whether the latest samples, which were gated, fit a former calibration.
+    pub(super) fn former_is_back(&self) -> bool {
+        let latest = &self.late[RECENT - RETURNED..];
+        if !latest.iter().all(|late| late.is_some_and(|late| late.gated)) {
+            return false;
+        }
+        let fits = |former: &Gaussian, raw_ut: &Vector3<f64>| {
+            let z = see(&former.mean, &self.unit(raw_ut)).map(|seen| (seen.radius - 1.0) / seen.slope);
+            z.is_some_and(|z| z * z < AS_BEFORE * AS_BEFORE * self.noise.total())
+        };
+        let all_fit = |former: &Gaussian| latest.iter().flatten().all(|late| fits(former, &late.raw_ut));
+        self.former.iter().flatten().any(all_fit)
     }
 
     /// The latest samples from `first` on do not fit.

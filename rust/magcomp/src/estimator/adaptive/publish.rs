@@ -27,9 +27,10 @@ pub(super) struct Published {
 
 /// Samples of late whose directions count, and how far apart they are.
 const DIRECTIONS: usize = 12;
-/// Fewest samples of a segment before what was known already is released again, and before something new is.
+/// Fewest samples of a segment before a former calibration is released again, what was known, and something new.
+const FEWEST_FORMER: usize = 2;
 const FEWEST_KNOWN: usize = 3;
-const FEWEST_HARD_IRON: usize = 5;
+const FEWEST_HARD_IRON: usize = 6;
 const FEWEST_DIAGONAL: usize = 8;
 const FEWEST_ALL: usize = 7;
 
@@ -83,7 +84,8 @@ impl Comparison {
 pub(super) fn may_compare(samples: &Samples, order: ModelOrder) -> bool {
     samples.age
         >= match order {
-            ModelOrder::Nothing | ModelOrder::Former => FEWEST_KNOWN,
+            ModelOrder::Former => FEWEST_FORMER,
+            ModelOrder::Nothing => FEWEST_KNOWN,
             ModelOrder::HardIron => FEWEST_HARD_IRON,
             ModelOrder::Diagonal => FEWEST_DIAGONAL,
             ModelOrder::All => FEWEST_ALL,
