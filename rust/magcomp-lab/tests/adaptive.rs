@@ -74,7 +74,7 @@ fn a_pulse_is_over_when_it_is_over() {
 #[test]
 fn a_cover_taken_off_again_is_recalled() {
     let result = adaptive(Case::Covers, 4, 820);
-    // two samples tell; with three it is 0.56
+    // two samples tell; with three it is 0.54
     assert!(result.score.steady_deg < 0.5, "{}", result.score.steady_deg);
 }
 
