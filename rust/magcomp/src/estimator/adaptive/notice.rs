@@ -60,10 +60,11 @@ impl Adaptive {
         onset
     }
 
-    /// Whether the latest samples, which were gated, fit a former calibration.
+    /// Whether the latest samples, which were gated, fit a former calibration. Of spikes the last one leaps, too.
     pub(super) fn former_is_back(&self) -> bool {
         let latest = &self.late[RECENT - RETURNED..];
-        if !latest.iter().all(|late| late.is_some_and(|late| late.gated)) {
+        let spikes = latest[RETURNED - 1].is_none_or(|late| late.alone);
+        if spikes || !latest.iter().all(|late| late.is_some_and(|late| late.gated)) {
             return false;
         }
         let fits = |former: &Gaussian, raw_ut: &Vector3<f64>| {
