@@ -25,7 +25,7 @@ fn recording(folder: &Path) {
 
 /// Starts to replay, `set_up` being shell commands before, and returns when rows have been written.
 fn writing(folder: &Path, set_up: &str) -> Child {
-    let script = format!("{set_up} exec \"$0\" replay in.csv --output out.csv --passes 20");
+    let script = format!("{set_up} exec \"$0\" replay in.csv --output out.csv --passes 8");
     let mut command = Command::new("sh");
     command.args(["-c", &script, env!("CARGO_BIN_EXE_magcomp")]).current_dir(folder).stdout(Stdio::null());
     let mut child = command.spawn().unwrap();

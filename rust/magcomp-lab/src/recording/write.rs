@@ -59,9 +59,12 @@ pub fn remove_unfinished_on_signals() -> io::Result<()> {
 pub struct AtomicFile {
     path: PathBuf,
     content: Content,
-    /// The temporary file and what it becomes; none when it is written into.
-    temporary: Option<(NamedTempFile, PathBuf)>,
+    temporary: Option<Temporary>,
 }
+
+/// A temporary file and the path it becomes; what is written into has none.
+type Temporary = (NamedTempFile, PathBuf);
+type Target = (Box<dyn Write>, Option<Temporary>);
 
 enum Content {
     Plain(BufWriter<Box<dyn Write>>),
@@ -74,7 +77,7 @@ impl AtomicFile {
     /// # Errors
     /// [`LabError::Write`] names the file and why.
     pub fn create(path: &Path) -> Result<Self, LabError> {
-        let begin = || -> io::Result<(Box<dyn Write>, Option<(NamedTempFile, PathBuf)>)> {
+        let begin = || -> io::Result<Target> {
             match fs::metadata(path) {
                 Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
                 Ok(there) if !there.is_file() => {
