@@ -27,7 +27,7 @@ const MOST_DEG: f64 = 60.0;
 /// Least difference of sigmas that is told, degrees.
 const SIGMA_STEP_DEG: f64 = 0.001;
 
-/// Points of the band, and spans of a lane of the status strip, are at least a share of 1 / 1000 of the time apart.
+/// Pixels across a picture: the band has about one point a pixel, and spans of a lane that are less apart are drawn as one.
 const PIXELS: usize = 1000;
 
 /// A replay as a picture, made row by row in memory that does not grow with it.
