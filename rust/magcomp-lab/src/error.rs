@@ -38,6 +38,14 @@ pub enum LabError {
         /// What was.
         found: String,
     },
+    /// A recording has no rows: the call was wrong.
+    #[error("{}: a recording has a header t_s,mx,my,mz and rows; this file has {what}", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What it has instead.
+        what: &'static str,
+    },
     /// A file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -77,9 +85,6 @@ pub enum LabError {
         /// Why.
         reason: String,
     },
-    /// `demo` was started outside the repository.
-    #[error("{} not found from here upwards; run `magcomp demo` inside the repository", .0.display())]
-    NoRecordings(PathBuf),
 }
 
 impl LabError {

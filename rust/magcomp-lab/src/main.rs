@@ -3,11 +3,12 @@
 use clap::Parser;
 use magcomp_lab::command::Cli;
 use magcomp_lab::error::LabError;
+use magcomp_lab::recording::remove_unfinished_on_signals;
 use std::process::ExitCode;
 
 /// The input or the run failed.
 const FAILED: u8 = 1;
-/// Wrong usage.
+/// Wrong usage, or a recording without rows.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -19,12 +20,16 @@ fn main() -> ExitCode {
             return if message.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
         }
     };
+    if let Err(error) = remove_unfinished_on_signals() {
+        eprintln!("magcomp: signals cannot be heard, so one may leave a temporary file: {error}");
+    }
     match cli.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("magcomp: {error}");
-            ExitCode::from(if matches!(error, LabError::Usage(_)) { USAGE } else { FAILED })
+            let usage = matches!(error, LabError::Usage(_) | LabError::Empty { .. });
+            ExitCode::from(if usage { USAGE } else { FAILED })
         }
     }
 }

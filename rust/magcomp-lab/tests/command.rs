@@ -157,6 +157,129 @@ fn a_cut_gzip_is_one_line() {
 }
 
 #[test]
+fn an_output_that_is_the_input_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "1");
+    let before = fs::read(&input).unwrap();
+    let walk = folder.path().join("walk.csv");
+    fs::write(&walk, "t_s,x_m,y_m\n0,0,0\n").unwrap();
+    fs::create_dir(folder.path().join("sub")).unwrap();
+    let mut outputs =
+        vec!["in.csv".to_owned(), "sub/../in.csv".to_owned(), text(&input).to_owned(), "hard.csv".to_owned()];
+    fs::hard_link(&input, folder.path().join("hard.csv")).unwrap();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("in.csv", folder.path().join("soft.csv")).unwrap();
+        outputs.push("soft.csv".to_owned());
+    }
+    outputs.push("walk.csv".to_owned());
+    for output in outputs {
+        let arguments = ["replay", "in.csv", "--waypoints", "walk.csv", "--output", &output];
+        let found = magcomp().current_dir(folder.path()).args(arguments).output().unwrap();
+        let error = String::from_utf8(found.stderr).unwrap();
+        assert_eq!((found.status.code(), error.lines().count()), (Some(2), 1), "{output}: {error}");
+        let name = if output == "walk.csv" { "walk.csv" } else { "in.csv" };
+        assert_eq!(error, format!("magcomp: --output {output} is the input {name}; name another file\n"));
+    }
+    assert!(fs::read(&input).unwrap() == before);
+    assert_eq!(fs::read_to_string(&walk).unwrap().lines().count(), 2);
+}
+
+#[test]
+fn a_recording_without_rows_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("out.csv");
+    // the last one is nothing, gzipped
+    let nothing_zipped = [0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 3, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    for (bytes, has) in [
+        (&b"t_s,mx,my,mz\n"[..], "a header but no rows"),
+        (b"t_s,mx,my,mz", "a header but no rows"),
+        (b"", "nothing in it"),
+        (&nothing_zipped, "nothing in it"),
+    ] {
+        let input = folder.path().join("in.csv");
+        fs::write(&input, bytes).unwrap();
+        for arguments in [&["replay", text(&input), "--output", text(&output)][..], &["compare", text(&input)]] {
+            let (code, out, error) = run(arguments);
+            assert_eq!((code, out.as_str()), (2, ""), "{arguments:?}");
+            let expected = "a recording has a header t_s,mx,my,mz and rows; this file has";
+            assert_eq!(error, format!("magcomp: {}: {expected} {has}\n", input.display()));
+        }
+    }
+    assert!(!output.exists());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_pipe_can_be_the_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, pipe) = (simulated(folder.path(), "5"), folder.path().join("pipe"));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let whole = fs::read(&input).unwrap();
+    let rows = |from: &Path| {
+        let output = folder.path().join("out.csv");
+        assert_eq!(run(&["replay", text(from), "--output", text(&output)]).0, 0);
+        without_times(&fs::read_to_string(&output).unwrap())
+    };
+    let expected = rows(&input);
+    let found = std::thread::scope(|scope| {
+        scope.spawn(|| fs::write(&pipe, &whole).unwrap());
+        rows(&pipe)
+    });
+    assert!(found == expected && expected.lines().count() == 501);
+}
+
+#[test]
+#[cfg(unix)]
+fn rows_and_summary_can_share_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, output) = (simulated(folder.path(), "5"), folder.path().join("out.txt"));
+    // a file, and a pipe
+    let file = fs::File::create(&output).unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_magcomp"));
+    let arguments = ["replay", text(&input), "--output", "/dev/stdout"];
+    assert!(command.args(arguments).stdout(file).status().unwrap().success());
+    for written in [fs::read_to_string(&output).unwrap(), run(&arguments).1] {
+        assert!(written.starts_with(COLUMNS), "{written}");
+        let lines: Vec<&str> = written.lines().collect();
+        assert!(lines[500].starts_with("4.99,") && lines[501] == "in.csv, method auto", "{}", lines[501]);
+    }
+}
+
+#[test]
+fn more_passes_change_the_times_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    // more rows than are played at once
+    let input = simulated(folder.path(), "50");
+    let rows = |passes: &str| {
+        let output = folder.path().join("out.csv");
+        assert_eq!(run(&["replay", text(&input), "--passes", passes, "--output", text(&output)]).0, 0);
+        without_times(&fs::read_to_string(&output).unwrap())
+    };
+    assert!(rows("1") == rows("3"));
+}
+
+/// The rows of an output without the time of each push, its last column.
+fn without_times(output: &str) -> String {
+    output.lines().map(|line| format!("{}\n", line.rsplit_once(',').unwrap().0)).collect()
+}
+
+#[test]
+fn demo_needs_nothing_but_an_empty_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = magcomp().current_dir(folder.path()).args(["demo", "--runs", "1"]).output().unwrap();
+    let (out, error) = (String::from_utf8(found.stdout).unwrap(), String::from_utf8(found.stderr).unwrap());
+    assert_eq!((found.status.code(), error.as_str()), (Some(0), ""));
+    assert!(out.contains("broad_34") && out.ends_with("report: magcomp-report/index.html\n"), "{out}");
+    let pages = folder.path().join("magcomp-report");
+    let html = fs::read_to_string(pages.join("index.html")).unwrap();
+    let pictures = fs::read_dir(&pages).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let pictures: Vec<String> = pictures.filter(|name| name.ends_with(".svg")).collect();
+    assert!(pictures.len() > 4 && pictures.iter().all(|name| html.contains(name)), "{pictures:?}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
 fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
     for arguments in [
         &["replay"][..],

@@ -28,6 +28,9 @@ use magcomp::{
 
 /// Something that corrects a magnetometer, sample by sample, with nothing later than its own sample.
 pub trait Baseline {
+    /// The true direction of the field at the next sample: for one that learns from it.
+    fn teach(&mut self, _direction: Vector3<f64>) {}
+
     /// One raw sample.
     fn push(&mut self, sample: &MagneticSample);
 
@@ -86,8 +89,8 @@ pub struct Known {
     pub parameters: Option<Parameters>,
     /// A calibration from an earlier session, where there is one: for ours.
     pub initial: Option<Calibration>,
-    /// True directions of the samples before the change, or of a recording's first part, where it has them.
-    pub reference: Vec<Option<Vector3<f64>>>,
+    /// True directions will be taught, of the samples before the change or of a recording's first part.
+    pub reference: bool,
     /// Not simulated: rooms are uneven.
     pub real: bool,
 }
@@ -145,8 +148,7 @@ impl Contestant {
             Self::Sphere => Some(Box::new(Windowed::new(Surface::Sphere, length))),
             Self::Extended => Some(Box::new(Kalman::new(false, value, known.noise_ut))),
             Self::Unscented => Some(Box::new(Kalman::new(true, value, known.noise_ut))),
-            Self::Network if known.reference.iter().all(Option::is_none) => None,
-            Self::Network => Some(Box::new(Network::new(value, known.seed, known.reference.clone()))),
+            Self::Network => known.reference.then(|| Box::new(Network::new(value, known.seed)) as Box<dyn Baseline>),
             Self::Helmholtz => {
                 let coil = |parameters| Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed);
                 known.parameters.as_ref().map(|parameters| Box::new(coil(parameters)) as Box<dyn Baseline>)

@@ -13,7 +13,7 @@ const WEIGHTS: usize = HIDDEN * 4 + 3 * HIDDEN + 3 + 9;
 /// Decay of Adam's two averages.
 const BETA: (f64, f64) = (0.9, 0.999);
 
-/// The network, and the truth it may see.
+/// The network; it learns from the directions that it is taught.
 #[derive(Clone, Debug)]
 pub struct Network {
     weights: SVector<f64, WEIGHTS>,
@@ -21,9 +21,10 @@ pub struct Network {
     second: SVector<f64, WEIGHTS>,
     steps: i32,
     rate: f64,
-    reference: Vec<Option<Vector3<f64>>>,
-    count: usize,
-    origin_ut: Vector3<f64>,
+    /// The true direction at the next sample, while there are any.
+    taught: Option<Vector3<f64>>,
+    /// The first sample; none before it.
+    origin_ut: Option<Vector3<f64>>,
 }
 
 /// Views of the weights: U with u, V, v, S.
@@ -49,18 +50,13 @@ impl Layers {
 }
 
 impl Network {
-    /// Learns at `rate` from the first `reference.len()` samples, whose true directions these are, where they are known.
+    /// Untaught; `rate` is Adam's step.
     #[must_use]
-    pub fn new(rate: f64, seed: u64, reference: Vec<Option<Vector3<f64>>>) -> Self {
+    pub fn new(rate: f64, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::Bootstrap);
         let weights = SVector::from_fn(|_, _| random.normal() * 0.3);
         let none = SVector::zeros();
-        let origin_ut = Vector3::zeros();
-        Self { weights, first: none, second: none, steps: 0, rate, reference, count: 0, origin_ut }
-    }
-
-    fn input(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
-        (raw_ut - self.origin_ut) / 50.0
+        Self { weights, first: none, second: none, steps: 0, rate, taught: None, origin_ut: None }
     }
 
     fn learn(&mut self, x: &Vector3<f64>, target: &Vector3<f64>) {
@@ -86,21 +82,25 @@ impl Network {
 }
 
 impl Baseline for Network {
+    fn teach(&mut self, direction: Vector3<f64>) {
+        self.taught = Some(direction);
+    }
+
     fn push(&mut self, sample: &MagneticSample) {
-        if self.count == 0 {
-            self.origin_ut = sample.field_ut;
-        }
-        let x = self.input(&sample.field_ut);
-        if let Some(target) = self.reference.get(self.count).copied().flatten().filter(|_| x.norm() < 10.0) {
+        let x = input(&sample.field_ut, self.origin_ut.get_or_insert(sample.field_ut));
+        if let Some(target) = self.taught.take().filter(|_| x.norm() < 10.0) {
             self.learn(&x, &target);
         }
-        self.count += 1;
     }
 
     fn correct(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>> {
         let layers = Layers::of(&self.weights);
-        let x = self.input(raw_ut);
+        let x = input(raw_ut, self.origin_ut.as_ref()?);
         let found = layers.out * (layers.hidden * x.push(1.0)).map(f64::tanh) + layers.bias + layers.straight * x;
-        (self.count > 0).then_some(found * 50.0)
+        Some(found * 50.0)
     }
+}
+
+fn input(raw_ut: &Vector3<f64>, origin_ut: &Vector3<f64>) -> Vector3<f64> {
+    (raw_ut - origin_ut) / 50.0
 }

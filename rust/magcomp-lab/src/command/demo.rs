@@ -13,17 +13,19 @@ use crate::table::{Table, number};
 use clap::{Args, value_parser};
 use magcomp::{Config, Method, ReferenceAxis};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// The recordings shown, and what happens in them.
-const RECORDINGS: [(&str, &str); 2] = [
+/// The recordings shown, which the program carries within it, and what happens in them.
+const RECORDINGS: [(&str, &[u8], &str); 2] = [
     (
         "broad_34_attached_magnet_3cm.csv.gz",
+        include_bytes!("../../../../tests/recordings/broad_34_attached_magnet_3cm.csv.gz"),
         "A magnet is attached to the sensor at 45 s and removed again at 100 s. A calibration that is kept can be right for \
          one of the two only; one that is re-estimated follows.",
     ),
     (
         "broad_01_slow_rotation_A.csv.gz",
+        include_bytes!("../../../../tests/recordings/broad_01_slow_rotation_A.csv.gz"),
         "Slow rotations of a sensor that its maker has calibrated well: there is nothing to gain, and little must be lost.",
     ),
 ];
@@ -36,10 +38,13 @@ const METHODS: [(&str, Method, Ignore, bool); 4] = [
 ];
 /// Runs of an aided step: they agree well, the paper's do not.
 const AIDED_RUNS: usize = 10;
-/// Where recordings lie in the repository.
-const FOLDER: &str = "tests/recordings";
+/// Where the report is written when no other folder is named, below the current one.
+const FOLDER: &str = "magcomp-report";
 
 /// Show what it does: real recordings compensated, then the steps: aided, and the paper's.
+///
+/// The report is written into magcomp-report below the current folder, or where --report says. The recordings are part of the
+/// program.
 #[derive(Debug, Args)]
 pub(super) struct Demo {
     /// Runs of the paper's step experiment
@@ -65,16 +70,15 @@ struct Everything {
 
 impl Demo {
     pub fn run(mut self) -> Result<(), LabError> {
-        let root = repository()?;
-        self.common.report.get_or_insert_with(|| root.join("target/report"));
+        self.common.report.get_or_insert_with(|| FOLDER.into());
         let mut report = Report::new(
             "magcomp: a magnetometer freed from its phone",
             "Real recordings first, then simulated phones, then the paper's experiment. Every answer uses nothing later than \
              its own sample.",
         );
         let mut recordings = Vec::new();
-        for (name, story) in RECORDINGS {
-            let recording = recording::read(&root.join(FOLDER).join(name))?;
+        for (name, bytes, story) in RECORDINGS {
+            let recording = recording::read_from(Path::new(name), bytes)?;
             report.section(name, story);
             recordings.extend(show(&recording, &mut report)?);
         }
@@ -121,7 +125,7 @@ fn show(recording: &Recording, report: &mut Report) -> Result<Vec<Shown>, LabErr
         shown.push(Shown {
             recording: recording.name(),
             method: name,
-            judgement: judge(recording, &steps, usual_part(recording), ReferenceAxis::default()),
+            judgement: judge(recording, &steps, usual_part(&recording.extent()), ReferenceAxis::default()),
         });
     }
     Ok(shown)
@@ -177,16 +181,4 @@ fn recording_table(shown: &[Shown]) -> Table {
     );
     table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
-}
-
-/// The folder that holds tests/recordings: here or above, or where this was built.
-fn repository() -> Result<PathBuf, LabError> {
-    let holds = |folder: &&Path| RECORDINGS.iter().all(|(name, _)| folder.join(FOLDER).join(name).is_file());
-    let here = std::env::current_dir().unwrap_or_default();
-    let built = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors()
-        .chain(built.ancestors())
-        .find(holds)
-        .map(Path::to_owned)
-        .ok_or_else(|| LabError::NoRecordings(Path::new(FOLDER).join(RECORDINGS[0].0)))
 }

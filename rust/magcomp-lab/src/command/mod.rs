@@ -21,7 +21,7 @@ use std::path::PathBuf;
     name = "magcomp",
     version,
     after_help = "Exit codes: 0 all went well; 1 the input or the run failed (one line on standard error says where and \
-                  why; no output file is left half written); 2 wrong usage."
+                  why; no output file is left half written); 2 wrong usage, or a recording without rows."
 )]
 pub struct Cli {
     #[command(subcommand)]

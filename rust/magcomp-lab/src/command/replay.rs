@@ -3,12 +3,16 @@
 use super::{Common, between};
 use crate::error::LabError;
 use crate::place::{Day, GeoPoint, declination_deg};
-use crate::recording;
-use crate::replay::{Ignore, Judgement, figures, judge, judge_legs, read_waypoints, replay, table, usual_part, write};
+use crate::progress;
+use crate::recording::{Row, Source, name_of};
+use crate::replay::{Figures, Ignore, Judge, Judgement, Legs, Output, Player, Step, read_waypoints, table, usual_part};
 use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
+const CHUNK: usize = 4096;
 
 /// Run a recording through the compensator, one row out for every row in.
 ///
@@ -123,40 +127,78 @@ impl Replay {
             accelerometer: self.ignore.contains(&Sensor::Accel),
         };
 
-        let recording = recording::read(&self.input)?;
-        let usual = usual_part(&recording);
+        if let Some(output) = &self.output {
+            std::iter::once(&self.input).chain(&self.waypoints).try_for_each(|input| refuse_same(input, output))?;
+        }
+        let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
+        let mut players = (0..self.passes).map(|_| Player::new(&config, ignore)).collect::<Result<Vec<_>, _>>()?;
+
+        let mut source = Source::open(&self.input)?;
+        let extent = *source.extent();
+        let usual = usual_part(&extent);
         let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
-        let end_s = recording.duration_s();
+        let end_s = extent.duration_s();
         if part.start >= part.end.min(end_s) && end_s > 0.0 {
             let to = self.to.map_or_else(String::new, |to| format!(" and --to {to}"));
             let why = format!("leave no row to count: the recording lasts {end_s:.1} s");
             return Err(LabError::Usage(format!("--from {}{to} {why}", part.start)));
         }
-        let mut steps = replay(&recording, &config, ignore)?;
-        for _ in 1..self.passes {
-            for (step, again) in steps.iter_mut().zip(replay(&recording, &config, ignore)?) {
-                step.push_ns = step.push_ns.min(again.push_ns);
+
+        let mut output =
+            self.output.as_deref().map(|path| Output::create(path, declination_deg.is_some())).transpose()?;
+        let mut judge = Judge::new(&extent, part, axis);
+        let mut legs = Legs::new(&waypoints.unwrap_or_default());
+        let mut figures = self.common.report.is_some().then(|| Figures::new(&extent));
+        let mut last = None;
+        let bar = progress::bar(extent.rows, "replay");
+        let mut rows = source.rows()?.peekable();
+        while rows.peek().is_some() {
+            let chunk = rows.by_ref().take(CHUNK).collect::<Result<Vec<Row>, _>>()?;
+            let (first, others) = players.split_first_mut().expect("there is at least one pass");
+            let mut steps: Vec<Step> = chunk.iter().map(|row| first.play(row)).collect();
+            for player in others {
+                for (step, row) in steps.iter_mut().zip(&chunk) {
+                    step.push_ns = step.push_ns.min(player.play(row).push_ns);
+                }
             }
+            for (row, step) in chunk.iter().zip(&steps) {
+                output.iter_mut().try_for_each(|output| output.add(row, step))?;
+                judge.add(row, step);
+                legs.add(row, step);
+                figures.iter_mut().for_each(|figures| figures.add(row, step));
+            }
+            last = steps.pop();
+            bar.inc(chunk.len() as u64);
         }
-        if let Some(output) = &self.output {
-            write(output, &recording, &steps, declination_deg.is_some())?;
-        }
-        let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
-        let legs = waypoints.and_then(|waypoints| judge_legs(&recording, &steps, &waypoints));
-        let judgement = Judgement { legs, ..judge(&recording, &steps, part, axis) };
+        bar.finish_and_clear();
+        output.map_or(Ok(()), Output::finish)?;
+
+        let judgement = Judgement { legs: legs.finish(), ..judge.finish() };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+        let recording = name_of(&self.input);
         let mut table = table(&recording, &name, &judgement);
-        if let Some(last) = steps.last().filter(|_| judgement.answered == 0.0) {
+        if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
             table.note(&format!("no row was answered; the last one says: {}", last.reading.status));
         }
         self.common.finish(std::slice::from_ref(&table), &judgement, || {
             let mut report = Report::new(
-                &format!("{} replayed", recording.name()),
+                &format!("{recording} replayed"),
                 "Every sample went through the compensator in order; nothing later than a sample went into its answer.",
             );
-            figures(&mut report, "replay", &recording, &steps)?;
+            figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &recording))?;
             report.table(&table);
             Ok(report)
         })
     }
+}
+
+/// Refuses to write a file that is read, by whatever name or link it is called.
+fn refuse_same(input: &Path, output: &Path) -> Result<(), LabError> {
+    // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
+    let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
+    if is_file(input) && is_file(output) && same_file::is_same_file(input, output).map_err(LabError::read(output))? {
+        let (input, output) = (input.display(), output.display());
+        return Err(LabError::Usage(format!("--output {output} is the input {input}; name another file")));
+    }
+    Ok(())
 }

@@ -94,6 +94,9 @@ pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field
         if k == before || plan.steps_at(k) {
             held = method.calibration();
         }
+        if k < before {
+            method.teach(truth.field_ut.normalize());
+        }
         let started = Instant::now();
         method.push(sample);
         run.times_ns.push(started.elapsed().as_nanos() as u64);
@@ -146,7 +149,7 @@ fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Kno
         noise_ut: plan.scenario.noise.sigma_ut(field_ut),
         field_ut,
         parameters: Some(plan.scenario.parameters.start),
-        reference: stream.truth[..plan.before].iter().map(|truth| Some(truth.field_ut.normalize())).collect(),
+        reference: plan.before > 0,
         initial: case.initial(&plan),
         real: false,
     };

@@ -3,8 +3,8 @@
 
 use crate::baseline::{Contestant, Known};
 use crate::error::LabError;
-use crate::recording::Recording;
-use crate::replay::{Vectors, heading_course, judge_vectors};
+use crate::recording::Source;
+use crate::replay::{Vectors, VectorsJudge};
 use magcomp::MagneticSample;
 use magcomp::nalgebra::Vector3;
 use serde::Serialize;
@@ -38,40 +38,47 @@ pub struct RecordingScore {
     pub course_deg: Vec<(f64, f64)>,
 }
 
-/// Runs methods on a recording.
+/// Runs methods on a recording, side by side row by row.
 ///
 /// # Errors
-/// [`LabError::Config`].
+/// [`LabError::Config`], or as of [`Source::rows`].
 pub fn compare_recording(
-    recording: &Recording,
+    source: &mut Source,
     methods: &[Contestant],
     seed: u64,
 ) -> Result<Vec<RecordingScore>, LabError> {
-    let taught = (recording.rows.len() as f64 * LEARNED) as usize;
+    let extent = *source.extent();
+    let taught = (extent.rows as f64 * LEARNED) as usize;
     let (down, north) = DIP_DEG.to_radians().sin_cos();
     let field = Vector3::new(0.0, north, -down);
-    let directions = recording.rows[..taught].iter().map(|row| Some(row.attitude?.inverse() * field));
-    let reference = directions.collect();
+    let reference = extent.first_reference.is_some_and(|first| first < taught);
     let known =
         Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference, real: true };
-    let mut scores = Vec::new();
+    let mut running = Vec::new();
     for contestant in methods {
-        let value = middle(*contestant);
-        let Some(mut method) = contestant.make(value, &known)? else { continue };
-        let found = recording.rows.iter().map(|row| {
-            if !row.field_ut.iter().all(|value| value.is_finite()) {
-                return None;
-            }
-            method.push(&MagneticSample { time_ns: row.time_ns, field_ut: row.field_ut });
-            method.correct(&row.field_ut)
-        });
-        let found: Vec<_> = found.collect();
-        scores.push(RecordingScore {
-            name: contestant.name(),
-            value: (contestant.grid().len() > 1).then_some(value),
-            vectors: judge_vectors(recording, &found),
-            course_deg: heading_course(recording, &found, 1.0),
-        });
+        if let Some(method) = contestant.make(middle(*contestant), &known)? {
+            running.push((*contestant, method, VectorsJudge::new(&extent)));
+        }
     }
-    Ok(scores)
+    for (k, row) in source.rows()?.enumerate() {
+        let row = row?;
+        let finite = row.field_ut.iter().all(|value| value.is_finite());
+        for (_, method, judge) in &mut running {
+            let corrected = finite.then(|| {
+                if let Some(attitude) = row.attitude.filter(|_| k < taught) {
+                    method.teach(attitude.inverse() * field);
+                }
+                method.push(&MagneticSample { time_ns: row.time_ns, field_ut: row.field_ut });
+                method.correct(&row.field_ut)
+            });
+            judge.add(&row, corrected.flatten().as_ref());
+        }
+    }
+    let score = |(contestant, _, judge): &(Contestant, _, VectorsJudge)| RecordingScore {
+        name: contestant.name(),
+        value: (contestant.grid().len() > 1).then(|| middle(*contestant)),
+        vectors: judge.vectors(),
+        course_deg: judge.heading_course(),
+    };
+    Ok(running.iter().map(score).collect())
 }

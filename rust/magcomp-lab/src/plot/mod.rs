@@ -2,8 +2,10 @@
 //! paper are exchanged by a style rule of the SVG itself.
 
 mod layers;
+mod thin;
 
 pub use layers::{Layers, Span};
+pub use thin::Thin;
 
 use crate::error::LabError;
 use plotters::prelude::*;
@@ -56,6 +58,8 @@ pub struct Series {
     pub colour: Colour,
     /// Broken into dashes.
     pub dashed: bool,
+    /// Drawn one pixel wide, as a line of many points is.
+    pub fine: bool,
     /// (x, y) in the order of x.
     pub points: Vec<(f64, f64)>,
 }
@@ -63,7 +67,8 @@ pub struct Series {
 impl Series {
     /// A line of that name and colour.
     pub fn new(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.to_owned(), colour, dashed: false, points: points.into_iter().collect() }
+        let points: Vec<_> = points.into_iter().collect();
+        Self { name: name.to_owned(), colour, dashed: false, fine: points.len() > FINE, points }
     }
 }
 
@@ -89,9 +94,7 @@ const TITLE_ROW: u32 = 34;
 /// Mean width of a legend's character, pixels; no font is measured here.
 const CHARACTER: f64 = 7.2;
 /// Lines of more points are drawn one pixel wide.
-const FINE: usize = 3000;
-/// Points a line is thinned to: more than the pixels it can use.
-const MOST_POINTS: usize = 1400;
+pub const FINE: usize = 3000;
 
 /// Draws panels row by row, `columns` of them in a row, each of `size` pixels.
 ///
@@ -151,11 +154,13 @@ impl Panel {
             .draw()?;
         self.layers.draw(&mut chart, (y_low, y_high))?;
         for series in &self.series {
-            let mut thin = thinned(&series.points);
+            let mut thin = Thin::new(series.points.len());
+            series.points.iter().for_each(|(x, y)| thin.add(*x, *y));
+            let mut thin = thin.points();
             // what leaves the range is left out; plotters would draw it along the border
             thin.iter_mut().filter(|(_, y)| !(y_low..=y_high).contains(y)).for_each(|(_, y)| *y = f64::NAN);
             // a line of noise is drawn fine, so that what lies below it still shows
-            let style = series.colour.rgb().stroke_width(if series.points.len() > FINE { 1 } else { 2 });
+            let style = series.colour.rgb().stroke_width(if series.fine { 1 } else { 2 });
             for piece in thin.split(|(x, y)| !(x + y).is_finite()).filter(|piece| !piece.is_empty()) {
                 let line = piece.iter().copied();
                 if series.dashed {
@@ -204,25 +209,6 @@ fn short(v: f64) -> String {
     let text = if v.abs() >= 100.0 { format!("{v:.0}") } else { format!("{v:.3}") };
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Lowest and highest point of each of many short stretches: what the eye sees of a long line.
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let stretch = (2 * points.len()).div_ceil(MOST_POINTS).max(1);
-    if stretch < 3 {
-        return points.to_vec();
-    }
-    let mut thin = Vec::with_capacity(MOST_POINTS + 2);
-    for piece in points.chunks(stretch) {
-        let finite: Vec<_> = piece.iter().copied().filter(|(x, y)| (x + y).is_finite()).collect();
-        let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        match (finite.iter().min_by(by_y), finite.iter().max_by(by_y)) {
-            (Some(low), Some(high)) if low.0 <= high.0 => thin.extend([*low, *high]),
-            (Some(low), Some(high)) => thin.extend([*high, *low]),
-            _ => thin.push((piece[0].0, f64::NAN)),
-        }
-    }
-    thin
 }
 
 /// Puts the rule that exchanges ink and paper behind the opening tag.

@@ -6,12 +6,12 @@
 mod read;
 mod write;
 
-pub use read::{open, read};
-pub use write::{write_atomically, write_simulation};
+pub use read::{Rows, Source, read, read_from, unzipped};
+pub use write::{AtomicFile, remove_unfinished_on_signals, write_atomically, write_simulation};
 
 use crate::simulate::Simulation;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// One row: a magnetometer sample and what the other sensors said at that time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,41 @@ pub struct Row {
     pub attitude: Option<UnitQuaternion<f64>>,
     /// True hard iron, uT, where it is known.
     pub hard_iron_ut: Option<Vector3<f64>>,
+}
+
+/// How many rows a recording has, and over what time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// Rows.
+    pub rows: usize,
+    /// Time of the first row, s.
+    pub start_s: f64,
+    /// The same in nanoseconds.
+    pub start_ns: i64,
+    /// Time of the last row, s.
+    pub end_s: f64,
+    /// Index of the first row with a reference orientation.
+    pub first_reference: Option<usize>,
+}
+
+impl Extent {
+    /// Counts one more row.
+    pub fn add(&mut self, row: &Row) {
+        if self.rows == 0 {
+            (self.start_s, self.start_ns) = (row.time_s, row.time_ns);
+        }
+        if row.attitude.is_some() {
+            self.first_reference.get_or_insert(self.rows);
+        }
+        self.end_s = row.time_s;
+        self.rows += 1;
+    }
+
+    /// First to last row, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.end_s - self.start_s
+    }
 }
 
 /// A recording in memory.
@@ -69,15 +104,23 @@ impl Recording {
         Self { path: PathBuf::from(name), rows: rows.collect() }
     }
 
-    /// First to last sample, s.
+    /// How many rows it has, and over what time.
     #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        self.rows.last().map_or(0.0, |last| last.time_s - self.rows[0].time_s)
+    pub fn extent(&self) -> Extent {
+        let mut extent = Extent::default();
+        self.rows.iter().for_each(|row| extent.add(row));
+        extent
     }
 
     /// File name, for tables.
     #[must_use]
     pub fn name(&self) -> String {
-        self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        name_of(&self.path)
     }
+}
+
+/// A file's name without its folder, for tables.
+#[must_use]
+pub fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }

@@ -1,50 +1,140 @@
-//! Reading a recording, with an error that names file, line, column and what was expected there.
+//! Reading a recording row by row, with an error that names file, line, column and what was expected there.
 
-use super::{Recording, Row};
+use super::{Extent, Recording, Row};
 use crate::error::{LabError, Place};
 use crate::simulate::time_ns;
 use csv::{ByteRecord, ReaderBuilder};
 use flate2::read::MultiGzDecoder;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
 
 /// First bytes of a gzip file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// Times beyond this (s) do not fit 64-bit nanoseconds.
 const LARGEST_TIME_S: f64 = 9e9;
 
-/// Reads `path`, gzipped or not.
-///
-/// # Errors
-/// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
-pub fn read(path: &Path) -> Result<Recording, LabError> {
-    read_from(path, open(path)?)
+/// A recording on disk, gzipped or not. It was read once, so every row is known to be good; its rows are not in memory.
+#[derive(Debug)]
+pub struct Source {
+    path: PathBuf,
+    file: File,
+    extent: Extent,
 }
 
-/// Opens `path`, gzipped or not.
-///
-/// # Errors
-/// [`LabError::Read`] when it cannot be read.
-pub fn open(path: &Path) -> Result<Box<dyn Read>, LabError> {
-    let mut file = BufReader::new(File::open(path).map_err(LabError::read(path))?);
-    let zipped = file.fill_buf().map_err(LabError::read(path))?.starts_with(&GZIP);
-    Ok(if zipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) })
-}
-
-/// Reads a recording from `source`; `path` is for messages.
-fn read_from(path: &Path, source: impl Read) -> Result<Recording, LabError> {
-    let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source);
-    let mut record = ByteRecord::new();
-    let found = reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))?;
-    let columns = Columns::from_header(path, &record, found)?;
-    let mut rows: Vec<Row> = Vec::new();
-    while reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))? {
-        let row = columns.row(path, &record, rows.last())?;
-        rows.push(row);
+impl Source {
+    /// Opens `path` and checks every row. What can be read only once, such as a pipe, is copied to an unnamed temporary file.
+    ///
+    /// # Errors
+    /// [`LabError::Recording`] for a file of another form, [`LabError::Empty`] for one without rows, [`LabError::Read`] when
+    /// it cannot be read.
+    pub fn open(path: &Path) -> Result<Self, LabError> {
+        let open = || -> io::Result<File> {
+            let mut file = File::open(path)?;
+            if file.metadata()?.is_file() {
+                return Ok(file);
+            }
+            let mut copy = tempfile::tempfile()?;
+            io::copy(&mut file, &mut copy)?;
+            Ok(copy)
+        };
+        let file = open().map_err(LabError::read(path))?;
+        let mut source = Self { path: path.to_owned(), file, extent: Extent::default() };
+        for row in source.rows()? {
+            source.extent.add(&row?);
+        }
+        if source.extent.rows == 0 {
+            return Err(LabError::Empty { path: path.to_owned(), what: "a header but no rows" });
+        }
+        Ok(source)
     }
-    Ok(Recording { path: path.to_owned(), rows })
+
+    /// Where it came from.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How many rows it has, and over what time.
+    #[must_use]
+    pub fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
+    /// Its rows from the first on. Rows that were asked for before must not be read on.
+    ///
+    /// # Errors
+    /// As of [`Source::open`].
+    pub fn rows(&mut self) -> Result<Rows, LabError> {
+        self.file.rewind().map_err(LabError::read(&self.path))?;
+        let file = self.file.try_clone().map_err(LabError::read(&self.path))?;
+        Rows::new(&self.path, unzipped(file).map_err(LabError::read(&self.path))?)
+    }
+}
+
+/// Reads a whole recording into memory; `path` is its name in messages.
+///
+/// # Errors
+/// As of [`Source::open`].
+pub fn read_from(path: &Path, source: impl Read + 'static) -> Result<Recording, LabError> {
+    let rows = Rows::new(path, unzipped(source).map_err(LabError::read(path))?)?;
+    Ok(Recording { path: path.to_owned(), rows: rows.collect::<Result<_, _>>()? })
+}
+
+/// Opens `path` and reads a whole recording into memory.
+///
+/// # Errors
+/// As of [`Source::open`].
+pub fn read(path: &Path) -> Result<Recording, LabError> {
+    read_from(path, File::open(path).map_err(LabError::read(path))?)
+}
+
+/// The content of `source`, gzipped or not.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn unzipped(source: impl Read + 'static) -> io::Result<Box<dyn Read>> {
+    let mut source = BufReader::new(source);
+    let zipped = source.fill_buf()?.starts_with(&GZIP);
+    Ok(if zipped { Box::new(MultiGzDecoder::new(source)) } else { Box::new(source) })
+}
+
+/// The rows of a recording, in order; an error ends them.
+pub struct Rows {
+    path: PathBuf,
+    reader: csv::Reader<Box<dyn Read>>,
+    record: ByteRecord,
+    columns: Columns,
+    before: Option<Row>,
+}
+
+impl Rows {
+    fn new(path: &Path, source: Box<dyn Read>) -> Result<Self, LabError> {
+        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source);
+        let mut record = ByteRecord::new();
+        if !reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))? {
+            return Err(LabError::Empty { path: path.to_owned(), what: "nothing in it" });
+        }
+        let columns = Columns::from_header(path, &record)?;
+        Ok(Self { path: path.to_owned(), reader, record, columns, before: None })
+    }
+
+    fn read(&mut self) -> Result<Option<Row>, LabError> {
+        if !self.reader.read_byte_record(&mut self.record).map_err(|error| unreadable(&self.path, error))? {
+            return Ok(None);
+        }
+        self.before = Some(self.columns.row(&self.path, &self.record, self.before.as_ref())?);
+        Ok(self.before)
+    }
+}
+
+impl Iterator for Rows {
+    type Item = Result<Row, LabError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.read().transpose()
+    }
 }
 
 fn unreadable(path: &Path, error: csv::Error) -> LabError {
@@ -68,12 +158,12 @@ struct Columns {
 }
 
 impl Columns {
-    fn from_header(path: &Path, header: &ByteRecord, found: bool) -> Result<Self, LabError> {
+    fn from_header(path: &Path, header: &ByteRecord) -> Result<Self, LabError> {
         let names: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
         let wrong = |expected: String| LabError::Recording {
             place: Place { path: path.to_owned(), line: 1, column: None },
             expected,
-            found: if found { format!("'{}'", shorten(&names.join(","))) } else { "an empty file".to_owned() },
+            found: format!("'{}'", shorten(&names.join(","))),
         };
         let index = |name: &str| -> Result<Option<usize>, LabError> {
             let mut places = (0..names.len()).filter(|i| names[*i] == name);
@@ -178,30 +268,31 @@ fn shorten(text: &str) -> String {
 mod tests {
     use super::*;
 
+    fn recording(text: &str) -> Result<Recording, LabError> {
+        read_from(Path::new("r.csv"), io::Cursor::new(text.to_owned()))
+    }
+
     fn message(text: &str) -> String {
-        read_from(Path::new("r.csv"), text.as_bytes()).unwrap_err().to_string()
+        recording(text).unwrap_err().to_string()
     }
 
     #[test]
     fn columns_are_found_by_name_and_others_ignored() {
         let text = "note,mz,my,mx,qw,qx,qy,qz,t_s\r\nhello,3,2,1,nan,nan,nan,nan,0.5\r\nyou,nan,5,4,2,0,0,0,0.75\r\n";
-        let recording = read_from(Path::new("r.csv"), text.as_bytes()).unwrap();
+        let recording = recording(text).unwrap();
         assert_eq!(recording.rows.len(), 2);
         assert_eq!(recording.rows[0].field_ut, Vector3::new(1.0, 2.0, 3.0));
         assert_eq!(recording.rows[0].attitude, None);
         assert_eq!(recording.rows[1].attitude, Some(UnitQuaternion::identity()));
         assert!(recording.rows[1].field_ut.z.is_nan());
         assert_eq!(recording.rows[1].time_ns, 750_000_000);
-        assert_eq!(recording.duration_s(), 0.25);
+        assert_eq!(recording.extent().duration_s(), 0.25);
     }
 
     #[test]
     fn errors_say_where_and_what() {
         let cases = [
-            (
-                "",
-                "r.csv: line 1: expected a header with the columns t_s,mx,my,mz; 't_s' is missing, found an empty file",
-            ),
+            ("", "r.csv: a recording has a header t_s,mx,my,mz and rows; this file has nothing in it"),
             (
                 "t_s,mx,my\n",
                 "r.csv: line 1: expected a header with the columns t_s,mx,my,mz; 'mz' is missing, found 't_s,mx,my'",

@@ -11,9 +11,11 @@
 //! calibration is right.
 
 use super::Step;
-use crate::recording::{Recording, Row};
+use super::circle::{Circle, off_deg};
+use super::sizes::Sizes;
+use crate::recording::{Extent, Recording, Row};
 use magcomp::nalgebra::Vector3;
-use magcomp::{ReferenceAxis, ScreenRotation, Status, heading};
+use magcomp::{Event, ReferenceAxis, ScreenRotation, Status, heading};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,7 +23,12 @@ use std::ops::Range;
 /// Seconds at the start that do not count, but never more than half of a recording.
 const WARM_UP_S: f64 = 20.0;
 /// Fewest rows a figure is formed from.
-const FEWEST: usize = 50;
+pub(super) const FEWEST: usize = 50;
+/// Least difference of total fields that is told, uT: far below the noise of every sensor.
+const FIELD_STEP_UT: f64 = 0.001;
+/// Length of a span of the heading's course, s, and the most spans of one.
+const SPAN_S: f64 = 1.0;
+const MOST_SPANS: f64 = 2000.0;
 /// Sine of the elevation of an axis whose heading is not judged any more, 60 degrees.
 const STEEP: f64 = 0.866;
 /// Deviation of the total field from the usual one that makes a row disturbed.
@@ -99,74 +106,206 @@ pub struct Judgement {
     pub max_push_ns: u64,
 }
 
-/// A row, a vector found for it, and the sigma of that vector's azimuth, degrees.
-type Found = (Row, Vector3<f64>, Option<f64>);
-
-/// The part of a recording of this length that counts when nothing else was asked for, s.
-#[must_use]
-pub fn usual_part(recording: &Recording) -> Range<f64> {
-    WARM_UP_S.min(recording.duration_s() / 2.0)..f64::INFINITY
+/// Mean and standard deviation of numbers that come one by one (Welford's recurrence).
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    count: usize,
+    mean: f64,
+    squares: f64,
 }
 
-/// Judges a replay; figures are formed from the rows that lie in `part`, s after the first row. The one azimuth that is
-/// taken out is that of the usual part, so that an error that lasts through a shorter part is one. `axis` is the one whose
-/// heading was published.
-#[must_use]
-pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>, axis: ReferenceAxis) -> Judgement {
-    let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
-    let pairs = || recording.rows.iter().zip(steps);
-    let mut status = BTreeMap::new();
-    steps.iter().for_each(|step| *status.entry(step.reading.status.label()).or_insert(0) += 1);
-    let mut times_ns: Vec<u64> = steps.iter().map(|step| step.push_ns).collect();
-    times_ns.sort_unstable();
-    let inside = |row: &Row| row.time_s - start_s > part.start && row.time_s - start_s <= part.end;
-    let live = || pairs().filter(|(row, _)| inside(row));
-    let from_s = usual_part(recording).start.min(part.start);
-    let warm = || pairs().filter(|(row, _)| row.time_s - start_s > from_s);
-    let ours: Vec<Found> = warm().filter_map(corrected).collect();
-    let carried: Vec<Found> = warm().filter_map(carried).collect();
-    let published: Vec<Found> = warm().filter_map(|pair| published(pair, axis)).collect();
-    // raw and corrected are judged on the same rows
-    let raw: Vec<Found> = ours.iter().map(|(row, ..)| (*row, row.field_ut, None)).collect();
-    let mut answers = pairs().filter(|(_, step)| step.reading.field_ut.is_some());
-    let first = answers.next();
-    let answered = answers.count() + usize::from(first.is_some());
-    Judgement {
-        rows: steps.len(),
-        answered: answered as f64 / steps.len().max(1) as f64,
-        first_s: first.map(|(row, _)| row.time_s - start_s),
-        counted_s: (part.start, part.end.min(recording.duration_s())),
-        spread_percent: spread_percent(&ours, inside),
-        raw_spread_percent: spread_percent(&raw, inside),
-        heading: heading_error(&ours, inside),
-        carried_heading: heading_error(&carried, inside),
-        published_heading: heading_error(&published, inside),
-        raw_heading: heading_error(&raw, inside),
-        legs: None,
-        disturbance: disturbance(live()),
-        events: declared(recording, steps),
-        status,
-        mean_push_ns: times_ns.iter().sum::<u64>() as f64 / steps.len().max(1) as f64,
-        p999_push_ns: times_ns.get(times_ns.len() * 999 / 1000).copied().unwrap_or(0),
-        max_push_ns: times_ns.last().copied().unwrap_or(0),
+impl Spread {
+    fn add(&mut self, value: f64) {
+        if value.is_finite() {
+            self.count += 1;
+            let off = value - self.mean;
+            self.mean += off / self.count as f64;
+            self.squares += off * (value - self.mean);
+        }
+    }
+
+    /// Standard deviation over mean.
+    fn percent(&self) -> Option<f64> {
+        let deviation = (self.squares / self.count as f64).sqrt();
+        (self.count >= FEWEST && self.mean > 0.0).then(|| 100.0 * deviation / self.mean)
     }
 }
 
-/// c, with its own sigma over its horizontal part.
-fn corrected((row, step): (&Row, &Step)) -> Option<Found> {
-    let c = step.reading.field_ut?;
-    let across_ut = row.attitude.map(|attitude| attitude * c).map_or(f64::NAN, |earth| earth.x.hypot(earth.y));
-    Some((*row, c, step.reading.field_sigma_ut.map(|sigma_ut| sigma_ut.atan2(across_ut).to_degrees())))
+/// Vectors of one kind: the spread of their lengths, and the azimuths they have by the reference.
+#[derive(Clone, Debug, Default)]
+struct Directions {
+    lengths: Spread,
+    azimuths: Circle,
 }
 
-/// f, with the sigma of the heading, which it carries.
-fn carried((row, step): (&Row, &Step)) -> Option<Found> {
-    let sigma_deg = step.reading.heading.and_then(|heading| heading.heading_sigma_deg);
-    Some((*row, step.reading.filtered_field_ut?, sigma_deg))
+impl Directions {
+    /// A vector with the sigma of its azimuth, degrees; `counted`: it is part of the figures, not of the one azimuth alone.
+    fn add(&mut self, row: &Row, vector: &Vector3<f64>, sigma_deg: Option<f64>, counted: bool) {
+        if counted {
+            self.lengths.add(vector.norm());
+        }
+        if let Some(azimuth_deg) = azimuth_deg(row, vector) {
+            self.azimuths.add(azimuth_deg, sigma_deg, counted);
+        }
+    }
 }
 
-/// Where in the device the published heading has north: its error against that of the same axis by the reference.
-fn published((row, step): (&Row, &Step), axis: ReferenceAxis) -> Option<Found> {
+/// The part of a recording of this length that counts when nothing else was asked for, s.
+#[must_use]
+pub fn usual_part(extent: &Extent) -> Range<f64> {
+    WARM_UP_S.min(extent.duration_s() / 2.0)..f64::INFINITY
+}
+
+/// Judges a replay row by row, in memory that does not grow with it. Headings are right to 0.001 degrees, the usual total field
+/// to 0.001 uT.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    extent: Extent,
+    part: Range<f64>,
+    from_s: f64,
+    axis: ReferenceAxis,
+    rows: usize,
+    answered: usize,
+    first_s: Option<f64>,
+    ours: Directions,
+    carried: Directions,
+    published: Directions,
+    raw: Directions,
+    total_field: Sizes,
+    /// The total field of the rows called disturbed.
+    called_disturbed: Sizes,
+    events: Vec<Event>,
+    status: BTreeMap<&'static str, usize>,
+    push_ns: Sizes,
+    sum_push_ns: u64,
+    max_push_ns: u64,
+}
+
+impl Judge {
+    /// Figures are formed from the rows that lie in `part`, s after the first row. The one azimuth that is taken out is that of
+    /// the usual part, so that an error that lasts through a shorter part is one. `axis` is the one whose heading was published.
+    #[must_use]
+    pub fn new(extent: &Extent, part: Range<f64>, axis: ReferenceAxis) -> Self {
+        Self {
+            from_s: usual_part(extent).start.min(part.start),
+            extent: *extent,
+            part,
+            axis,
+            rows: 0,
+            answered: 0,
+            first_s: None,
+            ours: Directions::default(),
+            carried: Directions::default(),
+            published: Directions::default(),
+            raw: Directions::default(),
+            total_field: Sizes::new(FIELD_STEP_UT),
+            called_disturbed: Sizes::new(FIELD_STEP_UT),
+            events: Vec::new(),
+            status: BTreeMap::new(),
+            push_ns: Sizes::new(1.0),
+            sum_push_ns: 0,
+            max_push_ns: 0,
+        }
+    }
+
+    /// The next row and what came out for it.
+    pub fn add(&mut self, row: &Row, step: &Step) {
+        let Step { reading, push_ns, .. } = step;
+        let after_s = row.time_s - self.extent.start_s;
+        self.rows += 1;
+        *self.status.entry(reading.status.label()).or_insert(0) += 1;
+        self.push_ns.add(*push_ns as f64);
+        self.sum_push_ns += push_ns;
+        self.max_push_ns = self.max_push_ns.max(*push_ns);
+        if reading.field_ut.is_some() {
+            self.answered += 1;
+            self.first_s.get_or_insert(after_s);
+        }
+        if let Some(event) = reading.event.filter(|event| self.events.last() != Some(event)) {
+            self.events.push(event);
+        }
+        let counted = after_s > self.part.start && after_s <= self.part.end;
+        if let Some(c) = reading.field_ut.filter(|_| counted) {
+            self.total_field.add(c.norm());
+            if matches!(reading.status, Status::Disturbed { .. }) {
+                self.called_disturbed.add(c.norm());
+            }
+        }
+        if after_s <= self.from_s {
+            return;
+        }
+        if let Some(c) = reading.field_ut {
+            // c, with its own sigma over its horizontal part; raw on the same rows
+            let across_ut = row.attitude.map(|attitude| attitude * c).map_or(f64::NAN, |earth| earth.x.hypot(earth.y));
+            let sigma_deg = reading.field_sigma_ut.map(|sigma_ut| sigma_ut.atan2(across_ut).to_degrees());
+            self.ours.add(row, &c, sigma_deg, counted);
+            self.raw.add(row, &row.field_ut, None, counted);
+        }
+        if let Some(f) = reading.filtered_field_ut {
+            // f, with the sigma of the heading, which it carries
+            self.carried.add(row, &f, reading.heading.and_then(|heading| heading.heading_sigma_deg), counted);
+        }
+        if let Some((north, sigma_deg)) = published(row, step, self.axis) {
+            self.published.add(row, &north, sigma_deg, counted);
+        }
+    }
+
+    /// What it came to.
+    #[must_use]
+    pub fn finish(self) -> Judgement {
+        let rows = self.rows.max(1) as f64;
+        let seconds = |time_ns: i64| (time_ns - self.extent.start_ns) as f64 / 1e9;
+        let declared = |event: &Event| Declared {
+            kind: format!("{:?}", event.kind),
+            since_s: seconds(event.since_ns),
+            decided_s: seconds(event.decided_ns),
+        };
+        Judgement {
+            rows: self.rows,
+            answered: self.answered as f64 / rows,
+            first_s: self.first_s,
+            counted_s: (self.part.start, self.part.end.min(self.extent.duration_s())),
+            spread_percent: self.ours.lengths.percent(),
+            raw_spread_percent: self.raw.lengths.percent(),
+            heading: self.ours.azimuths.heading_error(),
+            carried_heading: self.carried.azimuths.heading_error(),
+            published_heading: self.published.azimuths.heading_error(),
+            raw_heading: self.raw.azimuths.heading_error(),
+            legs: None,
+            disturbance: self.disturbance(),
+            events: self.events.iter().map(declared).collect(),
+            mean_push_ns: self.sum_push_ns as f64 / rows,
+            p999_push_ns: self.push_ns.at(999).unwrap_or(0.0) as u64,
+            max_push_ns: self.max_push_ns,
+            status: self.status,
+        }
+    }
+
+    fn disturbance(&self) -> Option<Disturbance> {
+        let usual_ut = self.total_field.at(500).filter(|_| self.total_field.count() >= FEWEST)?;
+        let off = |sizes: &Sizes| {
+            let usual = sizes.between(usual_ut * (1.0 - DISTURBED), usual_ut * (1.0 + DISTURBED));
+            (sizes.count() - usual) as f64
+        };
+        let (is, called, both) =
+            (off(&self.total_field), self.called_disturbed.count() as f64, off(&self.called_disturbed));
+        let share = |whole: f64| (whole > 0.0).then(|| both / whole);
+        let rows = self.total_field.count() as f64;
+        Some(Disturbance { share: is / rows, precision: share(called), recall: share(is) })
+    }
+}
+
+/// Judges a replay in memory, as a [`Judge`].
+#[must_use]
+pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>, axis: ReferenceAxis) -> Judgement {
+    let mut judge = Judge::new(&recording.extent(), part, axis);
+    recording.rows.iter().zip(steps).for_each(|(row, step)| judge.add(row, step));
+    judge.finish()
+}
+
+/// Where in the device the published heading has north, by its error against that of the same axis by the reference; and its
+/// sigma.
+fn published(row: &Row, step: &Step, axis: ReferenceAxis) -> Option<(Vector3<f64>, Option<f64>)> {
     let published = step.reading.heading?;
     let to_device = row.attitude?.inverse();
     let (north, up) = (to_device * Vector3::y(), to_device * Vector3::z());
@@ -177,36 +316,7 @@ fn published((row, step): (&Row, &Step), axis: ReferenceAxis) -> Option<Found> {
     };
     let reference = heading(&north, &up, axis, ScreenRotation::Deg0).filter(|_| level)?;
     let off = (reference.heading_deg - published.heading_deg).to_radians();
-    Some((*row, to_device * Vector3::new(off.sin(), off.cos(), 0.0), published.heading_sigma_deg))
-}
-
-fn declared(recording: &Recording, steps: &[Step]) -> Vec<Declared> {
-    let start_ns = recording.rows.first().map_or(0, |row| row.time_ns);
-    let seconds = |time_ns: i64| (time_ns - start_ns) as f64 / 1e9;
-    let mut events: Vec<_> = steps.iter().filter_map(|step| step.reading.event).collect();
-    events.dedup();
-    let declared = |event: &magcomp::Event| Declared {
-        kind: format!("{:?}", event.kind),
-        since_s: seconds(event.since_ns),
-        decided_s: seconds(event.decided_ns),
-    };
-    events.iter().map(declared).collect()
-}
-
-fn disturbance<'a>(rows: impl Iterator<Item = (&'a Row, &'a Step)>) -> Option<Disturbance> {
-    let rows: Vec<(f64, bool)> = rows
-        .filter_map(|(_, step)| Some((step.reading.field_ut?.norm(), step.reading.status)))
-        .map(|(size_ut, status)| (size_ut, matches!(status, Status::Disturbed { .. })))
-        .collect();
-    let mut sizes: Vec<f64> = rows.iter().map(|(size_ut, _)| *size_ut).collect();
-    sizes.sort_by(f64::total_cmp);
-    let usual_ut = *sizes.get(sizes.len() / 2).filter(|_| sizes.len() >= FEWEST)?;
-    let off = |size_ut: f64| (size_ut / usual_ut - 1.0).abs() > DISTURBED;
-    let count = |of: &dyn Fn(&(f64, bool)) -> bool| rows.iter().filter(|row| of(row)).count() as f64;
-    let (is, called) = (count(&|(size, _)| off(*size)), count(&|(_, called)| *called));
-    let both = count(&|(size, called)| *called && off(*size));
-    let share = |whole: f64| (whole > 0.0).then(|| both / whole);
-    Some(Disturbance { share: is / rows.len() as f64, precision: share(called), recall: share(is) })
+    Some((to_device * Vector3::new(off.sin(), off.cos(), 0.0), published.heading_sigma_deg))
 }
 
 /// What the vectors of a method on a recording came to, without the first seconds.
@@ -220,91 +330,75 @@ pub struct Vectors {
     pub heading: Option<HeadingError>,
 }
 
-/// Judges the vectors of a method, one for each row where it has one.
-#[must_use]
-pub fn judge_vectors(recording: &Recording, vectors: &[Option<Vector3<f64>>]) -> Vectors {
-    let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
-    let warm_up_s = WARM_UP_S.min(recording.duration_s() / 2.0);
-    let answered = vectors.iter().flatten().count() as f64 / vectors.len().max(1) as f64;
-    let live: Vec<Found> = (recording.rows.iter().zip(vectors))
-        .filter_map(|(row, vector)| Some((*row, (*vector)?, None)))
-        .filter(|(row, ..)| row.time_s - start_s > warm_up_s)
-        .collect();
-    Vectors { answered, spread_percent: spread_percent(&live, |_| true), heading: heading_error(&live, |_| true) }
+/// Judges the vectors of a method row by row, in memory that does not grow with them.
+#[derive(Clone, Debug)]
+pub struct VectorsJudge {
+    extent: Extent,
+    rows: usize,
+    answered: usize,
+    live: Directions,
+    every: Circle,
+    span_s: f64,
+    /// For every span the first azimuth in it, degrees, and the differences of its others from that one.
+    spans: Vec<Option<(f64, Spread)>>,
 }
 
-/// Heading error rms over every `span_s`: (middle, s; degrees), where there are a reference and vectors.
-#[must_use]
-pub fn heading_course(recording: &Recording, vectors: &[Option<Vector3<f64>>], span_s: f64) -> Vec<(f64, f64)> {
-    let azimuths = recording.rows.iter().zip(vectors).map(|(row, vector)| azimuth_deg(row, &(*vector)?));
-    let errors = centred(azimuths.collect());
-    let start_s = recording.rows.first().map_or(0.0, |row| row.time_s);
-    let span = |row: &Row| ((row.time_s - start_s) / span_s) as usize;
-    let mut sums = vec![(0.0, 0.0); recording.rows.last().map_or(0, |row| span(row) + 1)];
-    for (row, error) in recording.rows.iter().zip(errors) {
-        if let Some(error) = error {
-            sums[span(row)].0 += error * error;
-            sums[span(row)].1 += 1.0;
+impl VectorsJudge {
+    /// For a recording of this extent.
+    #[must_use]
+    pub fn new(extent: &Extent) -> Self {
+        let span_s = (extent.duration_s() / MOST_SPANS).max(SPAN_S);
+        let spans = vec![None; (extent.duration_s() / span_s) as usize + 1];
+        let (live, every) = (Directions::default(), Circle::default());
+        Self { extent: *extent, rows: 0, answered: 0, live, every, span_s, spans }
+    }
+
+    /// The next row, and the vector where the method has one.
+    pub fn add(&mut self, row: &Row, vector: Option<&Vector3<f64>>) {
+        self.rows += 1;
+        let Some(vector) = vector else { return };
+        self.answered += 1;
+        let after_s = row.time_s - self.extent.start_s;
+        if after_s > usual_part(&self.extent).start {
+            self.live.add(row, vector, None, true);
+        }
+        if let Some(azimuth_deg) = azimuth_deg(row, vector) {
+            self.every.add(azimuth_deg, None, true);
+            if let Some(span) = self.spans.get_mut((after_s / self.span_s) as usize) {
+                let (first_deg, others) = span.get_or_insert((azimuth_deg, Spread::default()));
+                others.add(off_deg(azimuth_deg, *first_deg));
+            }
         }
     }
-    let known = sums.iter().enumerate().filter(|(_, (_, count))| *count > 0.0);
-    known.map(|(k, (sum, count))| ((k as f64 + 0.5) * span_s, (sum / count).sqrt())).collect()
-}
 
-fn spread_percent(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<f64> {
-    let rows = rows.iter().filter(|(row, ..)| inside(row));
-    let strengths: Vec<f64> = rows.map(|(_, h, _)| h.norm()).filter(|strength| strength.is_finite()).collect();
-    let count = strengths.len() as f64;
-    let mean = strengths.iter().sum::<f64>() / count;
-    let variance = strengths.iter().map(|strength| (strength - mean).powi(2)).sum::<f64>() / count;
-    (strengths.len() >= FEWEST && mean > 0.0).then(|| 100.0 * variance.sqrt() / mean)
-}
-
-fn heading_error(rows: &[Found], inside: impl Fn(&Row) -> bool) -> Option<HeadingError> {
-    let errors = centred(rows.iter().map(|(row, h, _)| azimuth_deg(row, h)).collect());
-    let counted = errors.iter().zip(rows).filter(|(_, (row, ..))| inside(row));
-    let counted: Vec<(f64, Option<f64>)> =
-        counted.filter_map(|(error, (.., sigma))| Some((error.as_ref()?.abs(), *sigma))).collect();
-    let sigmas: Vec<f64> =
-        counted.iter().filter_map(|(error, sigma)| Some(error / (*sigma)?)).filter(|ratio| ratio.is_finite()).collect();
-    let within = |limit: f64| sigmas.iter().filter(|sigma| **sigma <= limit).count() as f64 / sigmas.len() as f64;
-    let mut sizes: Vec<f64> = counted.iter().map(|(error, _)| *error).collect();
-    if sizes.len() < FEWEST {
-        return None;
+    /// What they came to.
+    #[must_use]
+    pub fn vectors(&self) -> Vectors {
+        Vectors {
+            answered: self.answered as f64 / self.rows.max(1) as f64,
+            spread_percent: self.live.lengths.percent(),
+            heading: self.live.azimuths.heading_error(),
+        }
     }
-    sizes.sort_by(f64::total_cmp);
-    Some(HeadingError {
-        rms_deg: (sizes.iter().map(|error| error * error).sum::<f64>() / sizes.len() as f64).sqrt(),
-        p95_deg: sizes[(sizes.len() * 95 / 100).min(sizes.len() - 1)],
-        within_sigma: (sigmas.len() >= FEWEST).then(|| [within(1.0), within(2.0)]),
-    })
+
+    /// Heading error rms over every second, longer where there would be more than 2000 of them: (middle, s; degrees), where there
+    /// are a reference and vectors. For a picture: azimuths of one second that lie on both sides of the centre's opposite are
+    /// taken for neighbours.
+    #[must_use]
+    pub fn heading_course(&self) -> Vec<(f64, f64)> {
+        let centre_deg = self.every.centre_deg();
+        let known = self.spans.iter().enumerate().filter_map(|(k, span)| Some((k, (*span)?)));
+        let point = |(k, (first_deg, others)): (usize, (f64, Spread))| {
+            let mean_deg = off_deg(first_deg + others.mean, centre_deg);
+            let variance = others.squares / others.count as f64;
+            ((k as f64 + 0.5) * self.span_s, mean_deg.hypot(variance.sqrt()))
+        };
+        known.map(point).collect()
+    }
 }
 
 /// Azimuth of a device-frame vector by the reference orientation, degrees from north, clockwise.
 pub(super) fn azimuth_deg(row: &Row, field_ut: &Vector3<f64>) -> Option<f64> {
     let earth = row.attitude? * field_ut;
     Some(earth.x.atan2(earth.y).to_degrees()).filter(|azimuth| azimuth.is_finite())
-}
-
-/// Azimuths less their circular median, -180 to 180.
-pub(super) fn centred(azimuths: Vec<Option<f64>>) -> Vec<Option<f64>> {
-    let median = |part: fn(f64) -> f64| {
-        let mut values: Vec<f64> = azimuths.iter().flatten().map(|azimuth| part(azimuth.to_radians())).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let centre = median(f64::sin).atan2(median(f64::cos)).to_degrees();
-    azimuths.iter().map(|azimuth| azimuth.map(|a| (a - centre + 540.0).rem_euclid(360.0) - 180.0)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_constant_azimuth_is_no_error_and_wraps() {
-        let errors = centred([179.0, -179.0, 178.0, -178.0, 180.0].map(Some).to_vec());
-        assert!(errors.iter().flatten().all(|error| error.abs() <= 2.1), "{errors:?}");
-        assert_eq!(centred(vec![None, Some(5.0)])[0], None);
-    }
 }

@@ -6,10 +6,11 @@
 
 use super::Step;
 use crate::error::{LabError, Place};
-use crate::recording::Recording;
+use crate::recording::{Row, unzipped};
 use magcomp::nalgebra::Vector3;
 use magcomp::{ReferenceAxis, ScreenRotation, heading};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 
 const SHORTEST_M: f64 = 3.0;
@@ -42,7 +43,7 @@ pub struct LegJudgement {
 /// # Errors
 /// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
 pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, LabError> {
-    let file = crate::recording::open(path)?;
+    let file = std::fs::File::open(path).and_then(unzipped).map_err(LabError::read(path))?;
     let wrong = |error: csv::Error| LabError::Recording {
         place: Place { path: path.to_owned(), line: error.position().map_or(1, csv::Position::line), column: None },
         expected: "waypoints with the columns t_s,x_m,y_m".to_owned(),
@@ -51,66 +52,96 @@ pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, LabError> {
     csv::Reader::from_reader(file).deserialize().collect::<Result<_, _>>().map_err(wrong)
 }
 
-/// Judges the headings of a replay; none with fewer than two legs on which there was a heading.
-#[must_use]
-pub fn judge_legs(recording: &Recording, steps: &[Step], waypoints: &[Waypoint]) -> Option<LegJudgement> {
-    let ours: Vec<Option<f64>> = steps.iter().map(|step| Some(step.reading.heading?.heading_deg)).collect();
-    let raw = raw_headings_deg(recording);
-    let mut errors = Vec::new();
-    for leg in waypoints.windows(2) {
-        let (dx, dy) = (leg[1].x_m - leg[0].x_m, leg[1].y_m - leg[0].y_m);
-        let over_s = leg[1].t_s - leg[0].t_s;
-        let middle = leg[0].t_s + END * over_s..leg[1].t_s - END * over_s;
-        let rows = recording.rows.iter().enumerate().filter(|(_, row)| middle.contains(&row.time_s));
-        let rows: Vec<usize> = rows.map(|(k, _)| k).filter(|k| ours[*k].is_some() && raw[*k].is_some()).collect();
-        if dx.hypot(dy) < SHORTEST_M || rows.is_empty() {
-            continue;
-        }
-        let azimuth_deg = dx.atan2(dy).to_degrees();
-        let error = |headings: &[Option<f64>]| {
-            let (east, north) = sums(rows.iter().filter_map(|k| headings[*k]));
-            east.atan2(north).to_degrees() - azimuth_deg
-        };
-        errors.push((error(&ours), error(&raw)));
+/// Judges the headings of a replay row by row.
+#[derive(Clone, Debug)]
+pub struct Legs {
+    legs: Vec<Leg>,
+    up: Option<Vector3<f64>>,
+    before_s: f64,
+}
+
+/// A leg, and the sums of the sines and cosines of the headings on it.
+#[derive(Clone, Debug)]
+struct Leg {
+    azimuth_deg: f64,
+    middle: Range<f64>,
+    ours: (f64, f64),
+    raw: (f64, f64),
+    rows: usize,
+}
+
+impl Legs {
+    /// The legs between waypoints.
+    #[must_use]
+    pub fn new(waypoints: &[Waypoint]) -> Self {
+        let legs = waypoints.windows(2).filter_map(|leg| {
+            let (dx, dy) = (leg[1].x_m - leg[0].x_m, leg[1].y_m - leg[0].y_m);
+            let over_s = leg[1].t_s - leg[0].t_s;
+            let middle = leg[0].t_s + END * over_s..leg[1].t_s - END * over_s;
+            let azimuth_deg = dx.atan2(dy).to_degrees();
+            let leg = Leg { azimuth_deg, middle, ours: (0.0, 0.0), raw: (0.0, 0.0), rows: 0 };
+            (dx.hypot(dy) >= SHORTEST_M).then_some(leg)
+        });
+        Self { legs: legs.collect(), up: None, before_s: f64::NEG_INFINITY }
     }
-    let deviation_deg = |errors: &mut dyn Iterator<Item = f64>| {
-        let count = errors.size_hint().0 as f64;
-        let (east, north) = sums(errors);
-        (-2.0 * (east.hypot(north) / count).ln()).max(0.0).sqrt().to_degrees()
-    };
-    (errors.len() > 1).then(|| LegJudgement {
-        legs: errors.len(),
-        deviation_deg: deviation_deg(&mut errors.iter().map(|(ours, _)| *ours)),
-        raw_deviation_deg: deviation_deg(&mut errors.iter().map(|(_, raw)| *raw)),
-    })
-}
 
-/// Sums of the sines and cosines of angles, degrees.
-fn sums(angles_deg: impl Iterator<Item = f64>) -> (f64, f64) {
-    angles_deg.map(|angle| angle.to_radians().sin_cos()).fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
-}
+    /// The next row and what came out for it.
+    pub fn add(&mut self, row: &Row, step: &Step) {
+        let raw_deg = self.raw_heading_deg(row);
+        let (Some(heading), Some(raw_deg)) = (step.reading.heading, raw_deg) else { return };
+        for leg in self.legs.iter_mut().filter(|leg| leg.middle.contains(&row.time_s)) {
+            leg.ours = plus(leg.ours, heading.heading_deg);
+            leg.raw = plus(leg.raw, raw_deg);
+            leg.rows += 1;
+        }
+    }
 
-/// Tilt-compensated headings of the field as recorded.
-fn raw_headings_deg(recording: &Recording) -> Vec<Option<f64>> {
-    let mut up: Option<Vector3<f64>> = None;
-    let mut before_s = f64::NEG_INFINITY;
-    let heading_of = |row: &crate::recording::Row| {
-        let gain = ((row.time_s - before_s) / UP_TIME_S).min(1.0);
-        before_s = row.time_s;
+    /// What it came to; none with fewer than two legs on which there was a heading.
+    #[must_use]
+    pub fn finish(&self) -> Option<LegJudgement> {
+        let errors = |of: fn(&Leg) -> (f64, f64)| {
+            let known = self.legs.iter().filter(|leg| leg.rows > 0);
+            let errors = known.map(move |leg| {
+                let (east, north) = of(leg);
+                east.atan2(north).to_degrees() - leg.azimuth_deg
+            });
+            errors.collect::<Vec<f64>>()
+        };
+        let deviation_deg = |errors: Vec<f64>| {
+            let (east, north) = errors.iter().fold((0.0, 0.0), |sum, error| plus(sum, *error));
+            (-2.0 * (east.hypot(north) / errors.len() as f64).ln()).max(0.0).sqrt().to_degrees()
+        };
+        let (ours, raw) = (errors(|leg| leg.ours), errors(|leg| leg.raw));
+        (ours.len() > 1).then(|| LegJudgement {
+            legs: ours.len(),
+            deviation_deg: deviation_deg(ours),
+            raw_deviation_deg: deviation_deg(raw),
+        })
+    }
+
+    /// Tilt-compensated heading of the field as recorded.
+    fn raw_heading_deg(&mut self, row: &Row) -> Option<f64> {
+        let gain = ((row.time_s - self.before_s) / UP_TIME_S).min(1.0);
+        self.before_s = row.time_s;
         if let Some(measured) = row.up_m_s2 {
-            let up = up.get_or_insert(measured);
+            let up = self.up.get_or_insert(measured);
             *up += (measured - *up) * gain;
         }
-        let found = heading(&row.field_ut, &up?, ReferenceAxis::TopEdge, ScreenRotation::default())?;
+        let found = heading(&row.field_ut, &self.up?, ReferenceAxis::TopEdge, ScreenRotation::default())?;
         Some(found.heading_deg)
-    };
-    recording.rows.iter().map(heading_of).collect()
+    }
+}
+
+/// A sum of sines and cosines, and one more angle, degrees.
+fn plus(sum: (f64, f64), angle_deg: f64) -> (f64, f64) {
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    (sum.0 + sin, sum.1 + cos)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::Row;
+    use crate::recording::Recording;
     use crate::replay::{Ignore, replay};
     use magcomp::{Config, Method};
 
@@ -136,18 +167,23 @@ mod tests {
             let at = |t_s, x: f64, y: f64| Waypoint { t_s, x_m: x * cos + y * sin, y_m: y * cos - x * sin };
             [at(0.0, 0.0, 0.0), at(10.0, 0.0, 12.0), at(20.0, 12.0, 12.0)]
         };
+        let judge_legs = |steps: &[Step], waypoints: &[Waypoint]| {
+            let mut legs = Legs::new(waypoints);
+            recording.rows.iter().zip(steps).for_each(|(row, step)| legs.add(row, step));
+            legs.finish()
+        };
         let config = Config { method: Method::Windowed, ..Config::default() };
         let mut steps = replay(&recording, &config, Ignore::default()).unwrap();
-        assert_eq!(judge_legs(&recording, &steps, &way(0.0)), None, "there was no heading");
+        assert_eq!(judge_legs(&steps, &way(0.0)), None, "there was no heading");
         for (step, row) in steps.iter_mut().zip(&recording.rows) {
             let up = Vector3::z();
             step.reading.heading = heading(&row.field_ut, &up, ReferenceAxis::TopEdge, ScreenRotation::default());
         }
-        let found = judge_legs(&recording, &steps, &way(30.0)).unwrap();
+        let found = judge_legs(&steps, &way(30.0)).unwrap();
         assert_eq!(found.legs, 2);
         assert!(found.deviation_deg < 1e-6 && found.raw_deviation_deg < 1e-6, "{found:?}");
         // +-10 deg about the mean: the sd is 10 deg, to the order of its cube
         let wrong: Vec<_> = way(0.0).iter().map(|w| Waypoint { x_m: w.x_m + 0.364 * (w.y_m - w.x_m), ..*w }).collect();
-        assert!(judge_legs(&recording, &steps, &wrong).unwrap().deviation_deg > 5.0);
+        assert!(judge_legs(&steps, &wrong).unwrap().deviation_deg > 5.0);
     }
 }

@@ -1,27 +1,23 @@
 //! A recording through the compensator, row by row.
 
+mod circle;
 mod figures;
 mod judge;
 mod legs;
 mod output;
+mod sizes;
 mod view;
 
-pub use figures::figures;
-pub use judge::{
-    Declared, Disturbance, HeadingError, Judgement, Vectors, heading_course, judge, judge_vectors, usual_part,
-};
-pub use legs::{LegJudgement, Waypoint, judge_legs, read_waypoints};
-pub use output::write;
+pub use figures::{Figures, figures};
+pub use judge::{Declared, Disturbance, HeadingError, Judge, Judgement, Vectors, VectorsJudge, judge, usual_part};
+pub use legs::{LegJudgement, Legs, Waypoint, read_waypoints};
+pub use output::Output;
 pub use view::table;
 
 use crate::error::LabError;
-use crate::progress;
-use crate::recording::Recording;
+use crate::recording::{Recording, Row};
 use magcomp::{Calibration, Compensator, Config, MagneticSample, Reading, RotationRateSample, UpSample};
 use std::time::Instant;
-
-/// Rows from one look at the progress bar to the next.
-const BAR_STRIDE: usize = 500;
 
 /// Sensors of the recording that are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,23 +39,48 @@ pub struct Step {
     pub push_ns: u64,
 }
 
-/// Plays every row of a recording, in order. Events of the other sensors that the core refuses (NaN, for instance) are
-/// left out, as an app would.
+/// A compensator that is given the rows of a recording. Events of the other sensors that the core refuses (NaN, for instance)
+/// are left out, as an app would.
+#[derive(Debug)]
+pub struct Player {
+    compensator: Compensator,
+    ignore: Ignore,
+}
+
+impl Player {
+    /// Before the first row.
+    ///
+    /// # Errors
+    /// [`LabError::Config`] when the config is refused.
+    pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
+        Ok(Self { compensator: Compensator::new(config.clone())?, ignore })
+    }
+
+    /// Plays the next row.
+    pub fn play(&mut self, row: &Row) -> Step {
+        let (compensator, time_ns) = (&mut self.compensator, row.time_ns);
+        if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !self.ignore.gyroscope) {
+            let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
+        }
+        if let Some(up_m_s2) = row.up_m_s2.filter(|_| !self.ignore.accelerometer) {
+            let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
+        }
+        let started = Instant::now();
+        let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
+        let push_ns = started.elapsed().as_nanos() as u64;
+        Step { reading, calibration: compensator.calibration(), push_ns }
+    }
+}
+
+/// Plays a recording in memory, in order.
 ///
 /// # Errors
 /// [`LabError::Config`] when the config is refused.
 pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
-    let bar = progress::bar(recording.rows.len(), "replay");
-    let steps = replay_with(recording, config, ignore, |k, _| {
-        if k % BAR_STRIDE == 0 {
-            bar.set_position(k as u64);
-        }
-    });
-    bar.finish_and_clear();
-    steps
+    replay_with(recording, config, ignore, |_, _| ())
 }
 
-/// As [`replay`], with a look at the compensator after every row instead of a progress bar.
+/// As [`replay`], with a look at the compensator after every row.
 ///
 /// # Errors
 /// [`LabError::Config`] when the config is refused.
@@ -69,20 +90,11 @@ pub fn replay_with(
     ignore: Ignore,
     mut look: impl FnMut(usize, &Compensator),
 ) -> Result<Vec<Step>, LabError> {
-    let mut compensator = Compensator::new(config.clone())?;
+    let mut player = Player::new(config, ignore)?;
     let steps = recording.rows.iter().enumerate().map(|(k, row)| {
-        let time_ns = row.time_ns;
-        if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !ignore.gyroscope) {
-            let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
-        }
-        if let Some(up_m_s2) = row.up_m_s2.filter(|_| !ignore.accelerometer) {
-            let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
-        }
-        let started = Instant::now();
-        let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
-        let push_ns = started.elapsed().as_nanos() as u64;
-        look(k, &compensator);
-        Step { reading, calibration: compensator.calibration(), push_ns }
+        let step = player.play(row);
+        look(k, &player.compensator);
+        step
     });
     Ok(steps.collect())
 }

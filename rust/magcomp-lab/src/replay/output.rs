@@ -2,7 +2,7 @@
 
 use super::Step;
 use crate::error::LabError;
-use crate::recording::{Recording, write_atomically};
+use crate::recording::{AtomicFile, Row};
 use magcomp::Calibration;
 use magcomp::nalgebra::Vector3;
 use std::io::{self, Write};
@@ -12,23 +12,45 @@ use std::path::Path;
 const COLUMNS: &str = "t_s,cx,cy,cz,fx,fy,fz,heading_deg,heading_sigma_deg,inclination_deg,sigma_t,window,coverage,status,\
                        bx,by,bz,w00,w01,w02,w10,w11,w12,w20,w21,w22,ns";
 
-/// Writes `path`; with a `true_heading_deg` column at the end when a declination was given.
-///
-/// # Errors
-/// [`LabError::Write`]; what was at `path` before is untouched then.
-pub fn write(path: &Path, recording: &Recording, steps: &[Step], true_heading: bool) -> Result<(), LabError> {
-    write_atomically(path, |out| {
-        writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" })?;
-        for (row, step) in recording.rows.iter().zip(steps) {
+/// The output of a replay in the making; it appears under its name when it is finished.
+pub struct Output {
+    file: AtomicFile,
+    true_heading: bool,
+}
+
+impl Output {
+    /// Begins to write `path`; with a `true_heading_deg` column at the end when a declination was given.
+    ///
+    /// # Errors
+    /// [`LabError::Write`]; what was at `path` before is untouched then.
+    pub fn create(path: &Path, true_heading: bool) -> Result<Self, LabError> {
+        let mut file = AtomicFile::create(path)?;
+        file.write(|out| writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" }))?;
+        Ok(Self { file, true_heading })
+    }
+
+    /// The next row and what came out for it.
+    ///
+    /// # Errors
+    /// As of [`Output::create`].
+    pub fn add(&mut self, row: &Row, step: &Step) -> Result<(), LabError> {
+        self.file.write(|out| {
             write!(out, "{}", row.time_s)?;
             line(out, step)?;
-            if true_heading {
+            if self.true_heading {
                 cell(out, step.reading.heading.and_then(|heading| heading.true_heading_deg), 4)?;
             }
-            writeln!(out)?;
-        }
-        Ok(())
-    })
+            writeln!(out)
+        })
+    }
+
+    /// Moves it into place.
+    ///
+    /// # Errors
+    /// As of [`Output::create`].
+    pub fn finish(self) -> Result<(), LabError> {
+        self.file.finish()
+    }
 }
 
 fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {

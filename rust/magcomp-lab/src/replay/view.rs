@@ -1,13 +1,12 @@
 //! A replay as a table.
 
 use super::judge::Judgement;
-use crate::recording::Recording;
 use crate::table::{Table, number};
 
-/// The summary of a replay.
+/// The summary of a replay; `recording` is its name.
 #[must_use]
-pub fn table(recording: &Recording, method: &str, judgement: &Judgement) -> Table {
-    let title = format!("{}, method {method}", recording.name());
+pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
+    let title = format!("{recording}, method {method}");
     let mut table = Table::new(&title, &["", "raw", "compensated"]);
     let mut line = |name: &str, raw: String, ours: String| table.row(vec![name.to_owned(), raw, ours]);
     line("rows", judgement.rows.to_string(), judgement.rows.to_string());
