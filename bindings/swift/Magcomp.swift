@@ -3126,7 +3126,7 @@ public enum EventKind: Equatable, Hashable {
      */
     case deviceStep
     /**
-     * As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+     * The device returned to an earlier calibration, which was restored.
      */
     case deviceStepBack
     /**

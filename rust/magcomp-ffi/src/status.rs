@@ -174,7 +174,7 @@ pub struct Event {
 pub enum EventKind {
     /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
     DeviceStep,
-    /// As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+    /// The device returned to an earlier calibration, which was restored.
     DeviceStepBack,
     /// The field of the place stepped: the calibration is held.
     PlaceChanged,

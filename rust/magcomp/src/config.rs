@@ -81,9 +81,9 @@ pub struct WindowedConfig {
     pub n_min: usize,
     /// N_max, samples: the longest window. Default 2000 (the paper's). Larger is steadier under poor motion and slower to forget.
     pub n_max: usize,
-    /// sigma_th, dimensionless: below it nothing is updated. Default 0.1: planar motion stays below, ordinary hand motion above.
+    /// sigma_th, dimensionless: below it nothing is updated. Default 0.1. It stops updates at rest (not near azimuth 180), but not in all planar motion.
     pub sigma_th: f64,
-    /// How the standard deviations in sigma_T are normalised. Default `HalfRange`, which explains the paper's figures.
+    /// How the standard deviations in sigma_T are normalised. Default `HalfRange`, which comes closest to the transient in the paper's fig. 4.
     pub normalisation: Normalisation,
     /// Samples from one fit to the next. Default 1 (the paper's). Larger costs less and follows in steps.
     pub refit_stride: usize,

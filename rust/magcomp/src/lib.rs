@@ -2,9 +2,10 @@
 //!
 //! A raw magnetometer reads h_m = M h + b: the Earth's field h, squeezed by soft iron M and shifted by hard iron b.
 //! [`Compensator`] re-estimates M and b from the stream of raw samples and returns for each a [`Reading`]: the corrected
-//! field, the heading with its uncertainty, and what it is doing and why. The method is that of P. Daponte, L. De Vito,
+//! field, the heading with its standard deviation, and what it is doing and why. By default ([`Method::Auto`]) the estimators are ours:
+//! one with a gyroscope, one for the magnetometer alone. [`Method::Windowed`] is the method of P. Daponte, L. De Vito,
 //! F. Picariello, S. Rapuano, C. Sementa, "A method for real-time compensation of magnetometers embedded on smartphones";
-//! equation numbers in this crate are that paper's.
+//! equation numbers in this crate are that paper's. README's limits say where the standard deviation is too small.
 //!
 //! Where to find what: error model (1) to (8) and correction (11) in `calibration`; the ellipsoid (9), (10) in
 //! `ellipsoid`; sigma_T (12) to (15) in `uniformity`; the window (16) in `window`; fig. 3 in `estimator/windowed`; what is

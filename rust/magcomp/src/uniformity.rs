@@ -2,8 +2,8 @@
 //!
 //! (12) theta = acos(h_z), (13), (14) phi = atan2(h_y, h_x), in degrees, of the compensated field h (eq. 11);
 //! (15) sigma_T = sqrt(sigma_phi^2 + sigma_theta^2), normalised standard deviations. The paper does not say how they
-//! are normalised; both readings are offered. Being made of angles about one axis, sigma_T is blind to some poor
-//! distributions (a cone about z, a circle through both poles): `EllipsoidFit::direction_sigma_deg` is not.
+//! are normalised; both readings are offered. sigma_T uses angles about z only, so it misses uneven sets such as a cone about z
+//! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// What the standard deviations in (15) are divided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Normalisation {
-    /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, the
-    /// transient of about 700 samples in the paper's fig. 4). The default.
+    /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, near
+    /// the transient of about 700 samples in the paper's fig. 4). The default.
     #[default]
     HalfRange,
     /// Each divided by sqrt(2) times its value for an even sphere: even orientations give exactly 1.
@@ -24,7 +24,8 @@ const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64;
 /// Standard deviation of theta on an even sphere: its variance is pi^2 / 4 - 2 rad^2.
 const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52;
 
-/// (15) sigma_T of a set of corrected vectors (any unit): 0 when all are alike, about 1 when they are even.
+/// (15) sigma_T of a set of corrected vectors (any unit): 0 when all are equal, 0.723 (`HalfRange`) or 1 (`EvenSphere`) when
+/// they are even. The azimuth jumps from 180 to -180 degrees: nearly equal vectors about azimuth 180 give up to 1.
 ///
 /// Zero for an empty set. Vectors of length zero count as lying along +z.
 #[must_use]

@@ -3717,7 +3717,7 @@ enum class EventKind {
      */
     DEVICE_STEP,
     /**
-     * As `DeviceStep`, and the calibration from before the step before it fits again: recalled.
+     * The device returned to an earlier calibration, which was restored.
      */
     DEVICE_STEP_BACK,
     /**
