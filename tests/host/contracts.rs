@@ -186,7 +186,7 @@ fn the_count_towards_another_clock_is_no_part_of_a_snapshot() {
     assert!(matches!(other.push(sample(49)).status, Status::Rejected(_)), "the count begins anew");
     assert!(!matches!(one.push(sample(49)).status, Status::Rejected(_)));
     let off = difference(&one.calibration().expect("the calibration stays"), &found);
-    assert!(off < 1e-3, "{off}");
+    assert!(off < 0.01, "{off}");
 }
 
 // 2. headings
@@ -407,7 +407,7 @@ fn snapshots(config: &Config) -> Vec<(Phone, String)> {
 #[test]
 fn no_content_of_a_snapshot_does_harm() {
     // every place in every way is a night's work: `MAGCOMP_SPOILED=100000` tries that many of each snapshot
-    let most = std::env::var("MAGCOMP_SPOILED").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let most = std::env::var("MAGCOMP_SPOILED").ok().and_then(|text| text.parse().ok()).unwrap_or(12);
     for method in METHODS {
         let config = Config { method, ..Config::default() };
         let mut victim = compensator(&config);
@@ -419,9 +419,11 @@ fn no_content_of_a_snapshot_does_harm() {
             assert_eq!(sound.restore(&snapshot), Ok(Restored::Everything), "{method:?}, snapshot {point}");
             let state = state_of(&snapshot);
             let mut random = Random::new(4200 + point as u64);
-            for case in 0..most {
+            for _ in 0..most {
                 let mut spoiled = state.clone();
-                let what = spoil(&mut spoiled, random.between(0.0, state.len() as f64) as usize, case % WAYS);
+                // the first half holds what is more than a list of samples
+                let place = (random.between(0.0, 1.0).powi(2) * state.len() as f64) as usize;
+                let what = spoil(&mut spoiled, place, random.between(0.0, WAYS as f64) as usize);
                 let what = format!("{method:?}, snapshot {point}, {what} of {}", state.len());
                 let text = sealed(&snapshot, "state", &hexadecimal(&spoiled));
                 let went_well = catch_unwind(AssertUnwindSafe(|| {
@@ -449,7 +451,7 @@ fn no_content_of_a_snapshot_does_harm() {
             }
         }
         println!("{method:?}: {refused} refused, {taken} taken over");
-        assert!(refused > most / 4, "{method:?}: {refused} refused, {taken} taken over");
+        assert!(refused > 2 * most && taken > 2 * most, "{method:?}: {refused} refused, {taken} taken over");
     }
 }
 

@@ -192,10 +192,16 @@ impl Config {
             range!("fit.tolerance", f.tolerance, 1e-16, 0.1),
             range!("windowed.n_max", w.n_max, 9, 100000, "samples"),
             Check {
-                ok: (SMALLEST_SAMPLE_COUNT..=w.n_max).contains(&w.n_min),
+                ok: w.n_min >= SMALLEST_SAMPLE_COUNT,
                 field: "windowed.n_min",
                 value: &w.n_min,
-                expected: "at least 9 samples, at most windowed.n_max",
+                expected: "at least 9 samples",
+            },
+            Check {
+                ok: w.n_min <= w.n_max,
+                field: "windowed.n_min",
+                value: &w.n_min,
+                expected: "at most windowed.n_max",
             },
             range!("windowed.sigma_th", w.sigma_th, 0.0, 10.0),
             range!("windowed.refit_stride", w.refit_stride, 1, 100000, "samples"),

@@ -58,13 +58,13 @@ const LARGEST_UP_M_S2: f64 = 1000.0;
 #[serde(remote = "Self")]
 pub(crate) struct Aided {
     config: AidedConfig,
-    /// The strength of the field where it is known, uT.
-    known_ut: Option<f64>,
     last_ns: Option<i64>,
     filter: Option<Gaussian>,
     /// The filter has been started anew from its own first answer.
     restarted: bool,
     adopted: bool,
+    /// The strength of the field is known: `config.strength_ut`.
+    is_strength_known: bool,
     /// Misfits still allowed: to the samples right after the first before that one is dropped (0: one has fitted), or to the
     /// strength of the field before an unproven calibration is.
     unconfirmed: u32,
@@ -104,7 +104,7 @@ impl Aided {
             (config.strength_ut, config.strength_sd_ut) = (known_ut, known_ut * SCALE_SD);
         }
         Self {
-            known_ut,
+            is_strength_known: known_ut.is_some(),
             last_ns: None,
             filter: None,
             restarted: false,
@@ -132,7 +132,7 @@ impl Aided {
 
     /// Whether it was made with the same numbers as another.
     pub fn belongs_to(&self, other: &Self) -> bool {
-        (self.config, self.known_ut) == (other.config, other.known_ut)
+        (self.config, self.is_strength_known) == (other.config, other.is_strength_known)
     }
 
     /// The calibration in force: M, b and |m|; `None` while collecting.
@@ -153,11 +153,15 @@ impl Aided {
         self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm())
     }
 
+    fn known_ut(&self) -> Option<f64> {
+        self.is_strength_known.then_some(self.config.strength_ut)
+    }
+
     /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is
     /// divided by it. Without a known one the gauge stays.
     fn gauge(&self, strength_ut: f64) -> (f64, f64) {
         let strength_ut = strength_ut.max(1.0);
-        self.known_ut.map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
+        self.known_ut().map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
@@ -188,7 +192,7 @@ impl Aided {
         soft_iron: &Matrix3<f64>,
         strength_ut: f64,
     ) -> SMatrix<f64, 9, 9> {
-        let Some(known_ut) = self.known_ut else { return p };
+        let Some(known_ut) = self.known_ut() else { return p };
         let (_, scale) = self.gauge(strength_ut);
         let m = soft_iron / known_ut;
         let g = SVector::from([0.0, 0.0, 0.0, m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
