@@ -439,16 +439,14 @@ impl Compensator {
     /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
     pub fn restore(&mut self, snapshot: &str) -> Result<Restored, SnapshotError> {
         let kept = open(snapshot)?;
-        if let Some(state) = kept.state::<State>()? {
-            if state.config == self.made_with() {
-                if !state.is_sound(&self.made_with()) {
-                    return Err(SnapshotError::Damaged);
-                }
-                let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
-                (self.windowed, self.aided, self.adaptive, self.pairing, self.inputs) =
-                    (windowed, state.aided, state.adaptive, state.pairing, state.inputs);
-                return Ok(Restored::Everything);
-            }
+        let config = self.made_with();
+        if let Some(state) = kept.state::<State>()?.filter(|state| state.config == config) {
+            let sound = state.is_sound(&config);
+            let windowed = Windowed::from_state(&config, state.windowed).filter(|_| sound);
+            self.windowed = windowed.ok_or(SnapshotError::Damaged)?;
+            (self.aided, self.adaptive, self.pairing, self.inputs) =
+                (state.aided, state.adaptive, state.pairing, state.inputs);
+            return Ok(Restored::Everything);
         }
         self.begin_with(kept.calibration);
         Ok(Restored::CalibrationOnly)

@@ -250,11 +250,11 @@ impl InertialPairing {
             return Err(EventRejection::Late);
         }
         self.rates.admit(time_ns)?;
-        if self.rates.full() {
-            if let Some(oldest) = self.rates.pop() {
-                self.bridge(&oldest);
-                self.advance(oldest);
-            }
+        if self.rates.full()
+            && let Some(oldest) = self.rates.pop()
+        {
+            self.bridge(&oldest);
+            self.advance(oldest);
         }
         self.rates.insert(Event { time_ns, value: rate_rad_s });
         Ok(())
