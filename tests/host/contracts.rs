@@ -365,7 +365,7 @@ fn is_sound(reading: &Reading, compensator: &Compensator) -> bool {
         let or_zero = |value: Option<f64>| value.unwrap_or(0.0);
         [found.heading_deg, found.inclination_deg, or_zero(found.heading_sigma_deg), or_zero(found.true_heading_deg)]
     });
-    let fields = [reading.field_ut, reading.filtered_field_ut].into_iter().flatten().flat_map(|v| <[f64; 3]>::from(v));
+    let fields = [reading.field_ut, reading.filtered_field_ut].into_iter().flatten().flat_map(<[f64; 3]>::from);
     let numbers = [reading.field_sigma_ut, reading.total_field_ut, reading.sigma_t, reading.direction_sigma_deg];
     let rest = [reading.worst_sigma_deg, Some(reading.coverage)];
     let found = compensator.calibration();
