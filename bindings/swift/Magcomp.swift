@@ -589,7 +589,8 @@ fileprivate struct FfiConverterString: FfiConverter {
 public protocol ConstantFieldProtocol: AnyObject, Sendable {
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite; nothing has changed then.
+     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * is beyond +-100 000; nothing has changed then.
      */
     func add(rawUt: Vector3) throws
 
@@ -689,7 +690,8 @@ public convenience init(samplesPerOrientation: Int32) {
 
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite; nothing has changed then.
+     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * is beyond +-100 000; nothing has changed then.
      */
 open func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -843,7 +845,7 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
      * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew.
+     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
      */
     func push(sample: MagneticSample) throws  -> Reading
 
@@ -864,8 +866,8 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func reset() throws
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
+     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
     func restore(snapshot: String) throws  -> Restored
@@ -1032,7 +1034,7 @@ open func fit()throws  -> Fit?  {
     /**
      * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
      * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew.
+     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
      */
 open func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1081,8 +1083,8 @@ open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_li
 }
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
+     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
 open func restore(snapshot: String)throws  -> Restored  {
@@ -1211,15 +1213,15 @@ public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) 
  */
 public struct Calibration: Equatable, Hashable {
     /**
-     * M, dimensionless.
+     * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
     public var softIron: SoftIron
     /**
-     * b, microtesla: subtracted from the raw field.
+     * b, microtesla, each component within +-100 000: subtracted from the raw field.
      */
     public var hardIronUt: Vector3
     /**
-     * Strength of the field it was found in, microtesla.
+     * Strength of the field it was found in, microtesla, 1 to 1000.
      */
     public var fieldStrengthUt: Double
 
@@ -1227,13 +1229,13 @@ public struct Calibration: Equatable, Hashable {
     // declare one manually.
     public init(
         /**
-         * M, dimensionless.
+         * M, dimensionless, no element of it or of its inverse beyond +-1000.
          */softIron: SoftIron,
         /**
-         * b, microtesla: subtracted from the raw field.
+         * b, microtesla, each component within +-100 000: subtracted from the raw field.
          */hardIronUt: Vector3,
         /**
-         * Strength of the field it was found in, microtesla.
+         * Strength of the field it was found in, microtesla, 1 to 1000.
          */fieldStrengthUt: Double) {
         self.softIron = softIron
         self.hardIronUt = hardIronUt
@@ -1724,36 +1726,37 @@ public struct FitOptions: Equatable, Hashable {
      */
     public var residual: Residual?
     /**
-     * The field's strength, microtesla, where it is known (the geomagnetic model gives it): then the soft iron carries
-     * the sensor's scale. Default none: found by the fit.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
     public var fieldStrengthUt: Double?
     /**
-     * Smallest field strength accepted, microtesla. Default 22.
+     * Smallest field strength accepted, microtesla, 1 or more. Default 22.
      */
     public var fieldLowUt: Double?
     /**
-     * Largest field strength accepted, microtesla. Default 67.
+     * Largest field strength accepted, microtesla, at most 1000. Default 67.
      */
     public var fieldHighUt: Double?
     /**
-     * Largest predicted rms direction error, degrees, that is accepted. Default 10; larger accepts poorer coverage.
+     * Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
      */
     public var maxDirectionSigmaDeg: Double?
     /**
-     * White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
+     * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
      */
     public var errorFloorUt: Double?
     /**
-     * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+     * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
      */
     public var maxResidualShare: Double?
     /**
-     * Iterations at the most. Default 50.
+     * Iterations at the most, 1 to 1000. Default 50.
      */
     public var maxIterations: Int32?
     /**
-     * The iteration has converged when a step changes no parameter by more than this (field strengths). Default 1e-10.
+     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
+     * 1e-10.
      */
     public var tolerance: Double?
 
@@ -1764,29 +1767,30 @@ public struct FitOptions: Equatable, Hashable {
          * What is squared and summed. Default `Corrected`.
          */residual: Residual? = nil,
         /**
-         * The field's strength, microtesla, where it is known (the geomagnetic model gives it): then the soft iron carries
-         * the sensor's scale. Default none: found by the fit.
+         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+         * carries the sensor's scale. Every method listens to it. Default none: found by the method.
          */fieldStrengthUt: Double? = nil,
         /**
-         * Smallest field strength accepted, microtesla. Default 22.
+         * Smallest field strength accepted, microtesla, 1 or more. Default 22.
          */fieldLowUt: Double? = nil,
         /**
-         * Largest field strength accepted, microtesla. Default 67.
+         * Largest field strength accepted, microtesla, at most 1000. Default 67.
          */fieldHighUt: Double? = nil,
         /**
-         * Largest predicted rms direction error, degrees, that is accepted. Default 10; larger accepts poorer coverage.
+         * Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
          */maxDirectionSigmaDeg: Double? = nil,
         /**
-         * White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
+         * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
          */errorFloorUt: Double? = nil,
         /**
-         * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+         * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
          */maxResidualShare: Double? = nil,
         /**
-         * Iterations at the most. Default 50.
+         * Iterations at the most, 1 to 1000. Default 50.
          */maxIterations: Int32? = nil,
         /**
-         * The iteration has converged when a step changes no parameter by more than this (field strengths). Default 1e-10.
+         * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
+         * 1e-10.
          */tolerance: Double? = nil) {
         self.residual = residual
         self.fieldStrengthUt = fieldStrengthUt
@@ -2051,11 +2055,11 @@ public struct HeadingConfig: Equatable, Hashable {
      */
     public var declinationDeg: Double?
     /**
-     * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+     * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     public var tiltSigmaDeg: Double?
     /**
-     * What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.
+     * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
      */
     public var fieldSigmaUt: Double?
 
@@ -2072,10 +2076,10 @@ public struct HeadingConfig: Equatable, Hashable {
          * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
          */declinationDeg: Double? = nil,
         /**
-         * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+         * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
          */tiltSigmaDeg: Double? = nil,
         /**
-         * What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.
+         * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
          */fieldSigmaUt: Double? = nil) {
         self.axis = axis
         self.screenRotation = screenRotation
@@ -2300,19 +2304,21 @@ public func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> Rus
  */
 public struct PairingConfig: Equatable, Hashable {
     /**
-     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
+     * 0.25.
      */
     public var staleS: Double?
     /**
-     * Largest rotation rate believed, rad/s. Default 60.
+     * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
      */
     public var maxRateRadS: Double?
     /**
-     * Largest acceleration believed, m/s^2. Default 200.
+     * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
      */
     public var maxUpMS2: Double?
     /**
-     * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+     * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
+     * 10.
      */
     public var maxLeadS: Double?
 
@@ -2320,16 +2326,18 @@ public struct PairingConfig: Equatable, Hashable {
     // declare one manually.
     public init(
         /**
-         * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+         * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
+         * 0.25.
          */staleS: Double? = nil,
         /**
-         * Largest rotation rate believed, rad/s. Default 60.
+         * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
          */maxRateRadS: Double? = nil,
         /**
-         * Largest acceleration believed, m/s^2. Default 200.
+         * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
          */maxUpMS2: Double? = nil,
         /**
-         * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+         * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
+         * 10.
          */maxLeadS: Double? = nil) {
         self.staleS = staleS
         self.maxRateRadS = maxRateRadS
@@ -2673,20 +2681,20 @@ public func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample
  */
 public struct SensorLimits: Equatable, Hashable {
     /**
-     * Largest component, microtesla. Default 2000.
+     * Largest component, microtesla, 1 to 100 000. Default 2000.
      */
     public var rangeUt: Double?
     /**
      * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. Default none: not known.
+     * as saturated. 1 to 100 000. Default none: not known.
      */
     public var railUt: Double?
     /**
-     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. Default 50.
+     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
      */
     public var stuckSamples: Int32?
     /**
-     * Largest step ahead in time, seconds. Default 604800, a week.
+     * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
      */
     public var maxGapS: Double?
 
@@ -2694,17 +2702,17 @@ public struct SensorLimits: Equatable, Hashable {
     // declare one manually.
     public init(
         /**
-         * Largest component, microtesla. Default 2000.
+         * Largest component, microtesla, 1 to 100 000. Default 2000.
          */rangeUt: Double? = nil,
         /**
          * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-         * as saturated. Default none: not known.
+         * as saturated. 1 to 100 000. Default none: not known.
          */railUt: Double? = nil,
         /**
-         * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. Default 50.
+         * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
          */stuckSamples: Int32? = nil,
         /**
-         * Largest step ahead in time, seconds. Default 604800, a week.
+         * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
          */maxGapS: Double? = nil) {
         self.rangeUt = rangeUt
         self.railUt = railUt
@@ -3021,15 +3029,15 @@ public func FfiConverterTypeVector3_lower(_ value: Vector3) -> RustBuffer {
  */
 public struct WindowedConfig: Equatable, Hashable {
     /**
-     * N_min, samples: the shortest window. Default 100.
+     * N_min, samples, 9 to N_max: the shortest window. Default 100.
      */
     public var nMin: Int32?
     /**
-     * N_max, samples: the longest window. Default 2000.
+     * N_max, samples, at most 100 000: the longest window. Default 2000.
      */
     public var nMax: Int32?
     /**
-     * sigma_th, dimensionless: below it nothing is updated. Default 0.1.
+     * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
      */
     public var sigmaTh: Double?
     /**
@@ -3037,7 +3045,7 @@ public struct WindowedConfig: Equatable, Hashable {
      */
     public var normalisation: Normalisation?
     /**
-     * Samples from one fit to the next. Default 1.
+     * Samples from one fit to the next, 1 to 100 000. Default 1.
      */
     public var refitStride: Int32?
 
@@ -3045,19 +3053,19 @@ public struct WindowedConfig: Equatable, Hashable {
     // declare one manually.
     public init(
         /**
-         * N_min, samples: the shortest window. Default 100.
+         * N_min, samples, 9 to N_max: the shortest window. Default 100.
          */nMin: Int32? = nil,
         /**
-         * N_max, samples: the longest window. Default 2000.
+         * N_max, samples, at most 100 000: the longest window. Default 2000.
          */nMax: Int32? = nil,
         /**
-         * sigma_th, dimensionless: below it nothing is updated. Default 0.1.
+         * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
          */sigmaTh: Double? = nil,
         /**
          * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
          */normalisation: Normalisation? = nil,
         /**
-         * Samples from one fit to the next. Default 1.
+         * Samples from one fit to the next, 1 to 100 000. Default 1.
          */refitStride: Int32? = nil) {
         self.nMin = nMin
         self.nMax = nMax
@@ -3791,7 +3799,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
          */why: String
     )
     /**
-     * A snapshot is not whole, or was changed since it was written. Start without it.
+     * A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
      */
     case SnapshotDamaged
     /**
@@ -4708,7 +4716,7 @@ public enum Restored: Equatable, Hashable {
      */
     case everything
     /**
-     * The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+     * The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
      * over, the rest starts anew.
      */
     case calibrationOnly
@@ -5948,7 +5956,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 44924) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 43669) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 4282) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 34691) {
@@ -5960,7 +5968,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 38613) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 11625) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 15248) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 48411) {
@@ -5978,7 +5986,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() != 15625) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 211) {
+    if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 32779) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_coverage() != 46801) {

@@ -193,7 +193,7 @@ proptest! {
 #[test]
 fn a_soft_iron_without_a_finite_inverse_is_refused() {
     let m = Matrix3::from_diagonal(&Vector3::new(4.5e227, 4.5e233, 1.8e229));
-    assert!(matches!(Calibration::new(m, Vector3::zeros(), 50.0), Err(CalibrationError::Singular { .. })));
+    assert!(matches!(Calibration::new(m, Vector3::zeros(), 50.0), Err(CalibrationError::SoftIron { .. })));
     assert!(Calibration::from_any(m, Vector3::zeros(), 50.0).is_err());
 }
 

@@ -3,7 +3,8 @@
 
 use magcomp::nalgebra::{Rotation3, Vector3};
 use magcomp::{
-    Compensator, Config, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample, Status, UpSample,
+    Compensator, Config, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample, SensorMode, Status,
+    UpSample,
 };
 use magcomp_tests::{REF, Random, calibration, sample};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -54,7 +55,8 @@ fn the_counter_counts() {
     drop(block);
 }
 
-/// From the first sample on, in every method: collecting, tracking, a step, a bad sample, one axis, rest.
+/// From the first sample on, in every method: collecting, tracking, a step, a bad sample, one axis, rest, a gyroscope that goes
+/// and comes back, another clock.
 #[test]
 fn push_takes_no_memory() {
     for method in [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed, Method::Constant] {
@@ -67,7 +69,7 @@ fn push_takes_no_memory() {
         let mut random = Random::new(400);
         // collecting, tracking, rejected, suspect, held for uniformity, held for a refused fit or by the method
         let mut seen = [false; 6];
-        let mut headings = 0;
+        let (mut headings, mut another_clock, mut alone) = (0, false, false);
         for k in 0..14_000_usize {
             // a smooth motion, seen by the gyroscope, for the methods that listen to it
             let phase = k as f64 * 0.004;
@@ -88,13 +90,19 @@ fn push_takes_no_memory() {
             };
             let field = if k % 101 == 7 { Vector3::new(f64::NAN, 0.0, 0.0) } else { field };
             let MagneticSample { time_ns, field_ut } = sample(k, field);
+            // another clock, that of a device that was started anew
+            let time_ns = if k < 12_500 { time_ns } else { time_ns - 125_000_000_000 };
             let start = taken();
             let rate = RotationRateSample { time_ns, rate_rad_s };
-            let turned = compensator.push_rotation_rate(rate);
+            // the gyroscope goes and comes back
+            let gone = (4000..5000).contains(&k);
+            let turned = if gone { Ok(()) } else { compensator.push_rotation_rate(rate) };
             let up = compensator.push_up(UpSample { time_ns, up_m_s2: Vector3::new(0.0, 1.0, 9.7) });
             let reading = compensator.push(MagneticSample { time_ns, field_ut });
             assert_eq!(taken() - start, 0, "{method:?}, sample {k}: {}", reading.status);
-            assert!(turned.is_ok() && up.is_ok());
+            assert!(k >= 12_500 || turned.is_ok() && up.is_ok());
+            another_clock |= k > 12_600 && !matches!(reading.status, Status::Rejected(_));
+            alone |= gone && reading.mode == SensorMode::GravityOnly;
             headings += usize::from(reading.heading.is_some());
             seen[match reading.status {
                 Status::Collecting(_) => 0,
@@ -114,6 +122,10 @@ fn push_takes_no_memory() {
         for (kind, expected) in all.into_iter().enumerate() {
             assert!(seen[kind] || !expected, "{method:?}: status {kind} never came, so it was not tested");
         }
-        assert!(headings > 1000);
+        assert!(headings > 1000 && another_clock && alone);
+        let start = taken();
+        compensator.adopt(before);
+        compensator.reset();
+        assert_eq!(taken() - start, 0, "{method:?}: adopt and reset");
     }
 }

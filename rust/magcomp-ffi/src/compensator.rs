@@ -21,7 +21,7 @@ pub struct Compensator {
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+    /// The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
     /// over, the rest starts anew.
     CalibrationOnly,
 }
@@ -51,7 +51,7 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
     /// a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-    /// stays then, and all else begins anew.
+    /// stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
         self.push_for(sample, |reading, jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,
@@ -121,8 +121,8 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.snapshot_calibration()))
     }
 
-    /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-    /// version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+    /// Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
+    /// build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
     /// changed then.
     pub fn restore(&self, snapshot: String) -> Result<Restored, MagcompError> {
         let restored = self.running.with(|running| {
@@ -166,7 +166,9 @@ impl Compensator {
         answer: impl FnOnce(&magcomp::Reading, Option<f64>) -> R,
     ) -> Result<R, MagcompError> {
         self.running.with(|running| {
-            let jump_ut = running.note_reported(&sample, self.use_reported_hard_iron);
+            // what is rejected changes nothing
+            let usable = running.core.check(&sample.into()).is_ok();
+            let jump_ut = if usable { running.note_reported(&sample, self.use_reported_hard_iron) } else { None };
             Ok(answer(&running.core.push(sample.into()), jump_ut))
         })
     }
@@ -184,7 +186,7 @@ impl Running {
         Ok(Self { core, reported_ut: None })
     }
 
-    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
+    /// Looks at the operating system's hard iron before a sample that will be used itself: by how much it jumped, microtesla.
     fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
         let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
         let before = self.reported_ut.replace(now);
@@ -207,4 +209,30 @@ fn prior(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp
     }
     let field_ut = config.fit.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
     Ok(magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::default_config;
+    use crate::record::Vector3;
+
+    #[test]
+    fn a_rejected_sample_brings_no_hard_iron() {
+        let config = Config { use_reported_hard_iron: Some(true), ..default_config() };
+        let compensator = Compensator::new(config).unwrap();
+        let sample = |time_ns: i64, x: f64, reported: f64| MagneticSample {
+            time_ns,
+            field_ut: Vector3 { x, y: 1.0, z: 2.0 },
+            reported_hard_iron_ut: Some(Vector3 { x: reported, y: 0.0, z: 0.0 }),
+        };
+        let before = compensator.snapshot().unwrap();
+        assert_eq!(compensator.push(sample(1, f64::NAN, 70.0)).unwrap().reported_hard_iron_jump_ut, None);
+        assert_eq!(compensator.snapshot().unwrap(), before);
+        assert_eq!(compensator.push(sample(2, 3.0, 100.0)).unwrap().reported_hard_iron_jump_ut, None);
+        assert!((compensator.calibration().unwrap().unwrap().hard_iron_ut.x - 100.0).abs() < 1e-9);
+        let jump_ut =
+            |time_ns, x, reported| compensator.push(sample(time_ns, x, reported)).unwrap().reported_hard_iron_jump_ut;
+        assert_eq!((jump_ut(3, 1e9, 90.0), jump_ut(4, 4.0, 97.0)), (None, Some(3.0)));
+    }
 }

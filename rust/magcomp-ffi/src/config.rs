@@ -60,17 +60,17 @@ pub struct Config {
 /// What a raw sample may be; anything else is rejected with a reason. A field left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct SensorLimits {
-    /// Largest component, microtesla. Default 2000.
+    /// Largest component, microtesla, 1 to 100 000. Default 2000.
     #[uniffi(default = None)]
     pub range_ut: Option<f64>,
     /// The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-    /// as saturated. Default none: not known.
+    /// as saturated. 1 to 100 000. Default none: not known.
     #[uniffi(default = None)]
     pub rail_ut: Option<f64>,
-    /// So many equal samples in a row mean that the sensor hangs. 0 switches the check off. Default 50.
+    /// So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
     #[uniffi(default = None)]
     pub stuck_samples: Option<i32>,
-    /// Largest step ahead in time, seconds. Default 604800, a week.
+    /// Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
     #[uniffi(default = None)]
     pub max_gap_s: Option<f64>,
 }
@@ -90,29 +90,30 @@ pub struct FitOptions {
     /// What is squared and summed. Default `Corrected`.
     #[uniffi(default = None)]
     pub residual: Option<Residual>,
-    /// The field's strength, microtesla, where it is known (the geomagnetic model gives it): then the soft iron carries
-    /// the sensor's scale. Default none: found by the fit.
+    /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+    /// carries the sensor's scale. Every method listens to it. Default none: found by the method.
     #[uniffi(default = None)]
     pub field_strength_ut: Option<f64>,
-    /// Smallest field strength accepted, microtesla. Default 22.
+    /// Smallest field strength accepted, microtesla, 1 or more. Default 22.
     #[uniffi(default = None)]
     pub field_low_ut: Option<f64>,
-    /// Largest field strength accepted, microtesla. Default 67.
+    /// Largest field strength accepted, microtesla, at most 1000. Default 67.
     #[uniffi(default = None)]
     pub field_high_ut: Option<f64>,
-    /// Largest predicted rms direction error, degrees, that is accepted. Default 10; larger accepts poorer coverage.
+    /// Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
     #[uniffi(default = None)]
     pub max_direction_sigma_deg: Option<f64>,
-    /// White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
+    /// White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
     #[uniffi(default = None)]
     pub error_floor_ut: Option<f64>,
-    /// Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+    /// Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
     #[uniffi(default = None)]
     pub max_residual_share: Option<f64>,
-    /// Iterations at the most. Default 50.
+    /// Iterations at the most, 1 to 1000. Default 50.
     #[uniffi(default = None)]
     pub max_iterations: Option<i32>,
-    /// The iteration has converged when a step changes no parameter by more than this (field strengths). Default 1e-10.
+    /// The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
+    /// 1e-10.
     #[uniffi(default = None)]
     pub tolerance: Option<f64>,
 }
@@ -129,19 +130,19 @@ pub enum Normalisation {
 /// The paper's method. A field left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct WindowedConfig {
-    /// N_min, samples: the shortest window. Default 100.
+    /// N_min, samples, 9 to N_max: the shortest window. Default 100.
     #[uniffi(default = None)]
     pub n_min: Option<i32>,
-    /// N_max, samples: the longest window. Default 2000.
+    /// N_max, samples, at most 100 000: the longest window. Default 2000.
     #[uniffi(default = None)]
     pub n_max: Option<i32>,
-    /// sigma_th, dimensionless: below it nothing is updated. Default 0.1.
+    /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
     #[uniffi(default = None)]
     pub sigma_th: Option<f64>,
     /// How the standard deviations in sigma_T are normalised. Default `HalfRange`.
     #[uniffi(default = None)]
     pub normalisation: Option<Normalisation>,
-    /// Samples from one fit to the next. Default 1.
+    /// Samples from one fit to the next, 1 to 100 000. Default 1.
     #[uniffi(default = None)]
     pub refit_stride: Option<i32>,
 }
@@ -149,16 +150,18 @@ pub struct WindowedConfig {
 /// How events of several sensors are brought together. A field left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct PairingConfig {
-    /// A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+    /// A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
+    /// 0.25.
     #[uniffi(default = None)]
     pub stale_s: Option<f64>,
-    /// Largest rotation rate believed, rad/s. Default 60.
+    /// Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
     #[uniffi(default = None)]
     pub max_rate_rad_s: Option<f64>,
-    /// Largest acceleration believed, m/s^2. Default 200.
+    /// Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
     #[uniffi(default = None)]
     pub max_up_m_s2: Option<f64>,
-    /// An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+    /// An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
+    /// 10.
     #[uniffi(default = None)]
     pub max_lead_s: Option<f64>,
 }
@@ -199,10 +202,10 @@ pub struct HeadingConfig {
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     #[uniffi(default = None)]
     pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
     #[uniffi(default = None)]
     pub tilt_sigma_deg: Option<f64>,
-    /// What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.
+    /// What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
     #[uniffi(default = None)]
     pub field_sigma_ut: Option<f64>,
 }

@@ -24,7 +24,8 @@ impl ConstantField {
         Arc::new(Self { samples_per_orientation, session })
     }
 
-    /// One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite; nothing has changed then.
+    /// One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+    /// is beyond +-100 000; nothing has changed then.
     pub fn add(&self, raw_ut: Vector3) -> Result<(), MagcompError> {
         self.session.with(|session| Ok(session.add(&raw_ut.into())?))
     }

@@ -34,7 +34,7 @@ pub enum MagcompError {
         /// Why, in a sentence.
         why: String,
     },
-    /// A snapshot is not whole, or was changed since it was written. Start without it.
+    /// A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
     SnapshotDamaged,
     /// A snapshot was written by a newer version of this library. Update it or start without the snapshot.
     SnapshotNewer {

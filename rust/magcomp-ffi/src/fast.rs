@@ -266,7 +266,7 @@ mod hooks {
         values.read(env, 0, &mut samples);
         let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
         let windowed = magcomp::WindowedConfig { n_min: n_min as usize, ..Default::default() };
-        let initial = constant.then(|| magcomp::Calibration::identity(50.0));
+        let initial = constant.then(|| magcomp::Calibration::identity(50.0).unwrap());
         let config = magcomp::Config { method, windowed, initial, ..Default::default() };
         let Ok(mut core) = magcomp::Compensator::new(config) else { return -1 };
         let begin = std::time::Instant::now();

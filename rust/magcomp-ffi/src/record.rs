@@ -239,11 +239,11 @@ impl From<SoftIron> for nalgebra::Matrix3<f64> {
 /// Raw field = soft iron * field + hard iron.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct Calibration {
-    /// M, dimensionless.
+    /// M, dimensionless, no element of it or of its inverse beyond +-1000.
     pub soft_iron: SoftIron,
-    /// b, microtesla: subtracted from the raw field.
+    /// b, microtesla, each component within +-100 000: subtracted from the raw field.
     pub hard_iron_ut: Vector3,
-    /// Strength of the field it was found in, microtesla.
+    /// Strength of the field it was found in, microtesla, 1 to 1000.
     pub field_strength_ut: f64,
 }
 

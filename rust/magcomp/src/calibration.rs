@@ -27,16 +27,46 @@ pub enum CalibrationError {
     /// det M < 0: the raw axes are left-handed.
     #[error("soft iron matrix mirrors the field (negative determinant); flip the sign of one raw axis first")]
     Mirrored,
-    /// The field strength is not a positive number.
-    #[error("field strength must be positive, got {field_strength_ut} uT")]
+    /// An element of M or of its inverse is larger than any sensor's: the error model does not hold, or the unit is wrong.
+    #[error(
+        "an element of the soft iron matrix or of its inverse is {value}, outside +-{limit}; is the field in microtesla?"
+    )]
+    SoftIron {
+        /// The element, dimensionless.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// A component of b is larger than any sensor reads.
+    #[error("hard iron component {value_ut} uT is outside +-{limit_ut} uT; is the unit microtesla?")]
+    HardIron {
+        /// The component, microtesla.
+        value_ut: f64,
+        /// The limit, microtesla.
+        limit_ut: f64,
+    },
+    /// The field strength is none that a device is used in.
+    #[error("field strength is {field_strength_ut} uT, expected {low_ut} to {high_ut} uT")]
     FieldStrength {
         /// The value given, microtesla.
         field_strength_ut: f64,
+        /// The least that is accepted, microtesla.
+        low_ut: f64,
+        /// The most that is accepted, microtesla.
+        high_ut: f64,
     },
 }
 
 /// Smallest ratio of singular values of M that is still taken as invertible; phones stay above 0.3.
 const SMALLEST_RATIO: f64 = 1e-6;
+/// Largest element of M and of its inverse. Phones stay within 0.5 to 2; a sensor that counts in units of its own may have a
+/// scale of hundreds.
+const LARGEST_ELEMENT: f64 = 1000.0;
+/// Largest component of a raw sample and of b, uT: 0.1 T. Phones' magnetometers read up to 5 000 uT, some Hall sensors up to
+/// 36 000 uT.
+pub(crate) const LARGEST_RAW_UT: f64 = 100_000.0;
+/// Field strengths, uT: the Earth's field is 22 to 67, laboratories' coils reach a few hundred.
+pub(crate) const FIELD_STRENGTHS_UT: (f64, f64) = (1.0, 1000.0);
 
 /// M, b and the strength of the field they were found in: h_m = M h + b.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,17 +99,18 @@ impl From<Calibration> for CalibrationParts {
 }
 
 impl Calibration {
-    /// A calibration from a symmetric positive definite M (dimensionless), b (uT) and the field strength |h| (uT).
+    /// A calibration from a symmetric positive definite M (dimensionless; no element of it or of its inverse beyond +-1000),
+    /// b (uT, each component within +-100 000) and the field strength |h| (1 to 1000 uT).
     ///
     /// # Errors
     /// [`CalibrationError`] when a value is not finite, M is not symmetric positive definite (to a relative 1e-9)
-    /// or is singular, or the field strength is not positive.
+    /// or is singular, or a value is outside its range.
     pub fn new(
         soft_iron: Matrix3<f64>,
         hard_iron_ut: Vector3<f64>,
         field_strength_ut: f64,
     ) -> Result<Self, CalibrationError> {
-        check_finite(&soft_iron, &hard_iron_ut, field_strength_ut)?;
+        check_finite(&soft_iron, &hard_iron_ut)?;
         let asymmetry = (soft_iron - soft_iron.transpose()).abs().max();
         let symmetric = (soft_iron + soft_iron.transpose()) * 0.5;
         if asymmetry > 1e-9 * soft_iron.abs().max() || symmetric.cholesky().is_none() {
@@ -91,39 +122,47 @@ impl Calibration {
             return Err(CalibrationError::Singular { ratio });
         }
         Self::from_symmetric(symmetric, hard_iron_ut, field_strength_ut)
-            .ok_or(CalibrationError::Singular { ratio: 0.0 })
     }
 
-    /// For callers that know M to be exactly symmetric, positive definite and finite: same numbers, and no check but
-    /// that the inverse is finite.
+    /// For callers that know M to be exactly symmetric and positive definite: same numbers, and their ranges are checked.
     pub(crate) fn from_symmetric(
         soft_iron: Matrix3<f64>,
         hard_iron_ut: Vector3<f64>,
         field_strength_ut: f64,
-    ) -> Option<Self> {
-        let inverse = soft_iron.try_inverse()?;
+    ) -> Result<Self, CalibrationError> {
+        let (low_ut, high_ut) = FIELD_STRENGTHS_UT;
+        if !(low_ut..=high_ut).contains(&field_strength_ut) {
+            return Err(CalibrationError::FieldStrength { field_strength_ut, low_ut, high_ut });
+        }
+        // no comparison with NaN holds
+        if let Some(&value_ut) = hard_iron_ut.iter().find(|b| !(-LARGEST_RAW_UT..=LARGEST_RAW_UT).contains(*b)) {
+            return Err(CalibrationError::HardIron { value_ut, limit_ut: LARGEST_RAW_UT });
+        }
+        let bounded = |m: &Matrix3<f64>| {
+            let beyond = m.iter().find(|element| !(-LARGEST_ELEMENT..=LARGEST_ELEMENT).contains(*element));
+            beyond.map_or(Ok(()), |&value| Err(CalibrationError::SoftIron { value, limit: LARGEST_ELEMENT }))
+        };
+        // first M: of huge numbers the determinant overflows
+        bounded(&soft_iron)?;
+        let inverse = soft_iron.try_inverse().ok_or(CalibrationError::Singular { ratio: 0.0 })?;
         let soft_iron_inverse = (inverse + inverse.transpose()) * 0.5;
-        // of huge numbers the determinant overflows
-        soft_iron_inverse.iter().all(|v| v.is_finite()).then_some(Self {
-            soft_iron,
-            soft_iron_inverse,
-            hard_iron_ut,
-            field_strength_ut,
-        })
+        bounded(&soft_iron_inverse)?;
+        Ok(Self { soft_iron, soft_iron_inverse, hard_iron_ut, field_strength_ut })
     }
 
     /// A calibration from any invertible M, brought to the gauge: M = P R with P symmetric positive definite.
     ///
-    /// Returns the calibration with soft iron P, and R: since M h = P (R h), the field corrected with P is R h.
+    /// Returns the calibration with soft iron P, and R: since M h = P (R h), the field corrected with P is R h. The ranges
+    /// are those of [`Calibration::new`].
     ///
     /// # Errors
-    /// [`CalibrationError`] when a value is not finite, M is singular or mirrors, or the field strength is not positive.
+    /// [`CalibrationError`] when a value is not finite, M is singular or mirrors, or a value is outside its range.
     pub fn from_any(
         m: Matrix3<f64>,
         hard_iron_ut: Vector3<f64>,
         field_strength_ut: f64,
     ) -> Result<(Self, Rotation3<f64>), CalibrationError> {
-        check_finite(&m, &hard_iron_ut, field_strength_ut)?;
+        check_finite(&m, &hard_iron_ut)?;
         let squared = (m * m.transpose()).symmetric_eigen();
         let (low, high) = (squared.eigenvalues.min().max(0.0), squared.eigenvalues.max());
         let ratio = if high > 0.0 { (low / high).sqrt() } else { 0.0 };
@@ -135,26 +174,23 @@ impl Calibration {
         }
         let root = Matrix3::from_diagonal(&squared.eigenvalues.map(f64::sqrt));
         let p = squared.eigenvectors * root * squared.eigenvectors.transpose();
-        let calibration = Self::from_symmetric((p + p.transpose()) * 0.5, hard_iron_ut, field_strength_ut)
-            .ok_or(CalibrationError::Singular { ratio })?;
+        let calibration = Self::from_symmetric((p + p.transpose()) * 0.5, hard_iron_ut, field_strength_ut)?;
         let rotation = Rotation3::from_matrix_unchecked(calibration.soft_iron_inverse * m);
         Ok((calibration, rotation))
     }
 
     /// No disturbance: M = I, b = 0.
-    #[must_use]
-    pub fn identity(field_strength_ut: f64) -> Self {
-        Self {
-            soft_iron: Matrix3::identity(),
-            soft_iron_inverse: Matrix3::identity(),
-            hard_iron_ut: Vector3::zeros(),
-            field_strength_ut,
-        }
+    ///
+    /// # Errors
+    /// [`CalibrationError::FieldStrength`] when the field strength is not 1 to 1000 uT.
+    pub fn identity(field_strength_ut: f64) -> Result<Self, CalibrationError> {
+        Self::from_symmetric(Matrix3::identity(), Vector3::zeros(), field_strength_ut)
     }
 
-    /// The same M about another b.
-    pub(crate) fn shifted(self, hard_iron_ut: Vector3<f64>) -> Self {
-        Self { hard_iron_ut, ..self }
+    /// M = I about a centre, for looking at directions from there.
+    pub(crate) fn about(hard_iron_ut: Vector3<f64>, field_strength_ut: f64) -> Self {
+        let soft_iron = Matrix3::identity();
+        Self { soft_iron, soft_iron_inverse: soft_iron, hard_iron_ut, field_strength_ut }
     }
 
     /// M, dimensionless, symmetric positive definite.
@@ -218,20 +254,20 @@ impl FactoryErrors {
     /// (7) and (8): M = S C A and b = S C b_m + b_0. Bring M to the gauge with [`Calibration::from_any`].
     ///
     /// # Errors
-    /// [`CalibrationError::Singular`] when the sensing axes lie in one plane, so that C does not exist.
+    /// [`CalibrationError::Singular`] when the sensing axes lie in one plane, so that C does not exist;
+    /// [`CalibrationError::NotFinite`] when a value is not finite or the product overflows.
     pub fn compose(&self, disturbance: &Disturbance) -> Result<(Matrix3<f64>, Vector3<f64>), CalibrationError> {
+        // the rest shows in the products
+        check_finite(&self.axes, &self.offset_ut)?;
         let c = self.axes.try_inverse().ok_or(CalibrationError::Singular { ratio: 0.0 })?;
         let sc = Matrix3::from_diagonal(&self.scale) * c;
-        Ok((sc * disturbance.soft_iron, sc * disturbance.hard_iron_ut + self.offset_ut))
+        let (m, b) = (sc * disturbance.soft_iron, sc * disturbance.hard_iron_ut + self.offset_ut);
+        check_finite(&m, &b)?;
+        Ok((m, b))
     }
 }
 
-fn check_finite(m: &Matrix3<f64>, b: &Vector3<f64>, field_strength_ut: f64) -> Result<(), CalibrationError> {
-    if !(m.iter().chain(b.iter()).all(|v| v.is_finite()) && field_strength_ut.is_finite()) {
-        return Err(CalibrationError::NotFinite);
-    }
-    if field_strength_ut <= 0.0 {
-        return Err(CalibrationError::FieldStrength { field_strength_ut });
-    }
-    Ok(())
+fn check_finite(m: &Matrix3<f64>, b: &Vector3<f64>) -> Result<(), CalibrationError> {
+    let finite = m.iter().chain(b.iter()).all(|v| v.is_finite());
+    if finite { Ok(()) } else { Err(CalibrationError::NotFinite) }
 }

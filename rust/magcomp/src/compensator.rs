@@ -15,7 +15,7 @@ use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
-use crate::snapshot::{Restored, SnapshotError, open, seal};
+use crate::snapshot::{LARGEST_COUNT, Restored, SnapshotError, checked, open, seal};
 use crate::tilt::Tilt;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
@@ -25,8 +25,7 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
-/// No clock, no thread, no allocation in `push` (but where the sensor's clock turns out to be another one). It never panics
-/// and never returns NaN.
+/// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
 ///
 /// ```
 /// use magcomp::nalgebra::Vector3;
@@ -51,6 +50,8 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 #[derive(Clone, Debug)]
 pub struct Compensator {
     config: Config,
+    /// `heading.field_sigma_ut` as it was at `new`: the estimators keep it, whatever is set for headings.
+    uneven_ut: f64,
     pairing: InertialPairing,
     aided: Aided,
     adaptive: Adaptive,
@@ -60,11 +61,13 @@ pub struct Compensator {
 
 /// What the checks of the next sample look at, and which estimator answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 struct Inputs {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.
     repeats: usize,
-    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
+    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns. They are no
+    /// part of a snapshot: what is rejected changes nothing else.
     #[serde(skip)]
     astray: u32,
     #[serde(skip)]
@@ -78,6 +81,8 @@ struct Inputs {
     tilt: Tilt,
 }
 
+checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT);
+
 /// What a snapshot holds besides the calibration.
 #[derive(Debug, Serialize, Deserialize)]
 struct State {
@@ -89,6 +94,17 @@ struct State {
     windowed: WindowedState,
 }
 
+impl State {
+    /// Whether its parts belong together and to a config; each is sound by itself, or it would not be here.
+    fn is_sound(&self, config: &Config) -> bool {
+        let latest = self.inputs.latest;
+        latest.is_none_or(|latest| latest.field_ut.amax() <= config.sensor.range_ut)
+            && self.pairing.belongs_to(&config.pairing, latest.map(|latest| latest.time_ns))
+            && self.aided.belongs_to(&Aided::new(config.aided, config.fit.field_strength_ut))
+            && self.adaptive.belongs_to(config)
+    }
+}
+
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
     ///
@@ -97,13 +113,20 @@ impl Compensator {
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.validate()?;
         Ok(Self {
+            uneven_ut: config.heading.field_sigma_ut,
             pairing: InertialPairing::new(config.pairing),
-            aided: Aided::new(config.aided),
+            aided: Aided::new(config.aided, config.fit.field_strength_ut),
             adaptive: Adaptive::new(&config, config.initial),
             windowed: Windowed::new(&config),
             inputs: Inputs::default(),
             config,
         })
+    }
+
+    /// The config that the estimators were made with: of the heading settings they know `field_sigma_ut` alone.
+    fn made_with(&self) -> Config {
+        let heading = HeadingConfig { field_sigma_ut: self.uneven_ut, ..HeadingConfig::default() };
+        Config { heading, ..self.config.clone() }
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -112,7 +135,8 @@ impl Compensator {
         &self.config
     }
 
-    /// From now on headings are reported like this, for instance when the screen was turned. Nothing else changes.
+    /// From now on headings are reported like this, for instance when the screen was turned. Nothing else changes: the
+    /// estimators and `Reading::field_sigma_ut` keep the `field_sigma_ut` that the compensator was made with.
     ///
     /// # Errors
     /// [`ConfigError`] names the field that is out of range; nothing has changed then.
@@ -123,11 +147,11 @@ impl Compensator {
     }
 
     /// From now on this calibration is in force, until something better is learned: for instance one the operating
-    /// system reports. The stream goes on.
+    /// system reports. The stream goes on. Every [`Calibration`] can be adopted: its ranges were checked when it was made.
     pub fn adopt(&mut self, calibration: Calibration) {
         self.windowed.adopt(calibration);
         self.aided.begin_from(&calibration);
-        self.adaptive = Adaptive::new(&self.config, Some(calibration));
+        self.adaptive.restart(&self.made_with(), Some(calibration));
         // it does not know yet where the field points: the next sample goes in as one after a pause
         self.inputs.aided = false;
     }
@@ -150,7 +174,7 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50
     /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-    /// stays then, and all else begins anew.
+    /// stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         if let Err(reason) = self.check(&sample)
             && !self.begins_another_clock(sample.time_ns, reason)
@@ -228,7 +252,7 @@ impl Compensator {
     fn adaptive_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
         if self.inputs.aided {
             self.inputs.aided = false;
-            self.adaptive = Adaptive::new(&self.config, self.aided.calibration());
+            self.adaptive.restart(&self.made_with(), self.aided.calibration());
         }
         self.adaptive.level(paired.up_m_s2);
         let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
@@ -237,11 +261,13 @@ impl Compensator {
         if wanted {
             self.windowed.measure();
         }
-        let floor = Matrix3::identity() * self.config.heading.field_sigma_ut.powi(2);
+        let (floor, heading_floor) = self.floors_ut2();
+        let covariance = output.corrected_ut.map(|(_, covariance)| covariance);
+        let heading_covariance = output.heading_covariance_ut2.or(covariance);
         Answer {
             field_ut: output.corrected_ut.map(|(field, _)| field),
-            field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + floor),
-            heading_covariance_ut2: output.heading_covariance_ut2.map(|covariance| covariance + floor),
+            field_covariance_ut2: covariance.map(|covariance| covariance + floor),
+            heading_covariance_ut2: heading_covariance.map(|covariance| covariance + heading_floor),
             up: paired.up_m_s2,
             sigma_t: self.windowed.sigma_t(),
             direction_sigma_deg: output.direction_sigma_deg,
@@ -265,15 +291,16 @@ impl Compensator {
         let step = self.windowed.push(sample.time_ns, &sample.field_ut);
         let field_ut = self.windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
         let field_ut = field_ut.filter(|field| field.norm().is_finite());
-        let floor = Matrix3::identity() * self.config.heading.field_sigma_ut.powi(2);
+        let (floor, heading_floor) = self.floors_ut2();
         let covariance = self.windowed.fit().zip(field_ut).map(|(fit, field)| {
             let w = fit.calibration.soft_iron_inverse();
             let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
-            calibration_covariance(&fit.covariance, w, &field) + noise + floor
+            calibration_covariance(&fit.covariance, w, &field) + noise
         });
         Answer {
             field_ut,
-            field_covariance_ut2: covariance,
+            field_covariance_ut2: covariance.map(|covariance| covariance + floor),
+            heading_covariance_ut2: covariance.map(|covariance| covariance + heading_floor),
             up: paired.up_m_s2,
             sigma_t: step.sigma_t,
             direction_sigma_deg: self.windowed.fit().map(|fit| fit.direction_sigma_deg),
@@ -282,6 +309,12 @@ impl Compensator {
                 step.status,
             )
         }
+    }
+
+    /// What no calibration knows, uT^2: of the field, and of headings.
+    fn floors_ut2(&self) -> (Matrix3<f64>, Matrix3<f64>) {
+        let floor = |sigma_ut: f64| Matrix3::identity() * sigma_ut.powi(2);
+        (floor(self.uneven_ut), floor(self.config.heading.field_sigma_ut))
     }
 
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
@@ -369,9 +402,12 @@ impl Compensator {
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        if let Ok(fresh) = Self::new(self.config.clone()) {
-            *self = fresh;
-        }
+        let config = self.made_with();
+        self.pairing = InertialPairing::new(config.pairing);
+        self.aided = Aided::new(config.aided, config.fit.field_strength_ut);
+        self.adaptive.restart(&config, config.initial);
+        self.windowed.restart(&config);
+        self.inputs = Inputs::default();
     }
 
     /// The whole state as text with a version and a checksum. A compensator with the same config that restores it gives
@@ -379,7 +415,7 @@ impl Compensator {
     #[must_use]
     pub fn snapshot(&self) -> String {
         let state = State {
-            config: self.config.clone(),
+            config: self.made_with(),
             inputs: self.inputs,
             pairing: self.pairing.clone(),
             aided: self.aided.clone(),
@@ -396,21 +432,21 @@ impl Compensator {
         self.calibration().map(|calibration| seal(Some(calibration), &()))
     }
 
-    /// Takes over a snapshot: everything when it was made with the same config, heading settings aside, which stay as
-    /// they are here; else as [`Self::restore_calibration`].
+    /// Takes over a snapshot: everything when it was made by the same build of this library with the same config,
+    /// the heading settings aside but for `field_sigma_ut` as it was at `new`; else as [`Self::restore_calibration`].
     ///
     /// # Errors
     /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
     pub fn restore(&mut self, snapshot: &str) -> Result<Restored, SnapshotError> {
         let kept = open(snapshot)?;
-        if let Some(state) = kept.state::<State>()? {
-            let same = Config { heading: self.config.heading, ..state.config } == self.config;
-            if same {
-                let windowed = Windowed::from_state(&self.config, state.windowed).ok_or(SnapshotError::Damaged)?;
-                (self.windowed, self.aided, self.adaptive, self.pairing, self.inputs) =
-                    (windowed, state.aided, state.adaptive, state.pairing, state.inputs);
-                return Ok(Restored::Everything);
-            }
+        let config = self.made_with();
+        if let Some(state) = kept.state::<State>()?.filter(|state| state.config == config) {
+            let sound = state.is_sound(&config);
+            let windowed = Windowed::from_state(&config, state.windowed).filter(|_| sound);
+            self.windowed = windowed.ok_or(SnapshotError::Damaged)?;
+            (self.aided, self.adaptive, self.pairing, self.inputs) =
+                (state.aided, state.adaptive, state.pairing, state.inputs);
+            return Ok(Restored::Everything);
         }
         self.begin_with(kept.calibration);
         Ok(Restored::CalibrationOnly)

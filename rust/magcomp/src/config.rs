@@ -53,17 +53,19 @@ pub struct Config {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorLimits {
-    /// Largest component, uT. Default 2000: phones carry offsets up to several hundred uT, and a magnetic cover can add
+    /// Largest component, uT, 1 to 100 000. Default 2000: phones carry offsets up to several hundred uT, and a magnetic cover can add
     /// a thousand. Larger accepts stronger magnets.
     pub range_ut: f64,
     /// The sensor's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
-    /// saturated. Default none: not known.
+    /// saturated. 1 to 100 000. Default none: not known.
     pub rail_ut: Option<f64>,
     /// So many equal samples in a row mean that the sensor hangs. Default 50, half a second at 100 Hz: the noise of every phone magnetometer
-    /// changes the last digit sooner. 0 switches the check off.
+    /// changes the last digit sooner. 0 switches the check off. At most
+    /// 1 000 000.
     pub stuck_samples: usize,
     /// Largest step ahead in time, s. Default 604800, a week: longer pauses than any app's, shorter than the
-    /// jump of a time in the wrong unit. Pauses up to it are accepted.
+    /// jump of a time in the wrong unit. Pauses up to it are accepted. 0.001 to 2e10, which is
+    /// more than there are nanoseconds in 64 bits.
     pub max_gap_s: f64,
 }
 
@@ -77,15 +79,16 @@ impl Default for SensorLimits {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WindowedConfig {
-    /// N_min, samples: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows changes sooner with more noise.
+    /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows changes sooner with more noise.
     pub n_min: usize,
-    /// N_max, samples: the longest window. Default 2000 (the paper's). Larger is steadier under poor motion and slower to forget.
+    /// N_max, samples, at most 100 000 (32 bytes each): the longest window. Default 2000 (the paper's). Larger is steadier under poor motion and slower to forget.
     pub n_max: usize,
-    /// sigma_th, dimensionless: below it nothing is updated. Default 0.1. It stops updates at rest (not near azimuth 180), but not in all planar motion.
+    /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1. It stops updates at rest (not near azimuth
+    /// 180), but not in all planar motion.
     pub sigma_th: f64,
     /// How the standard deviations in sigma_T are normalised. Default `HalfRange`, which comes closest to the transient in the paper's fig. 4.
     pub normalisation: Normalisation,
-    /// Samples from one fit to the next. Default 1 (the paper's). Larger costs less and follows in steps.
+    /// Samples from one fit to the next, 1 to 100 000. Default 1 (the paper's). Larger costs less and follows in steps.
     pub refit_stride: usize,
 }
 
@@ -105,11 +108,12 @@ pub struct HeadingConfig {
     pub screen_rotation: ScreenRotation,
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
     pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top (little
+    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top (little
     /// where a gyroscope carries `up`). Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
     pub tilt_sigma_deg: f64,
-    /// What no calibration knows, uT per axis: the field of rooms is not uniform. Default 1.3, measured against optical
-    /// orientation references in two laboratories; 0 for simulated data.
+    /// What no calibration knows, uT per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3, measured against
+    /// optical orientation references in two laboratories; 0 for simulated data. The estimators and `Reading::field_sigma_ut`
+    /// keep the value that the compensator was made with; one that is set later counts in `heading_sigma_deg` alone.
     pub field_sigma_ut: f64,
 }
 
@@ -138,8 +142,25 @@ pub struct ConfigError {
     pub expected: &'static str,
 }
 
-/// Longest window: the ring holds so many samples, 32 bytes each.
-const LARGEST_WINDOW: usize = 100_000;
+/// A check of a field against its range, both ends allowed; `none` passes where the field may be left out.
+macro_rules! range {
+    ($path:literal, $value:expr, $low:literal, $high:literal $(, $unit:literal)?) => {
+        Check {
+            ok: ($low..=$high).contains(&$value),
+            field: $path,
+            value: &$value,
+            expected: concat!($low, " to ", $high $(, " ", $unit)?),
+        }
+    };
+    ($path:literal, $value:expr, none, $low:literal, $high:literal, $unit:literal) => {
+        Check {
+            ok: $value.is_none_or(|value| ($low..=$high).contains(&value)),
+            field: $path,
+            value: &$value,
+            expected: concat!($low, " to ", $high, " ", $unit, ", or none"),
+        }
+    };
+}
 
 impl Config {
     /// Whether every field is inside its range.
@@ -147,51 +168,45 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        let (s, f, w) = (&self.sensor, &self.fit, &self.windowed);
-        let checks: [Check<'_>; 19] = [
-            (positive(s.range_ut), "sensor.range_ut", &s.range_ut, "above 0 uT"),
-            (s.rail_ut.is_none_or(positive), "sensor.rail_ut", &s.rail_ut, "above 0 uT, or none"),
-            (positive(self.pairing.stale_s), "pairing.stale_s", &self.pairing.stale_s, "above 0 s"),
-            (
-                positive(self.pairing.max_rate_rad_s),
-                "pairing.max_rate_rad_s",
-                &self.pairing.max_rate_rad_s,
-                "above 0 rad/s",
-            ),
-            (positive(self.pairing.max_up_m_s2), "pairing.max_up_m_s2", &self.pairing.max_up_m_s2, "above 0 m/s^2"),
-            (positive(self.pairing.max_lead_s), "pairing.max_lead_s", &self.pairing.max_lead_s, "above 0 s"),
-            (positive(s.max_gap_s), "sensor.max_gap_s", &s.max_gap_s, "above 0 s"),
-            (
-                f.field_strength_ut.is_none_or(positive),
-                "fit.field_strength_ut",
-                &f.field_strength_ut,
-                "above 0 uT, or none",
-            ),
-            (
-                positive(f.field_range_ut.0)
-                    && f.field_range_ut.1 > f.field_range_ut.0
-                    && f.field_range_ut.1.is_finite(),
-                "fit.field_range_ut",
-                &f.field_range_ut,
-                "0 < low < high, uT",
-            ),
-            (
-                positive(f.max_direction_sigma_deg),
-                "fit.max_direction_sigma_deg",
-                &f.max_direction_sigma_deg,
-                "above 0 deg",
-            ),
-            (not_negative(f.error_floor_ut), "fit.error_floor_ut", &f.error_floor_ut, "0 uT or above"),
-            (positive(f.max_residual_share), "fit.max_residual_share", &f.max_residual_share, "above 0"),
-            (f.max_iterations >= 1, "fit.max_iterations", &f.max_iterations, "at least 1"),
-            (positive(f.tolerance), "fit.tolerance", &f.tolerance, "above 0"),
-            (w.n_min >= SMALLEST_SAMPLE_COUNT, "windowed.n_min", &w.n_min, "at least 9 samples"),
-            (w.n_max >= w.n_min, "windowed.n_max", &w.n_max, "at least windowed.n_min"),
-            (w.n_max <= LARGEST_WINDOW, "windowed.n_max", &w.n_max, "at most 100000 samples"),
-            (not_negative(w.sigma_th), "windowed.sigma_th", &w.sigma_th, "0 or above"),
-            (w.refit_stride >= 1, "windowed.refit_stride", &w.refit_stride, "at least 1"),
-        ];
-        first_failed(&checks)?;
+        let (s, f, w, p) = (&self.sensor, &self.fit, &self.windowed, &self.pairing);
+        let (low, high) = f.field_range_ut;
+        first_failed(&[
+            range!("sensor.range_ut", s.range_ut, 1.0, 100000.0, "uT"),
+            range!("sensor.rail_ut", s.rail_ut, none, 1.0, 100000.0, "uT"),
+            range!("sensor.stuck_samples", s.stuck_samples, 0, 1000000, "samples"),
+            range!("sensor.max_gap_s", s.max_gap_s, 0.001, 2e10, "s"),
+            range!("pairing.stale_s", p.stale_s, 0.001, 10.0, "s"),
+            range!("pairing.max_rate_rad_s", p.max_rate_rad_s, 0.1, 100.0, "rad/s"),
+            range!("pairing.max_up_m_s2", p.max_up_m_s2, 1.0, 1000.0, "m/s^2"),
+            range!("pairing.max_lead_s", p.max_lead_s, 0.001, 3600.0, "s"),
+            range!("fit.field_strength_ut", f.field_strength_ut, none, 1.0, 1000.0, "uT"),
+            Check {
+                ok: 1.0 <= low && low < high && high <= 1000.0,
+                field: "fit.field_range_ut",
+                value: &f.field_range_ut,
+                expected: "1 <= low < high <= 1000 uT",
+            },
+            range!("fit.max_direction_sigma_deg", f.max_direction_sigma_deg, 0.001, 180.0, "deg"),
+            range!("fit.error_floor_ut", f.error_floor_ut, 0.0, 1000.0, "uT"),
+            range!("fit.max_residual_share", f.max_residual_share, 0.0001, 1000.0),
+            range!("fit.max_iterations", f.max_iterations, 1, 1000),
+            range!("fit.tolerance", f.tolerance, 1e-16, 0.1),
+            range!("windowed.n_max", w.n_max, 9, 100000, "samples"),
+            Check {
+                ok: w.n_min >= SMALLEST_SAMPLE_COUNT,
+                field: "windowed.n_min",
+                value: &w.n_min,
+                expected: "at least 9 samples",
+            },
+            Check {
+                ok: w.n_min <= w.n_max,
+                field: "windowed.n_min",
+                value: &w.n_min,
+                expected: "at most windowed.n_max",
+            },
+            range!("windowed.sigma_th", w.sigma_th, 0.0, 10.0),
+            range!("windowed.refit_stride", w.refit_stride, 1, 100000, "samples"),
+        ])?;
         self.heading.validate()?;
         self.aided.validate()?;
         self.adaptive.validate()
@@ -201,33 +216,24 @@ impl Config {
 impl HeadingConfig {
     /// Whether every field is inside its range.
     pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        let h = self;
         first_failed(&[
-            (
-                h.declination_deg.is_none_or(|d| (-180.0..=180.0).contains(&d)),
-                "heading.declination_deg",
-                &h.declination_deg,
-                "-180 to 180 deg, or none",
-            ),
-            (not_negative(h.tilt_sigma_deg), "heading.tilt_sigma_deg", &h.tilt_sigma_deg, "0 deg or above"),
-            (not_negative(h.field_sigma_ut), "heading.field_sigma_ut", &h.field_sigma_ut, "0 uT or above"),
+            range!("heading.declination_deg", self.declination_deg, none, -180.0, 180.0, "deg"),
+            range!("heading.tilt_sigma_deg", self.tilt_sigma_deg, 0.0, 90.0, "deg"),
+            range!("heading.field_sigma_ut", self.field_sigma_ut, 0.0, 1000.0, "uT"),
         ])
     }
 }
 
-/// Whether it holds, the field's path, its value, and what it may be.
-type Check<'a> = (bool, &'static str, &'a dyn std::fmt::Debug, &'static str);
-
-fn positive(v: f64) -> bool {
-    v > 0.0 && v.is_finite()
-}
-
-fn not_negative(v: f64) -> bool {
-    v >= 0.0 && v.is_finite()
+/// Whether a field is inside its range, its path, its value, and the range.
+struct Check<'a> {
+    ok: bool,
+    field: &'static str,
+    value: &'a dyn std::fmt::Debug,
+    expected: &'static str,
 }
 
 fn first_failed(checks: &[Check<'_>]) -> Result<(), ConfigError> {
-    let Some((_, field, value, expected)) = checks.iter().find(|(ok, ..)| !ok) else { return Ok(()) };
+    let Some(Check { field, value, expected, .. }) = checks.iter().find(|check| !check.ok) else { return Ok(()) };
     let value = format!("{value:?}");
     let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
     Err(ConfigError { field, value, expected })

@@ -1,6 +1,6 @@
 //! Constant-field compensation (section III): one calibration from a set of orientations, P samples averaged at each.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, LARGEST_RAW_UT};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments, fit_ellipsoid};
 use crate::reading::RejectReason;
@@ -28,13 +28,17 @@ impl ConstantField {
         }
     }
 
-    /// One raw sample, uT.
+    /// One raw sample, uT, each component within +-100 000.
     ///
     /// # Errors
-    /// [`RejectReason::NotFinite`]; nothing has changed then.
+    /// [`RejectReason::NotFinite`] or [`RejectReason::OutOfRange`]; nothing has changed then.
     pub fn add(&mut self, raw_ut: &Vector3<f64>) -> Result<(), RejectReason> {
         if !raw_ut.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
+        }
+        let value_ut = raw_ut[raw_ut.iamax()];
+        if value_ut.abs() > LARGEST_RAW_UT {
+            return Err(RejectReason::OutOfRange { value_ut, limit_ut: LARGEST_RAW_UT });
         }
         self.sum_ut += raw_ut;
         self.summed += 1;
@@ -57,7 +61,7 @@ impl ConstantField {
     pub fn coverage(&self) -> Coverage {
         let moments = Moments::of(&self.orientations_ut);
         let centre = moments.provisional_centre_ut();
-        let through = Calibration::identity(1.0).shifted(centre);
+        let through = Calibration::about(centre, 1.0);
         let mut coverage = Coverage::default();
         for orientation in &self.orientations_ut {
             coverage.add(Some(Coverage::cell(&through.correct(orientation)) as u8));

@@ -14,6 +14,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::snapshot::checked;
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,8 @@ const RATE_EVENTS: usize = 16;
 /// `up` events held: they vary slowly, only the two around a sample matter.
 const UP_EVENTS: usize = 8;
 const NANO: f64 = 1e-9;
+/// No rate, turn or acceleration that is believed is larger: rad/s, rad, m/s^2.
+const LARGEST_VALUE: f64 = 1000.0;
 /// Memory of that density, s: a hand changes its motion about as fast.
 const WANDER_TIME_S: f64 = 0.5;
 
@@ -30,14 +33,14 @@ const WANDER_TIME_S: f64 = 0.5;
 pub struct PairingConfig {
     /// A sensor whose newest event is older than this at a magnetometer time counts as absent, seconds.
     /// Small: a hiccup of the operating system turns the gyroscope off. Large: a stopped gyroscope is taken for
-    /// stillness. Default 0.25, two and a half periods of the slowest rate supported (10 Hz).
+    /// stillness. 0.001 to 10. Default 0.25, two and a half periods of the slowest rate supported (10 Hz).
     pub stale_s: f64,
-    /// Largest rotation rate believed, rad/s. Default 60, above the 35 rad/s full scale of phone gyroscopes.
+    /// Largest rotation rate believed, rad/s, 0.1 to 100. Default 60, above the 35 rad/s full scale of phone gyroscopes.
     pub max_rate_rad_s: f64,
-    /// Largest acceleration believed, m/s^2. Default 200, above the 160 m/s^2 full scale of phone accelerometers.
+    /// Largest acceleration believed, m/s^2, 1 to 1000. Default 200, above the 160 m/s^2 full scale of phone accelerometers.
     pub max_up_m_s2: f64,
     /// An event further in the future than this beyond the newest magnetometer sample is from another clock, seconds.
-    /// Default 10.
+    /// 0.001 to 3600. Default 10.
     pub max_lead_s: f64,
 }
 
@@ -95,12 +98,18 @@ struct Event {
 
 /// Events in the order of their times, fixed capacity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 struct Ring<const N: usize> {
     times_ns: SVector<i64, N>,
     values: SMatrix<f64, 3, N>,
     start: usize,
     len: usize,
 }
+
+checked!(Ring<const N>, |it| {
+    let in_order = |i: usize| it.at(i).time_ns > it.at(i - 1).time_ns && it.at(i).value.amax() <= LARGEST_VALUE;
+    it.start < N && it.len <= N && (1..it.len).all(in_order)
+});
 
 impl<const N: usize> Ring<N> {
     fn new() -> Self {
@@ -133,29 +142,34 @@ impl<const N: usize> Ring<N> {
         Some(event)
     }
 
-    /// Insertion in order of time; an event out of order finds its place.
-    fn insert(&mut self, event: Event) -> Result<(), EventRejection> {
-        let mut i = self.len;
-        while i > 0 && self.at(i - 1).time_ns >= event.time_ns {
-            if self.at(i - 1).time_ns == event.time_ns {
-                return Err(EventRejection::Duplicate);
-            }
-            i -= 1;
+    /// Whether an event of this time may enter. A full ring lets its oldest go first, so an older one comes too late.
+    fn admit(&self, time_ns: i64) -> Result<(), EventRejection> {
+        if (0..self.len).any(|i| self.at(i).time_ns == time_ns) {
+            return Err(EventRejection::Duplicate);
         }
-        if self.full() {
-            return Err(EventRejection::Late); // callers make room first; kept for snapshots edited by hand
+        if self.full() && self.first().is_some_and(|oldest| time_ns < oldest.time_ns) {
+            return Err(EventRejection::Late);
+        }
+        Ok(())
+    }
+
+    /// Insertion in order of time of an event that was admitted, once there is room for it.
+    fn insert(&mut self, event: Event) {
+        let mut i = self.len;
+        while i > 0 && self.at(i - 1).time_ns > event.time_ns {
+            i -= 1;
         }
         for j in (i..self.len).rev() {
             self.put(j + 1, self.at(j));
         }
         self.put(i, event);
         self.len += 1;
-        Ok(())
     }
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct InertialPairing {
     config: PairingConfig,
     rates: Ring<RATE_EVENTS>,
@@ -184,6 +198,19 @@ pub(crate) struct InertialPairing {
     last_paired_ns: Option<i64>,
 }
 
+checked!(InertialPairing, |it| {
+    let after = |event: Option<Event>, other: Option<Event>| {
+        event.zip(other).is_none_or(|(event, other)| event.time_ns > other.time_ns)
+    };
+    let turns = [it.gathered_rad, it.owed_rad, it.bias_rad_s.cast(), it.scale.cast()];
+    after(it.rates.first(), it.anchor)
+        && after(it.rates.first(), it.last_rate)
+        && after(it.ups.first(), it.last_up)
+        && it.gathered_rad2 >= 0.0
+        && turns.iter().all(|turn| turn.amax() <= LARGEST_VALUE)
+        && it.scale.iter().all(|scale| *scale != 1.0)
+});
+
 impl InertialPairing {
     /// An empty buffer.
     #[must_use]
@@ -208,6 +235,11 @@ impl InertialPairing {
         }
     }
 
+    /// Whether it was made with this config, and the latest sample is one of this time.
+    pub fn belongs_to(&self, config: &PairingConfig, latest_ns: Option<i64>) -> bool {
+        self.config == *config && self.last_paired_ns == latest_ns
+    }
+
     /// Takes one gyroscope event: rad/s, device frame.
     ///
     /// # Errors
@@ -217,16 +249,15 @@ impl InertialPairing {
         if self.anchor.is_some_and(|anchor| time_ns <= anchor.time_ns) {
             return Err(EventRejection::Late);
         }
-        if self.rates.full() {
-            if self.rates.first().is_some_and(|oldest| time_ns < oldest.time_ns) {
-                return Err(EventRejection::Late);
-            }
-            if let Some(oldest) = self.rates.pop() {
-                self.bridge(&oldest);
-                self.advance(oldest);
-            }
+        self.rates.admit(time_ns)?;
+        if self.rates.full()
+            && let Some(oldest) = self.rates.pop()
+        {
+            self.bridge(&oldest);
+            self.advance(oldest);
         }
-        self.rates.insert(Event { time_ns, value: rate_rad_s })
+        self.rates.insert(Event { time_ns, value: rate_rad_s });
+        Ok(())
     }
 
     /// Takes one accelerometer (or gravity) event: m/s^2, what a device at rest reads.
@@ -238,13 +269,12 @@ impl InertialPairing {
         if self.last_up.is_some_and(|last| time_ns <= last.time_ns) {
             return Err(EventRejection::Late);
         }
+        self.ups.admit(time_ns)?;
         if self.ups.full() {
-            if self.ups.first().is_some_and(|oldest| time_ns < oldest.time_ns) {
-                return Err(EventRejection::Late);
-            }
             self.last_up = self.ups.pop();
         }
-        self.ups.insert(Event { time_ns, value: up_m_s2 })
+        self.ups.insert(Event { time_ns, value: up_m_s2 });
+        Ok(())
     }
 
     fn admit(&self, time_ns: i64, value: &Vector3<f64>, limit: f64) -> Result<(), EventRejection> {

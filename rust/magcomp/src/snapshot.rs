@@ -1,11 +1,18 @@
 //! A state as text that can be kept:
-//! `{"magcomp_snapshot":1,"crc32":"...","library":"0.1.0","calibration":"...","state":"..."}`.
+//! `{"magcomp_snapshot":1,"crc32":"...","library":"0.1.0+...","calibration":"...","state":"..."}`.
 //!
 //! `calibration` and `state` are postcard (a compact serde format without field names) in hexadecimal digits, so every
-//! bit is kept. The form of `calibration` belongs to the version in front. That of `state` is whatever the estimators
-//! hold, so only the version of the library that wrote it reads it. The checksum is over the text that follows it.
+//! bit is kept. The form of `calibration` belongs to the version in front and never changes within it: a 0, or a 1 and 13
+//! doubles, M row by row, b, |h|. That of `state` is whatever the estimators hold, so only a build of the same sources
+//! reads it, which `library` names by version and hash (`build.rs`). The checksum is over the text that follows it.
+//!
+//! A right checksum makes no state a good one. No number that is not finite gets in (`Finite`), and types that promise more
+//! can't be deserialised without it (`checked!`).
 
 use crate::calibration::Calibration;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use postcard::Deserializer;
+use postcard::de_flavors::{Flavor, Slice};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -17,7 +24,7 @@ pub const SNAPSHOT_VERSION: u32 = 1;
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot holds no more, or was made with another config or by another version of this library: its calibration
+    /// The snapshot holds no more, or was made with another config or by another build of this library: its calibration
     /// was taken over, the rest starts anew.
     CalibrationOnly,
 }
@@ -25,7 +32,7 @@ pub enum Restored {
 /// Why a snapshot can't be used. The compensator it was given to has not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
-    /// Not a whole snapshot, or changed since it was written.
+    /// Not a whole snapshot, changed since it was written, or none that a compensator writes.
     #[error("snapshot is damaged; start without it")]
     Damaged,
     /// Written by a newer version.
@@ -44,12 +51,12 @@ pub(crate) struct Opened<'a> {
     state: &'a str,
 }
 
-const LIBRARY: &str = env!("CARGO_PKG_VERSION");
+const LIBRARY: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("MAGCOMP_BUILD"));
 const MARK: &str = "{\"magcomp_snapshot\":";
 
 /// A state as text.
 pub(crate) fn seal<S: Serialize>(calibration: Option<Calibration>, state: &S) -> String {
-    let (calibration, state) = (encode(&calibration), encode(state));
+    let (calibration, state) = (encode(&calibration.map(numbers_of)), encode(state));
     let body = format!("\"library\":\"{LIBRARY}\",\"calibration\":\"{calibration}\",\"state\":\"{state}\"}}");
     format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()))
 }
@@ -73,11 +80,29 @@ fn opened(rest: &str) -> Option<Opened<'_>> {
     }
     let (library, rest) = body.strip_prefix("\"library\":\"")?.split_once("\",\"calibration\":\"")?;
     let (calibration, rest) = rest.split_once("\",\"state\":\"")?;
-    Some(Opened { calibration: decode(calibration)?, library, state: rest.strip_suffix("\"}")? })
+    let calibration = match decode::<Option<[f64; NUMBERS]>>(calibration)? {
+        Some(numbers) => Some(calibration_of(&numbers)?),
+        None => None,
+    };
+    Some(Opened { calibration, library, state: rest.strip_suffix("\"}")? })
+}
+
+/// Numbers that a calibration is kept as.
+const NUMBERS: usize = 13;
+
+fn numbers_of(calibration: Calibration) -> [f64; NUMBERS] {
+    let (m, b) = (calibration.soft_iron(), calibration.hard_iron_ut());
+    let strength_ut = calibration.field_strength_ut();
+    [m.m11, m.m12, m.m13, m.m21, m.m22, m.m23, m.m31, m.m32, m.m33, b.x, b.y, b.z, strength_ut]
+}
+
+fn calibration_of(numbers: &[f64; NUMBERS]) -> Option<Calibration> {
+    let (m, b) = (Matrix3::from_row_slice(&numbers[..9]), Vector3::from_column_slice(&numbers[9..12]));
+    Calibration::new(m, b, numbers[12]).ok()
 }
 
 impl Opened<'_> {
-    /// The state; none when another version of the library wrote it, or the calibration alone was kept.
+    /// The state; none when another build of the library wrote it, or the calibration alone was kept.
     pub fn state<S: DeserializeOwned>(&self) -> Result<Option<S>, SnapshotError> {
         if self.library != LIBRARY || self.state.is_empty() {
             return Ok(None);
@@ -107,27 +132,100 @@ fn decode<S: DeserializeOwned>(digits: &str) -> Option<S> {
     let nibble = |digit: &u8| char::from(*digit).to_digit(16).map(|nibble| nibble as u8);
     let (pairs, []) = digits.as_bytes().as_chunks::<2>() else { return None };
     let bytes: Option<Vec<u8>> = pairs.iter().map(|[high, low]| Some(nibble(high)? << 4 | nibble(low)?)).collect();
-    match postcard::take_from_bytes(&bytes?) {
-        Ok((value, [])) => Some(value),
-        _ => None,
+    let bytes = bytes?;
+    let mut deserializer = Deserializer::from_flavor(Finite(Slice::new(&bytes)));
+    let value = S::deserialize(&mut deserializer).ok()?;
+    deserializer.finalize().ok()?.is_empty().then_some(value)
+}
+
+/// Bytes in which postcard finds no number that is not finite. It takes eight bytes at once for an `f64` and four for an
+/// `f32`, and for nothing else that a state holds: integers come byte by byte.
+struct Finite<'de>(Slice<'de>);
+
+/// No quantity of a sound state is larger, but for what stands for "not known".
+const LARGEST: f64 = 1e30;
+
+impl<'de> Flavor<'de> for Finite<'de> {
+    type Remainder = &'de [u8];
+    type Source = &'de [u8];
+
+    fn pop(&mut self) -> postcard::Result<u8> {
+        self.0.pop()
     }
+
+    fn try_take_n(&mut self, count: usize) -> postcard::Result<&'de [u8]> {
+        let bytes = self.0.try_take_n(count)?;
+        let number = match (bytes.try_into().map(f64::from_le_bytes), bytes.try_into().map(f32::from_le_bytes)) {
+            (Ok(number), _) => number,
+            (_, Ok(number)) => f64::from(number),
+            _ => return Err(postcard::Error::DeserializeBadEncoding),
+        };
+        if number.abs() <= LARGEST || number.abs() == f64::MAX {
+            return Ok(bytes);
+        }
+        Err(postcard::Error::DeserializeBadEncoding)
+    }
+
+    fn finalize(self) -> postcard::Result<&'de [u8]> {
+        self.0.finalize()
+    }
+}
+
+/// Makes a type that derives serde's traits with `#[serde(remote = "Self")]` one that can't be deserialised unless it holds
+/// what it promises.
+macro_rules! checked {
+    ($type:ident $(<$(const $parameter:ident),+>)?, |$it:ident| $holds:expr) => {
+        impl $(<$(const $parameter: usize),+>)? serde::Serialize for $type $(<$($parameter),+>)? {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                Self::serialize(self, serializer)
+            }
+        }
+
+        impl<'de $($(, const $parameter: usize)+)?> serde::Deserialize<'de> for $type $(<$($parameter),+>)? {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let $it = Self::deserialize(deserializer)?;
+                if $holds { Ok($it) } else { Err(serde::de::Error::custom(concat!("no sound ", stringify!($type)))) }
+            }
+        }
+    };
+}
+pub(crate) use checked;
+
+/// No count of samples is larger: more than a year at 100 Hz.
+pub(crate) const LARGEST_COUNT: u64 = u32::MAX as u64;
+
+/// What rounding may have taken off a correlation matrix.
+const ROUNDING: f64 = 1e-4;
+
+/// Whether a matrix is symmetric and positive semi-definite, within rounding.
+pub(crate) fn is_covariance<const N: usize>(p: &SMatrix<f64, N, N>) -> bool {
+    let sd = p.diagonal().map(f64::sqrt);
+    let correlation = SMatrix::<f64, N, N>::from_fn(|i, j| {
+        let own = if i == j { 1.0 + ROUNDING } else { 0.0 };
+        let both = sd[i] * sd[j];
+        if i == j || both == 0.0 { own } else { p[(i, j)] / both }
+    });
+    let near = |i: usize, j: usize| {
+        let both = sd[i] * sd[j];
+        p[(i, j)].abs() <= both * (1.0 + ROUNDING) && (p[(i, j)] - p[(j, i)]).abs() <= both * ROUNDING
+    };
+    sd.iter().all(|sd| *sd >= 0.0) && (0..N).all(|i| (0..i).all(|j| near(i, j))) && correlation.cholesky().is_some()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
 
     #[test]
     fn another_version_of_the_library_reads_the_calibration_alone() {
-        let calibration = Calibration::identity(45.0).shifted(Vector3::new(1.0, -2.0, 0.1));
+        let calibration = Calibration::about(Vector3::new(1.0, -2.0, 0.1), 45.0);
         let ours = seal(Some(calibration), &7_u8);
         assert_eq!(open(&ours).unwrap().state(), Ok(Some(7_u8)));
         let (_, body) = ours.split_once("\"library\"").unwrap();
         let body = format!("\"library\"{body}").replacen(LIBRARY, "0.0.9", 1);
         let theirs = format!("{MARK}1,\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()));
         let opened = open(&theirs).unwrap();
-        assert_eq!(opened.calibration, Some(calibration));
+        assert_eq!(opened.calibration.map(numbers_of), Some(numbers_of(calibration)));
         assert_eq!(opened.state::<u8>(), Ok(None));
     }
 

@@ -6,6 +6,7 @@
 //! Motion along gravity shows in the size; motion across it, which tilts, is taken to be as large. The system's gravity
 //! sensor has the size g, always: nothing is added then.
 
+use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
 /// Standard gravity, m/s^2.
@@ -16,10 +17,13 @@ const LARGEST_RAD: f64 = 1.0;
 
 /// The low-passed square of what motion adds to gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Tilt {
     variance_rad2: f64,
     last_ns: Option<i64>,
 }
+
+checked!(Tilt, |it| (0.0..=1.0).contains(&it.variance_rad2));
 
 impl Tilt {
     /// One sample of `up`, of size `up_m_s2`.

@@ -983,7 +983,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 44924) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 43669) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 4282) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 34691) {
@@ -995,7 +995,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 38613) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 11625) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 15248) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 48411) {
@@ -1013,7 +1013,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() and 0xFFFF) != 15625) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 211) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 32779) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_coverage() and 0xFFFF) != 46801) {
@@ -1473,7 +1473,7 @@ public interface NativeCompensatorInterface {
     /**
      * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
      * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew.
+     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
      */
     fun `push`(`sample`: MagneticSample): Reading
 
@@ -1494,8 +1494,8 @@ public interface NativeCompensatorInterface {
     fun `reset`()
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
+     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
     fun `restore`(`snapshot`: kotlin.String): Restored
@@ -1737,7 +1737,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
     /**
      * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
      * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew.
+     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
             return FfiConverterTypeReading.lift(
@@ -1806,8 +1806,8 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same
-     * version of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
+     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
     @Throws(MagcompException::class)override fun `restore`(`snapshot`: kotlin.String): Restored {
@@ -2051,7 +2051,8 @@ public object FfiConverterTypeNativeCompensator: FfiConverter<NativeCompensator,
 public interface NativeConstantFieldInterface {
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite; nothing has changed then.
+     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * is beyond +-100 000; nothing has changed then.
      */
     fun `add`(`rawUt`: Vector3)
 
@@ -2202,7 +2203,8 @@ open class NativeConstantField: Disposable, AutoCloseable, NativeConstantFieldIn
 
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite; nothing has changed then.
+     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * is beyond +-100 000; nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `add`(`rawUt`: Vector3)
         =
@@ -2345,17 +2347,17 @@ public object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstantFi
  */
 data class Calibration (
     /**
-     * M, dimensionless.
+     * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
     val `softIron`: SoftIron
     ,
     /**
-     * b, microtesla: subtracted from the raw field.
+     * b, microtesla, each component within +-100 000: subtracted from the raw field.
      */
     val `hardIronUt`: Vector3
     ,
     /**
-     * Strength of the field it was found in, microtesla.
+     * Strength of the field it was found in, microtesla, 1 to 1000.
      */
     val `fieldStrengthUt`: kotlin.Double
 
@@ -2715,43 +2717,44 @@ data class FitOptions (
     val `residual`: Residual? = null
     ,
     /**
-     * The field's strength, microtesla, where it is known (the geomagnetic model gives it): then the soft iron carries
-     * the sensor's scale. Default none: found by the fit.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
     val `fieldStrengthUt`: kotlin.Double? = null
     ,
     /**
-     * Smallest field strength accepted, microtesla. Default 22.
+     * Smallest field strength accepted, microtesla, 1 or more. Default 22.
      */
     val `fieldLowUt`: kotlin.Double? = null
     ,
     /**
-     * Largest field strength accepted, microtesla. Default 67.
+     * Largest field strength accepted, microtesla, at most 1000. Default 67.
      */
     val `fieldHighUt`: kotlin.Double? = null
     ,
     /**
-     * Largest predicted rms direction error, degrees, that is accepted. Default 10; larger accepts poorer coverage.
+     * Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
      */
     val `maxDirectionSigmaDeg`: kotlin.Double? = null
     ,
     /**
-     * White noise, microtesla, that does as much harm as the errors which are not white. Default 5.
+     * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
      */
     val `errorFloorUt`: kotlin.Double? = null
     ,
     /**
-     * Largest residual rms that is accepted, as a share of the field strength. Default 0.05.
+     * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
      */
     val `maxResidualShare`: kotlin.Double? = null
     ,
     /**
-     * Iterations at the most. Default 50.
+     * Iterations at the most, 1 to 1000. Default 50.
      */
     val `maxIterations`: kotlin.Int? = null
     ,
     /**
-     * The iteration has converged when a step changes no parameter by more than this (field strengths). Default 1e-10.
+     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
+     * 1e-10.
      */
     val `tolerance`: kotlin.Double? = null
 
@@ -2955,12 +2958,12 @@ data class HeadingConfig (
     val `declinationDeg`: kotlin.Double? = null
     ,
     /**
-     * Standard deviation of `up` at rest, degrees, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+     * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     val `tiltSigmaDeg`: kotlin.Double? = null
     ,
     /**
-     * What no calibration knows, microtesla per axis: the field of rooms is not uniform. Default 1.3.
+     * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
      */
     val `fieldSigmaUt`: kotlin.Double? = null
 
@@ -3123,22 +3126,24 @@ public object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSam
  */
 data class PairingConfig (
     /**
-     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds. Default 0.25.
+     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
+     * 0.25.
      */
     val `staleS`: kotlin.Double? = null
     ,
     /**
-     * Largest rotation rate believed, rad/s. Default 60.
+     * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
      */
     val `maxRateRadS`: kotlin.Double? = null
     ,
     /**
-     * Largest acceleration believed, m/s^2. Default 200.
+     * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
      */
     val `maxUpMS2`: kotlin.Double? = null
     ,
     /**
-     * An event further ahead of the newest magnetometer sample is from another clock, seconds. Default 10.
+     * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
+     * 10.
      */
     val `maxLeadS`: kotlin.Double? = null
 
@@ -3395,23 +3400,23 @@ public object FfiConverterTypeRotationRateSample: FfiConverterRustBuffer<Rotatio
  */
 data class SensorLimits (
     /**
-     * Largest component, microtesla. Default 2000.
+     * Largest component, microtesla, 1 to 100 000. Default 2000.
      */
     val `rangeUt`: kotlin.Double? = null
     ,
     /**
      * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. Default none: not known.
+     * as saturated. 1 to 100 000. Default none: not known.
      */
     val `railUt`: kotlin.Double? = null
     ,
     /**
-     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. Default 50.
+     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
      */
     val `stuckSamples`: kotlin.Int? = null
     ,
     /**
-     * Largest step ahead in time, seconds. Default 604800, a week.
+     * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
      */
     val `maxGapS`: kotlin.Double? = null
 
@@ -3640,17 +3645,17 @@ public object FfiConverterTypeVector3: FfiConverterRustBuffer<Vector3> {
  */
 data class WindowedConfig (
     /**
-     * N_min, samples: the shortest window. Default 100.
+     * N_min, samples, 9 to N_max: the shortest window. Default 100.
      */
     val `nMin`: kotlin.Int? = null
     ,
     /**
-     * N_max, samples: the longest window. Default 2000.
+     * N_max, samples, at most 100 000: the longest window. Default 2000.
      */
     val `nMax`: kotlin.Int? = null
     ,
     /**
-     * sigma_th, dimensionless: below it nothing is updated. Default 0.1.
+     * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
      */
     val `sigmaTh`: kotlin.Double? = null
     ,
@@ -3660,7 +3665,7 @@ data class WindowedConfig (
     val `normalisation`: Normalisation? = null
     ,
     /**
-     * Samples from one fit to the next. Default 1.
+     * Samples from one fit to the next, 1 to 100 000. Default 1.
      */
     val `refitStride`: kotlin.Int? = null
 
@@ -4390,7 +4395,7 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * A snapshot is not whole, or was changed since it was written. Start without it.
+     * A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
      */
     class SnapshotDamaged(
         ) : MagcompException() {
@@ -5276,7 +5281,7 @@ enum class Restored {
      */
     EVERYTHING,
     /**
-     * The snapshot holds no more, or was made with another config or by another version of the library: its calibration was taken
+     * The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
      * over, the rest starts anew.
      */
     CALIBRATION_ONLY;

@@ -130,7 +130,7 @@ impl Contestant {
         let windowed = |normalisation, residual: Residual| {
             let fit = if known.real { FitOptions { residual, ..FitOptions::default() } } else { fit_options(residual) };
             let literal = residual == Residual::Algebraic;
-            let max_residual_share = if literal { f64::MAX } else { fit.max_residual_share };
+            let max_residual_share = if literal { 1000.0 } else { fit.max_residual_share };
             let fit = FitOptions { max_residual_share, field_strength_ut: None, ..fit };
             let windowed = WindowedConfig { sigma_th: value, normalisation, ..WindowedConfig::default() };
             allowances(Config { fit, windowed, ..config(Method::Windowed) })

@@ -214,7 +214,7 @@ fn constant_field(options: &StepOptions, seed: u64) -> Result<Calibration, LabEr
 fn config(options: &StepOptions, constant: Calibration, normalisation: Normalisation) -> Config {
     let fit = fit_options(options.residual.into());
     // with the paper's residual its method is followed as written: whatever the window holds is fitted
-    let max_residual_share = if fit.residual == Residual::Algebraic { f64::MAX } else { fit.max_residual_share };
+    let max_residual_share = if fit.residual == Residual::Algebraic { 1000.0 } else { fit.max_residual_share };
     Config {
         method: Method::Windowed,
         initial: Some(constant),

@@ -64,7 +64,7 @@ fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
     cell(out, reading.sigma_t, 6)?;
     write!(out, ",{},{:.4},{}", reading.window, reading.coverage, reading.status.label())?;
     // in force before there is a calibration: no correction
-    let calibration = calibration.unwrap_or_else(|| Calibration::identity(1.0));
+    let calibration = calibration.unwrap_or_else(|| Calibration::identity(1.0).expect("1 uT is a field strength"));
     vector(out, Some(*calibration.hard_iron_ut()), 6)?;
     for row in 0..3 {
         for column in 0..3 {

@@ -24,7 +24,11 @@ impl Compensator {
         true
     }
 
-    pub(super) fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
+    /// Whether [`Self::push`] would use this sample now.
+    ///
+    /// # Errors
+    /// [`RejectReason`] says why it would not.
+    pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
         let limits = &self.config.sensor;
         let field = &sample.field_ut;
         if !field.iter().all(|v| v.is_finite()) {

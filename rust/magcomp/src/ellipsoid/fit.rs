@@ -42,24 +42,26 @@ pub enum Residual {
 pub struct FitOptions {
     /// What is squared and summed. Default [`Residual::Corrected`].
     pub residual: Residual,
-    /// |h| in uT where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
-    /// sensor's scale. None (the default): |h| is the geometric mean of the half axes, so det M = 1.
+    /// |h| in uT, 1 to 1000, where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
+    /// sensor's scale. Every method listens to it. None (the default): |h| is the geometric mean of the half axes, so
+    /// det M = 1; for the aided method tr M = 3.
     pub field_strength_ut: Option<f64>,
-    /// Half axes' geometric mean that is accepted, uT. Default 22 to 67: what the Earth's field spans.
+    /// Half axes' geometric mean that is accepted, uT, within 1 to 1000. Default 22 to 67: what the Earth's field spans.
     pub field_range_ut: (f64, f64),
-    /// Largest rms direction error, degrees, that is accepted, as predicted from the coverage for the residual found or
+    /// Largest rms direction error, degrees, 0.001 to 180, that is accepted, as predicted from the coverage for the residual found or
     /// `error_floor_ut`, whichever is larger. Default 10; larger accepts poorer coverage.
     pub max_direction_sigma_deg: f64,
-    /// White noise, uT, that does as much harm as the errors which are not white. Default 5: rooms bend the field by 1
+    /// White noise, uT, 0 to 1000, that does as much harm as the errors which are not white. Default 5: rooms bend the field by 1
     /// to 2 uT over half a second, some 20 samples. Smaller accepts poorer coverage where the residual is small; 0 trusts
     /// the residual alone, for simulated data.
     pub error_floor_ut: f64,
-    /// Largest residual rms that is accepted, as a share of the field strength. Default 0.05: 30 dB of noise is 0.032, rooms
+    /// Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05: 30 dB of noise is 0.032, rooms
     /// stay below 0.04; a window across a change of the disturbance lies above. Larger accepts more noise.
     pub max_residual_share: f64,
-    /// Iterations at the most. Default 50; warm or closed-form starts take 2 to 6.
+    /// Iterations at the most, 1 to 1000. Default 50; warm or closed-form starts take 2 to 6.
     pub max_iterations: usize,
-    /// The iteration has converged when no parameter would change by more than this (field strengths). Default 1e-10.
+    /// The iteration has converged when no parameter would change by more than this (field strengths), 1e-16 to 0.1. Default
+    /// 1e-10.
     pub tolerance: f64,
 }
 

@@ -10,6 +10,7 @@
 //! The sums are kept in fixed point, so that they are exact: adding a sample and removing it again leaves every
 //! bit as it was, and the moments of a window depend on its content alone, not on how it came about.
 
+use crate::snapshot::LARGEST_COUNT;
 use nalgebra::{SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -126,6 +127,9 @@ impl TryFrom<MomentsParts> for Moments {
         if !(is_finite(&centre_ut) && scale_ut > 0.0 && scale_ut.is_finite()) {
             return Err("centre and scale must be finite");
         }
+        if not_finite > count || count as u64 > LARGEST_COUNT {
+            return Err("no such number of samples");
+        }
         Ok(Self { centre_ut, scale_ut, count, not_finite, sums })
     }
 }
@@ -154,6 +158,11 @@ impl Moments {
     /// Whether every sample in the set is finite.
     pub(super) fn is_finite(&self) -> bool {
         self.not_finite == 0
+    }
+
+    /// Whether the coordinates are the same.
+    pub(crate) fn is_about(&self, other: &Self) -> bool {
+        (self.centre_ut, self.scale_ut) == (other.centre_ut, other.scale_ut)
     }
 
     /// Samples in the set.

@@ -62,9 +62,8 @@ impl Moments {
         let field = options.field_strength_ut.unwrap_or(self.scale_ut() * roots.radius);
         let soft_iron = roots.t_inverse * (self.scale_ut() / field);
         let centre = self.centre_ut() + beta * self.scale_ut();
-        let calibration = Calibration::from_symmetric(soft_iron, centre, field)
-            .filter(|_| field.is_finite() && centre.iter().all(|v| v.is_finite()))
-            .ok_or(FitError::NotAnEllipsoid)?;
+        let calibration =
+            Calibration::from_symmetric(soft_iron, centre, field).map_err(|_| FitError::NotAnEllipsoid)?;
         Ok((calibration, roots))
     }
 

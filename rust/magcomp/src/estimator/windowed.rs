@@ -9,11 +9,12 @@
 //! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
 //! the latest N_min and grows from there. `FitOptions` switches the checks off.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT};
 use crate::config::{Config, Method, WindowedConfig};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments};
 use crate::reading::{HoldReason, Missing, Status};
+use crate::snapshot::{LARGEST_COUNT, is_covariance};
 use crate::uniformity::uniformity;
 use crate::window::window_length;
 use nalgebra::Vector3;
@@ -102,6 +103,15 @@ impl Windowed {
             cells: Coverage::default(),
             kept: Kept { calibration: config.initial, seen_through: config.initial, ..Kept::default() },
         }
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self, config: &Config) {
+        self.ring.clear();
+        self.cells.clear();
+        self.window = 0;
+        self.moments = Moments::new(Vector3::zeros(), typical_field_ut(&config.fit));
+        self.kept = Kept { calibration: config.initial, seen_through: config.initial, ..Kept::default() };
     }
 
     pub fn calibration(&self) -> Option<Calibration> {
@@ -310,7 +320,7 @@ impl Windowed {
     /// Where the centre seems to be before any fit is good enough to report.
     fn provisional(&self) -> Calibration {
         let centre = self.moments.provisional_centre_ut();
-        Calibration::identity(typical_field_ut(&self.options)).shifted(centre)
+        Calibration::about(centre, typical_field_ut(&self.options))
     }
 
     /// Moments about a far centre lose digits: take them about the new one, at most once in N_min samples.
@@ -339,12 +349,16 @@ impl Windowed {
 
     /// The estimator in a state; None when the state does not belong to this config.
     pub fn from_state(config: &Config, state: WindowedState) -> Option<Self> {
-        let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
+        let kept = &state.kept;
+        let counts = [kept.since_fit, kept.since_recentred, kept.since_change];
         let fits = state.slots.len() <= config.windowed.n_max
             && state.window <= state.slots.len()
-            && state.slots.iter().all(|slot| finite(&slot.raw_ut))
-            && finite(&state.centre_ut)
-            && state.scale_ut > 0.0;
+            && state.slots.iter().all(|slot| slot.raw_ut.amax() <= config.sensor.range_ut)
+            && state.centre_ut.amax() <= LARGEST_RAW_UT
+            && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&state.scale_ut)
+            && counts.into_iter().all(|count| count as u64 <= LARGEST_COUNT)
+            && kept.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0)
+            && kept.fit.is_none_or(|fit| is_covariance(&fit.covariance) && fit.residual_rms_ut >= 0.0);
         if !fits {
             return None;
         }
@@ -380,6 +394,11 @@ struct Ring {
 impl Ring {
     fn new(capacity: usize) -> Self {
         Self { slots: Vec::with_capacity(capacity), capacity, next: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.slots.clear();
+        self.next = 0;
     }
 
     fn push(&mut self, slot: Slot) {

@@ -95,7 +95,7 @@ mod tests {
         let swap = [6, 7, 8, 0, 1, 2, 3, 4, 5];
         let sign = |i: usize| if i < 6 { -1.0 } else { 1.0 };
         let other = Matrix9::from_fn(|i, j| p[(swap[i], swap[j])] * sign(swap[i]) * sign(swap[j]));
-        let closed = direction_sigma_deg(&Calibration::identity(1.0), &other);
+        let closed = direction_sigma_deg(&Calibration::identity(1.0).unwrap(), &other);
         let found = AngularWeight::sphere(&tau).expected(&p).sqrt().to_degrees();
         assert!((found / closed - 1.0).abs() < 1e-12, "{found} against {closed}");
     }

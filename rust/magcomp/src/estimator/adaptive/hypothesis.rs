@@ -12,18 +12,23 @@ use super::likelihood::{Likelihood, Point};
 use super::parameters::{Matrix9, Seen, Vector9, is_bounded, radius_gradient, see};
 use crate::ellipsoid::ldl::{self, Ldl, times};
 use crate::reading::ModelOrder;
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A Gaussian over tau.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Gaussian {
     pub mean: Vector9,
     pub covariance: Matrix9,
 }
 
+checked!(Gaussian, |it| is_covariance(&it.covariance));
+
 /// A prior and what the samples of the segment make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Hypothesis {
     /// What the hypothesis lets change.
     pub order: ModelOrder,
@@ -46,6 +51,12 @@ pub(super) struct Hypothesis {
     pub log_evidence: f64,
     damping: f64,
 }
+
+checked!(Hypothesis, |it| {
+    is_covariance(&it.prior_information)
+        && it.damping > 0.0
+        && [it.told, it.distance_squared, it.samples_cost, it.cost].iter().all(|v| *v >= 0.0)
+});
 
 impl Gaussian {
     /// The coordinates move by `by`: beta with them.

@@ -12,6 +12,7 @@ use super::likelihood::{Likelihood, form};
 use super::parameters::{Jacobian, Matrix9, Matrix10, Vector9, Vector10, is_bounded, jacobian, quadric};
 use super::rate::{Course, RATE_VARIANCE_UT};
 use crate::ellipsoid::ldl::Ldl;
+use crate::snapshot::{LARGEST_COUNT, checked};
 use nalgebra::{Matrix4, SMatrix, SVector, Vector3, Vector4};
 use serde::{Deserialize, Serialize};
 
@@ -25,12 +26,15 @@ const FIRST_DAMPING: f64 = 1e-6;
 
 /// Sums since a segment began, weighted with the number of the sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Timed {
     count: f64,
     sum: Matrix10x4,
     once: Matrix10x4,
     twice: Matrix4<f64>,
 }
+
+checked!(Timed, |it| (0.0..=LARGEST_COUNT as f64).contains(&it.count));
 
 impl Timed {
     pub fn new() -> Self {

@@ -36,7 +36,9 @@ mod witness;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
+use crate::ellipsoid::Moments;
 use crate::reading::{Event, ModelOrder};
+use crate::snapshot::{LARGEST_COUNT, checked};
 use drift::Drift;
 use hypothesis::{Gaussian, Hypothesis};
 use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
@@ -140,6 +142,7 @@ struct Late {
 
 /// The estimator. All state is plain numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Adaptive {
     unit_ut: f64,
     strength_ut: Option<f64>,
@@ -168,12 +171,40 @@ pub(crate) struct Adaptive {
     worst_sigma_deg: f64,
 }
 
+checked!(Adaptive, |it| {
+    let centre = Moments::new(it.centre_ut, it.unit_ut);
+    it.samples.segment().is_about(&centre)
+        && it.count <= LARGEST_COUNT
+        && [it.direction_sigma_deg, it.worst_sigma_deg].iter().all(|v| *v >= 0.0)
+});
+
+/// The field strength that coordinates are scaled by: the known one, or the middle of those accepted, uT.
+fn unit_ut(config: &Config) -> f64 {
+    let (low, high) = config.fit.field_range_ut;
+    config.fit.field_strength_ut.unwrap_or((low * high).sqrt())
+}
+
 impl Adaptive {
     /// Knows nothing but, perhaps, a calibration to begin with.
     pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
+        Self::with(config, initial, Samples::new(Vector3::zeros(), unit_ut(config)))
+    }
+
+    /// Whether it was made with this config.
+    pub fn belongs_to(&self, config: &Config) -> bool {
         let fit = &config.fit;
-        let middle = (fit.field_range_ut.0 * fit.field_range_ut.1).sqrt();
-        let unit_ut = fit.field_strength_ut.unwrap_or(middle);
+        let own = (self.unit_ut, self.strength_ut, self.release_below_deg);
+        own == (unit_ut(config), fit.field_strength_ut, fit.max_direction_sigma_deg)
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self, config: &Config, initial: Option<Calibration>) {
+        let samples = self.samples.restart(Vector3::zeros(), unit_ut(config));
+        *self = Self::with(config, initial, samples);
+    }
+
+    fn with(config: &Config, initial: Option<Calibration>, samples: Samples) -> Self {
+        let (fit, unit_ut) = (&config.fit, unit_ut(config));
         Self {
             unit_ut,
             strength_ut: fit.field_strength_ut,
@@ -181,7 +212,7 @@ impl Adaptive {
             centre_ut: Vector3::zeros(),
             started: false,
             given: initial,
-            samples: Samples::new(Vector3::zeros(), unit_ut),
+            samples,
             rivals: Rivals::new([], &[]),
             trial: None,
             former: [None; FORMER],
@@ -350,7 +381,7 @@ impl Adaptive {
         self.trial.is_some_and(|trial| trial.base.is_none())
     }
 
-    fn likelihood_of(&self, moments: &crate::ellipsoid::Moments) -> Likelihood {
+    fn likelihood_of(&self, moments: &Moments) -> Likelihood {
         Likelihood::new(moments, self.noise.variance, moments.count() as f64 / self.noise.correlation())
     }
 

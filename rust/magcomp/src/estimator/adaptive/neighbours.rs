@@ -4,6 +4,7 @@
 //! averaged.
 
 use crate::ellipsoid::Moments;
+use crate::snapshot::checked;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,7 @@ const NOISES: f64 = 4.0;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Neighbours {
     /// Each mean as often as it has samples.
     whole: Moments,
@@ -23,6 +25,8 @@ pub(super) struct Neighbours {
     sum_ut: Vector3<f64>,
     members: u32,
 }
+
+checked!(Neighbours, |it| it.members <= MOST && it.means <= it.whole.count());
 
 impl Neighbours {
     /// None yet, in the coordinates of `none`.
@@ -40,6 +44,11 @@ impl Neighbours {
         }
         self.sum_ut += raw_ut;
         self.members += 1;
+    }
+
+    /// How many samples there are.
+    pub fn count(&self) -> usize {
+        self.whole.count() + self.members as usize
     }
 
     /// How many means there are.

@@ -9,6 +9,7 @@
 //! What a fit absorbs does not show in its innovations; so a room's own unevenness s_u (config) comes on top, as errors
 //! that last for a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
 
+use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
 /// Samples that the sensor's own figure is worth at the start.
@@ -37,6 +38,7 @@ const WHITE: f64 = 2.0;
 
 /// Level and colour of the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Noise {
     /// v, units^2 per axis.
     pub variance: f64,
@@ -52,6 +54,12 @@ pub(super) struct Noise {
     /// Time between samples, s.
     period_s: f64,
 }
+
+checked!(Noise, |it| {
+    [it.variance, it.least, it.start, it.samples, it.blocks].iter().all(|v| *v > 0.0)
+        && [it.mean_block, it.uneven, it.period_s].iter().all(|v| *v >= 0.0)
+        && it.in_block < BLOCK
+});
 
 impl Noise {
     /// From a standard deviation in units, the least that is believed, and the unevenness of rooms.

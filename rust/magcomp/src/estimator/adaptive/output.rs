@@ -66,7 +66,7 @@ impl Adaptive {
         let inverse = t.try_inverse()? * (self.unit_ut / strength);
         let soft_iron = (inverse + inverse.transpose()) * 0.5;
         let hard_iron_ut = self.centre_ut + self.motion.gone_ut + centre(&published.tau) * self.unit_ut;
-        Calibration::from_symmetric(soft_iron, hard_iron_ut, strength)
+        Calibration::from_symmetric(soft_iron, hard_iron_ut, strength).ok()
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz]: of tau, through

@@ -13,17 +13,21 @@ use super::parameters::{Matrix9, Vector9, see, shape, vector_gradient};
 use super::rivals::Rivals;
 use super::samples::Samples;
 use crate::reading::ModelOrder;
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Parameters in force: their second moment about the truth, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Published {
     pub tau: Vector9,
     pub covariance: Matrix9,
     /// Mean square direction error expected when they were released, radians^2.
     pub expected: f64,
 }
+
+checked!(Published, |it| is_covariance(&it.covariance) && it.expected >= 0.0);
 
 /// Samples of late whose directions count, and how far apart they are.
 const DIRECTIONS: usize = 12;

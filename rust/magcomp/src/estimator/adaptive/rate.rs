@@ -22,6 +22,7 @@ use super::{ABSORBED_BELOW_DEG, Adaptive, BLOCK_SPAN};
 use crate::ellipsoid::Moments;
 use crate::ellipsoid::ldl::Ldl;
 use crate::reading::ModelOrder;
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -51,12 +52,15 @@ const LOST: f64 = -10.0;
 
 /// See the module. Rates in units per second.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Course {
     pub known: Gaussian,
     pub rate: Vector3<f64>,
     pub gain: SMatrix<f64, 3, 9>,
     pub rest: Matrix3<f64>,
 }
+
+checked!(Course, |it| is_covariance(&it.rest));
 
 /// The course of b, and the coordinates that may move with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

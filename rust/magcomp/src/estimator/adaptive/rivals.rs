@@ -17,6 +17,7 @@ use super::parameters::{Matrix9, Vector9, see, shape, vector_gradient};
 use super::starts::{mirrored, starts};
 use crate::ellipsoid::Moments;
 use crate::reading::ModelOrder;
+use crate::snapshot::{LARGEST_COUNT, checked};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +44,7 @@ const MARGIN: f64 = 0.5;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Rivals {
     all: [Option<Hypothesis>; MOST],
     /// Whose twin each is.
@@ -53,6 +55,13 @@ pub(super) struct Rivals {
     /// Samples since they began.
     age: usize,
 }
+
+checked!(Rivals, |it| {
+    let places = it.sibling.iter().flatten().chain([&it.best, &it.turn]);
+    places.into_iter().all(|place| *place < MOST)
+        && it.weights.iter().all(|weight| (0.0..=1.0).contains(weight))
+        && it.age as u64 <= LARGEST_COUNT
+});
 
 /// What a sample is expected to read as: its radius, and the innovation's variance through the parameters.
 #[derive(Clone, Copy, Debug)]

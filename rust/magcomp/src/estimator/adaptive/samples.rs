@@ -4,6 +4,7 @@
 use super::line::Timed;
 use super::neighbours::Neighbours;
 use crate::ellipsoid::Moments;
+use crate::snapshot::{LARGEST_COUNT, checked};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,7 @@ pub(super) const fn span_length(span: usize) -> usize {
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Samples {
     ring: Vec<Vector3<f64>>,
     next: usize,
@@ -36,11 +38,35 @@ pub(super) struct Samples {
     pub noise: f64,
 }
 
+checked!(Samples, |it| {
+    let (count, none) = (it.segment.count(), Moments::new(*it.segment.centre_ut(), it.segment.scale_ut()));
+    it.ring.len() == CAPACITY
+        && it.next < CAPACITY
+        && it.age as u64 <= LARGEST_COUNT
+        && count <= it.age
+        && it.timed.count() == count
+        && it.neighbours.as_ref().is_none_or(|neighbours| neighbours.count() == count)
+        && (0..SPANS).all(|span| it.spans[span].count() == it.age.min(span_length(span)))
+        && it.spans.iter().all(|span| span.is_about(&none))
+        && it.noise >= 0.0
+});
+
 impl Samples {
     pub fn new(centre_ut: Vector3<f64>, unit_ut: f64) -> Self {
+        Self::with(vec![Vector3::zeros(); CAPACITY], centre_ut, unit_ut)
+    }
+
+    /// As new, in the memory of these, which have none any more.
+    pub fn restart(&mut self, centre_ut: Vector3<f64>, unit_ut: f64) -> Self {
+        let mut ring = std::mem::take(&mut self.ring);
+        ring.fill(Vector3::zeros());
+        Self::with(ring, centre_ut, unit_ut)
+    }
+
+    fn with(ring: Vec<Vector3<f64>>, centre_ut: Vector3<f64>, unit_ut: f64) -> Self {
         let none = Moments::new(centre_ut, unit_ut);
         Self {
-            ring: vec![Vector3::zeros(); CAPACITY],
+            ring,
             next: 0,
             age: 0,
             segment: none.clone(),

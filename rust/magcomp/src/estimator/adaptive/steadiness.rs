@@ -5,6 +5,7 @@
 //!     v <- v + (min(|second difference|^2 / 18, 9 v) - v) / 1000        5 / n instead for the first samples
 //! A device that does not turn does not move either: what the field of the place adds is one and the same error all the time.
 
+use crate::snapshot::checked;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,7 @@ const LEAST_LEAP: f64 = 0.3;
 
 /// How far apart samples usually are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Steadiness {
     previous: Option<Vector3<f64>>,
     /// The latest step, and the noise that steps differ by, units^2 per axis.
@@ -41,6 +43,8 @@ pub(super) struct Steadiness {
     place: Option<Vector3<f64>>,
     resting: u32,
 }
+
+checked!(Steadiness, |it| it.variance >= 0.0 && it.usual >= 0.0 && it.count <= 10_000 && it.misses <= 100);
 
 impl Steadiness {
     pub fn new() -> Self {

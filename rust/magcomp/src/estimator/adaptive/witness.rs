@@ -12,6 +12,7 @@ use super::parameters::{Vector9, centre, see, shape};
 use super::{Adaptive, Trial};
 use crate::estimator::aided::magnitude::{TILT_CORRELATION, TILT_SD};
 use crate::reading::ModelOrder;
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,7 @@ const VERTICAL_WALK: f64 = 0.005;
 
 /// A hypothesis: a few unknowns by a Kalman filter, and how likely it has made the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 struct Filter<const N: usize> {
     x: SVector<f64, N>,
     p: SMatrix<f64, N, N>,
@@ -61,6 +63,8 @@ struct Filter<const N: usize> {
     misfit: f64,
     count: f64,
 }
+
+checked!(Filter<const N>, |it| is_covariance(&it.p) && it.misfit >= 0.0 && it.count >= 1.0);
 
 /// A measurement of a hypothesis: innovation z, gradient, variance; and the share of a white error in that.
 struct Row<const N: usize>(f64, SVector<f64, N>, f64, f64);
@@ -98,6 +102,7 @@ impl<const N: usize> Filter<N> {
 
 /// A change that is not decided yet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 struct Doubt {
     /// Names the change.
     change_ns: i64,
@@ -122,8 +127,11 @@ struct Doubt {
     back_ns: Option<i64>,
 }
 
+checked!(Doubt, |it| it.noise.0 > 0.0 && (0.0..=1.0).contains(&it.noise.1) && it.known >= 0.0 && it.largest >= 0.0);
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) struct Witness {
     up_m_s2: Option<Vector3<f64>>,
     /// v and its variance.
@@ -134,6 +142,8 @@ pub(super) struct Witness {
     latest_ns: Option<i64>,
     doubt: Option<Doubt>,
 }
+
+checked!(Witness, |it| it.variance >= 0.0 && it.known >= 0.0);
 
 /// A sample as the calibration corrects it: c, its size, variance of the size, of the vertical part, and `up`.
 struct Corrected {

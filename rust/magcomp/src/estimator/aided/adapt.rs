@@ -38,6 +38,7 @@
 //! ```
 //! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
+use crate::snapshot::checked;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -80,6 +81,7 @@ pub(crate) struct Increment {
 
 /// Noise levels, learned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
     pub(crate) local_ut: f64,
@@ -103,6 +105,12 @@ pub(crate) struct Adaptation {
     useless_share: f32,
     pub(crate) useless: bool,
 }
+
+checked!(Adaptation, |it| {
+    [it.variance_ut2, it.local_ut, it.offset_walk_ut, it.slow_age_s].iter().all(|v| *v > 0.0)
+        && [it.walk_time_s, it.walk_given, it.carried_ut2, it.power_ut2].iter().all(|v| *v >= 0.0)
+        && (0.0..=1.0).contains(&it.useless_share)
+});
 
 impl Adaptation {
     pub(crate) fn new(config: &AidedConfig) -> Self {

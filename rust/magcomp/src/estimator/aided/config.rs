@@ -52,7 +52,8 @@ macro_rules! config {
 }
 
 config! {
-    /// Middle of the field strengths expected, uT. Default 45: the earth's field is 22 to 67 (world magnetic model).
+    /// Middle of the field strengths expected, uT. Default 45: the earth's field is 22 to 67 (world magnetic model). Where the
+    /// strength is known, `fit.field_strength_ut` says it to every method, and neither this nor `strength_sd_ut` matters.
     strength_ut = 45.0, 10.0, 100.0;
     /// Standard deviation of the field strength about it, uT. Small: biased at the ends of the range. Large: the start
     /// takes longer. Default 13, the spread of the field over the land of the earth.

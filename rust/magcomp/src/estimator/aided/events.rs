@@ -17,6 +17,7 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
+use crate::snapshot::checked;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -69,6 +70,7 @@ pub(crate) enum Verdict {
 
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Trial {
     pub(crate) phase: Phase,
     pub(crate) onset_ns: i64,
@@ -90,6 +92,11 @@ pub(crate) struct Trial {
     /// Seconds the place hypothesis has held.
     place_s: f64,
 }
+
+checked!(Trial, |it| {
+    let ages = [it.rotation_rad, it.age_s, it.total_s, it.place_s];
+    ages.iter().all(|v| *v >= 0.0) && [it.device_misfit, it.place_misfit].iter().all(|v| (0.0..=1.0).contains(v))
+});
 
 /// What a trial needs to know of one sample.
 pub(crate) struct Step<'a> {

@@ -34,7 +34,7 @@ const PRIOR_LEAST_UT: f64 = 5.0;
 const REST_RATE_SD_RAD_S: f64 = 0.03;
 const REST_SETTLE_S: f64 = 0.5;
 /// What is known about |h| across a gap, uT.
-const GAP_STRENGTH_SD_UT: f64 = 5.0;
+pub(super) const GAP_STRENGTH_SD_UT: f64 = 5.0;
 /// A gap longer than this many times `gap_s`, bridged by the gyroscope, still lets the offset drift.
 pub(super) const LONG_GAP: f64 = 5.0;
 /// Drift in a gap is not counted beyond this, s: the drift of a phone is bounded.

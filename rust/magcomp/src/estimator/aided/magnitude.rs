@@ -17,10 +17,11 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3, Vector4};
 use serde::{Deserialize, Serialize};
 
-use super::state::iron_rows;
+use super::state::{iron_rows, packed_index as index};
 
 const START_SAMPLES: u32 = 80;
 const GATE: f64 = 16.0;
@@ -52,6 +53,7 @@ const PACKED: usize = STATES * (STATES + 1) / 2;
 
 /// Hard and soft iron from the magnitude alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Magnitude {
     samples: u32,
     /// Sums of x x^T (xx yy zz xy xz yz), x |x|^2 and x of raw less the first raw.
@@ -71,6 +73,12 @@ pub(crate) struct Magnitude {
     /// Since when much does not fit.
     pub(crate) since_ns: Option<i64>,
 }
+
+checked!(Magnitude, |it| {
+    it.samples <= 20 * START_SAMPLES
+        && (0.0..=1.0).contains(&it.share)
+        && is_covariance(&SMatrix::<f64, STATES, STATES>::from_fn(|i, j| it.packed[index(i, j)]))
+});
 
 impl Magnitude {
     pub(crate) fn new() -> Self {
@@ -98,6 +106,11 @@ impl Magnitude {
     /// Covariance of (b, e).
     pub(crate) fn covariance(&self) -> SMatrix<f64, 9, 9> {
         SMatrix::from_fn(|i, j| self.packed[index(i, j)])
+    }
+
+    /// Covariance of (b, e) with F, and the variance of F.
+    pub(crate) fn strength_covariance(&self) -> (SVector<f64, 9>, f64) {
+        (SVector::from_fn(|i, _| self.packed[index(i, STRENGTH)]), self.packed[index(STRENGTH, STRENGTH)])
     }
 
     /// tr P_bb, uT^2.
@@ -273,10 +286,4 @@ impl Magnitude {
         self.strength_ut += dx[STRENGTH];
         self.packed = packed;
     }
-}
-
-/// Place of element (i, j) in the packed lower triangle.
-fn index(i: usize, j: usize) -> usize {
-    let (row, column) = if i >= j { (i, j) } else { (j, i) };
-    row * (row + 1) / 2 + column
 }

@@ -24,7 +24,8 @@ mod tests;
 mod tuning;
 mod watch;
 
-use nalgebra::{SMatrix, Vector3};
+use crate::snapshot::checked;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 pub use config::AidedConfig;
@@ -32,7 +33,7 @@ pub(crate) use output::{AidedOutput, calibration_covariance};
 
 use crate::calibration::Calibration;
 use crate::pairing::PairedInertial;
-use crate::reading::{Event, RejectReason, SensorMode, Status};
+use crate::reading::{Event, SensorMode};
 use adapt::Adaptation;
 use events::Trial;
 use magnitude::Magnitude;
@@ -43,10 +44,10 @@ use strength::Strength;
 use watch::{Former, Watch};
 
 const NANO: f64 = 1e-9;
+/// How far the mean scale of a sensor is from 1: so well a known field strength says what |m| is where tr M = 3.
+const SCALE_SD: f64 = 0.1;
 /// Rates beyond any gyroscope's range are not believed, rad/s.
 const LARGEST_RATE_RAD_S: f64 = 100.0;
-/// Beyond the range of any phone's magnetometer, uT.
-const LARGEST_RAW_UT: f64 = 5000.0;
 /// More than any gyroscope can have gathered across a gap that it bridged, rad.
 const LARGEST_INCREMENT_RAD: f64 = 1000.0;
 /// Beyond any accelerometer's range, m/s^2.
@@ -54,6 +55,7 @@ const LARGEST_UP_M_S2: f64 = 1000.0;
 
 /// The estimator. All state is plain numbers: it can be cloned, compared and serialized.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Aided {
     config: AidedConfig,
     last_ns: Option<i64>,
@@ -61,6 +63,8 @@ pub(crate) struct Aided {
     /// The filter has been started anew from its own first answer.
     restarted: bool,
     adopted: bool,
+    /// The strength of the field is known: `config.strength_ut`.
+    is_strength_known: bool,
     /// Misfits still allowed: to the samples right after the first before that one is dropped (0: one has fitted), or to the
     /// strength of the field before an unproven calibration is.
     unconfirmed: u32,
@@ -88,10 +92,19 @@ pub(crate) struct Aided {
     mode: SensorMode,
 }
 
+checked!(Aided, |it| {
+    [it.hold_s, it.prior_age_s, f64::from(it.displaced_s)].iter().all(|v| *v >= 0.0)
+        && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0)
+});
+
 impl Aided {
-    /// A new estimator that knows nothing, for a validated config.
-    pub fn new(config: AidedConfig) -> Self {
+    /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
+    pub fn new(mut config: AidedConfig, known_ut: Option<f64>) -> Self {
+        if let Some(known_ut) = known_ut {
+            (config.strength_ut, config.strength_sd_ut) = (known_ut, known_ut * SCALE_SD);
+        }
         Self {
+            is_strength_known: known_ut.is_some(),
             last_ns: None,
             filter: None,
             restarted: false,
@@ -117,20 +130,38 @@ impl Aided {
         }
     }
 
+    /// Whether it was made with the same numbers as another.
+    pub fn belongs_to(&self, other: &Self) -> bool {
+        (self.config, self.is_strength_known) == (other.config, other.is_strength_known)
+    }
+
     /// The calibration in force: M, b and |m|; `None` while collecting.
     pub fn calibration(&self) -> Option<Calibration> {
         if self.magnitude_is_better() {
-            return Calibration::new(
-                self.magnitude.soft_iron(),
-                self.magnitude.offset_ut,
-                self.magnitude.strength_ut.max(1.0),
-            )
-            .ok();
+            let magnitude = &self.magnitude;
+            let (strength_ut, scale) = self.gauge(magnitude.strength_ut);
+            return Calibration::new(magnitude.soft_iron() * scale, magnitude.offset_ut, strength_ut).ok();
         }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
+        let (strength_ut, scale) = self.gauge(self.strength_of(filter));
+        Calibration::new(filter.soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
+    }
+
+    /// |m|, uT.
+    fn strength_of(&self, filter: &Gaussian) -> f64 {
         // where the field points is lost: m is but the latest sample
-        let strength_ut = self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm());
-        Calibration::new(filter.soft_iron(), filter.vector(OFFSET), strength_ut.max(1.0)).ok()
+        self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm())
+    }
+
+    fn known_ut(&self) -> Option<f64> {
+        self.is_strength_known.then_some(self.config.strength_ut)
+    }
+
+    /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is
+    /// divided by it. Without a known one the gauge stays.
+    fn gauge(&self, strength_ut: f64) -> (f64, f64) {
+        let strength_ut = strength_ut.max(1.0);
+        self.known_ut().map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
@@ -141,19 +172,39 @@ impl Aided {
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         if self.magnitude_is_better() {
-            return Some(self.magnitude.covariance());
+            let magnitude = &self.magnitude;
+            let (p, s) = (magnitude.covariance(), magnitude.strength_covariance());
+            return Some(self.regauged(p, s, &magnitude.soft_iron(), magnitude.strength_ut));
         }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
-        Some(publish::calibration_block(filter) * self.adaptation.believed())
+        let believed = self.adaptation.believed();
+        let p = publish::calibration_block(filter) * believed;
+        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some());
+        Some(self.regauged(p, (s.0 * believed, s.1 * believed), &filter.soft_iron(), self.strength_of(filter)))
+    }
+
+    /// The covariance `p` of (b, e) as that of (b, M k), k = |m| / known: d(M k) = k dM + M d|m| / known. `s` has the covariance
+    /// of (b, e) with |m|, and the variance of |m|.
+    fn regauged(
+        &self,
+        p: SMatrix<f64, 9, 9>,
+        s: (SVector<f64, 9>, f64),
+        soft_iron: &Matrix3<f64>,
+        strength_ut: f64,
+    ) -> SMatrix<f64, 9, 9> {
+        let Some(known_ut) = self.known_ut() else { return p };
+        let (_, scale) = self.gauge(strength_ut);
+        let m = soft_iron / known_ut;
+        let g = SVector::from([0.0, 0.0, 0.0, m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
+        let d = SVector::<f64, 9>::from_fn(|i, _| if i < 3 { 1.0 } else { scale });
+        let cross = d.component_mul(&s.0) * g.transpose();
+        p.component_mul(&(d * d.transpose())) + cross + cross.transpose() + g * g.transpose() * s.1
     }
 
     /// One magnetometer sample (uT, device frame) with the inertial state paired to its time.
     ///
-    /// Never panics; an unusable sample comes back as `Rejected` and changes nothing.
+    /// The compensator has checked the sample: it is finite, and later than the one before.
     pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> AidedOutput {
-        if let Some(reason) = self.rejection(time_ns, &raw_ut) {
-            return self.blank(time_ns, Status::Rejected(reason));
-        }
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2.filter(|up| up.amax() < LARGEST_UP_M_S2 && up.iter().all(|v| v.is_finite()));
@@ -168,16 +219,6 @@ impl Aided {
                 self.adaptation.forget_previous();
                 self.without_rotation(time_ns, &raw_ut, up, dt_s)
             }
-        }
-    }
-
-    fn rejection(&self, time_ns: i64, raw_ut: &Vector3<f64>) -> Option<RejectReason> {
-        let value_ut = raw_ut.amax();
-        match self.last_ns {
-            _ if !raw_ut.iter().all(|v| v.is_finite()) => Some(RejectReason::NotFinite),
-            _ if value_ut > LARGEST_RAW_UT => Some(RejectReason::OutOfRange { value_ut, limit_ut: LARGEST_RAW_UT }),
-            Some(latest_ns) if time_ns <= latest_ns => Some(RejectReason::TimeNotAfter { time_ns, latest_ns }),
-            _ => None,
         }
     }
 }

@@ -14,6 +14,7 @@
 //! (a late gyroscope feigns a degree).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
+use crate::snapshot::checked;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,7 @@ const FEIGNED_RAD2: f32 = 3.05e-4;
 
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Motion {
     pub(crate) rate_rad_s: f64,
     mean_rad_s: Vector3<f64>,
@@ -51,6 +53,13 @@ pub(crate) struct Motion {
     /// Mean square of that across `up`, per axis, g^2.
     leaning: f32,
 }
+
+checked!(Motion, |it| {
+    [it.rate_rad_s, it.scatter_rad2_s2, it.rest_s, it.lately_rad_s].iter().all(|v| *v >= 0.0)
+        && it.up.is_none_or(|up| (up.norm() - 1.0).abs() < 1e-3)
+        && it.up_age_s >= 0.0
+        && it.leaning >= 0.0
+});
 
 impl Motion {
     pub(crate) fn new() -> Self {

@@ -1,9 +1,9 @@
 //! What is published after a sample: c, f, their uncertainties (equations in `output`), and the status.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::events::Phase;
-use super::learn::NEW_PLACE_TIME_S;
+use super::learn::{GAP_STRENGTH_SD_UT, NEW_PLACE_TIME_S};
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
@@ -82,10 +82,11 @@ impl Aided {
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }
-        output.corrected_ut = Some(c);
-        output.filtered_ut = Some(f);
-        output.corrected_covariance_ut2 = p_c;
-        output.filtered_covariance_ut2 = p_f;
+        let (_, scale) = self.gauge(m.norm());
+        output.corrected_ut = Some(c / scale);
+        output.filtered_ut = Some(f / scale);
+        output.corrected_covariance_ut2 = p_c / (scale * scale);
+        output.filtered_covariance_ut2 = p_f / (scale * scale);
         output
     }
 
@@ -130,23 +131,24 @@ impl Aided {
         let (known, status) = if self.magnitude_is_better() {
             let m = &self.magnitude;
             let status = m.since_ns.map_or(Status::Tracking, |since_ns| Status::Suspect { since_ns });
-            (Some((m.soft_iron(), m.offset_ut, m.covariance())), status)
+            (Some((m.soft_iron(), m.offset_ut, m.covariance(), m.strength_ut)), status)
         } else if let Some(f) = self.filter.as_ref().filter(|_| self.adopted) {
             let held = Status::Held(HoldReason::NoGyroscope);
-            (Some((f.soft_iron(), f.vector(OFFSET), calibration_block(f))), held)
+            (Some((f.soft_iron(), f.vector(OFFSET), calibration_block(f), self.strength_of(f))), held)
         } else {
             (None, Status::Collecting(Missing::Directions))
         };
         let mut output = self.blank(time_ns, status);
         output.up = self.motion.up;
-        let Some((m, b, p)) = known else { return output };
+        let Some((m, b, p, strength_ut)) = known else { return output };
         let Some(w) = m.try_inverse() else { return output };
         let c = w * (raw_ut - b);
         let floor = self.adaptation.floor_ut2(&self.config);
         let p_c = calibration_covariance(&p, &w, &c) + w * w.transpose() * sigma.powi(2) + Matrix3::identity() * floor;
         if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
-            output.corrected_ut = Some(c);
-            output.corrected_covariance_ut2 = p_c;
+            let (_, scale) = self.gauge(strength_ut);
+            output.corrected_ut = Some(c / scale);
+            output.corrected_covariance_ut2 = p_c / (scale * scale);
         }
         output
     }
@@ -155,6 +157,18 @@ impl Aided {
 /// The covariance of (b, e).
 pub(super) fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
     SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j))
+}
+
+/// The covariance of (b, e) with |m|, and the variance of |m|. Where the field points is not known when it was lost; how strong
+/// it is stays known.
+pub(super) fn strength_covariance(filter: &Gaussian, lost: bool) -> (SVector<f64, 9>, f64) {
+    if lost {
+        return (SVector::zeros(), GAP_STRENGTH_SD_UT.powi(2));
+    }
+    let m = filter.vector(FIELD);
+    let along = m / m.norm().max(1.0);
+    let cross = SVector::from_fn(|i, _| (0..3).map(|k| filter.p(OFFSET + i, FIELD + k) * along[k]).sum());
+    (cross, along.dot(&(filter.block(FIELD, FIELD) * along)))
 }
 
 /// That no place has a field as strong or as weak as m, if so.

@@ -23,6 +23,7 @@ use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Calibration;
 use crate::reading::SensorMode;
+use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
 /// A first raw sample of this size may be a field without an offset, uT.
@@ -54,6 +55,7 @@ const RESTART_BIAS_RAD_S: f64 = 0.002;
 
 /// A calibration that was given, or is from before a pause: the device may have changed since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Unproven {
     /// What still is to be turned without a misfit, rad; 0: a misfit is told from the calibration's own error.
     pub(super) rest_rad: f32,
@@ -63,6 +65,8 @@ pub(crate) struct Unproven {
     offset_ut: Vector3<f32>,
     variance_ut2: f32,
 }
+
+checked!(Unproven, |it| [it.rest_rad, it.rest_s, it.variance_ut2].iter().all(|v| *v >= 0.0));
 
 impl Aided {
     /// A filter that knows one raw sample.

@@ -18,7 +18,8 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use nalgebra::{Matrix3, SVector, Vector3};
+use crate::snapshot::{checked, is_covariance};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Length of the state.
@@ -48,9 +49,18 @@ const TRACE_SHARE: f64 = 1e-6;
 
 /// The first N states and their covariance as they are kept between samples; K = N (N + 1) / 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Kept<const N: usize, const K: usize> {
     pub(crate) mean: SVector<f64, N>,
     packed: SVector<f64, K>,
+}
+
+checked!(Kept<const N, const K>, |it| is_covariance(&SMatrix::<f64, N, N>::from_fn(|i, j| it.packed[packed_index(i, j)])));
+
+/// Place of element (i, j) in the packed lower triangle.
+pub(super) fn packed_index(i: usize, j: usize) -> usize {
+    let (row, column) = if i >= j { (i, j) } else { (j, i) };
+    row * (row + 1) / 2 + column
 }
 
 /// All states: the filter.
@@ -106,8 +116,7 @@ impl<const N: usize, const K: usize> Kept<N, K> {
 impl Gaussian {
     /// Covariance of states i and j.
     pub(crate) fn p(&self, i: usize, j: usize) -> f64 {
-        let (row, column) = if i >= j { (i, j) } else { (j, i) };
-        self.packed[row * (row + 1) / 2 + column]
+        self.packed[packed_index(i, j)]
     }
 
     /// The 3x3 block of the covariance whose first indices are given.

@@ -8,6 +8,7 @@
 //! motion old; it decides nothing: a calibration that is wrong itself must still be able to learn. Only deviations
 //! beyond three sigma of |c| count. New here.
 
+use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
 use super::config::AidedConfig;
@@ -35,6 +36,7 @@ pub(crate) struct Witness {
 
 /// Running median of |c| and the deviation from it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Strength {
     median_ut: f64,
     age_s: f64,
@@ -43,6 +45,8 @@ pub(crate) struct Strength {
     /// Since when the magnitude is off.
     pub(crate) since_ns: Option<i64>,
 }
+
+checked!(Strength, |it| [it.median_ut, it.age_s, it.limit].iter().all(|v| *v >= 0.0));
 
 impl Strength {
     pub(crate) fn step(&mut self, time_ns: i64, witness: &Witness, dt_s: f64, config: &AidedConfig) {

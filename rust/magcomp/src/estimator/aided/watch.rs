@@ -10,11 +10,12 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use nalgebra::{SVector, Vector3};
+use crate::snapshot::{checked, is_covariance};
+use nalgebra::{SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::events::Step;
-use super::state::{Dense, Gaussian, IRON, OFFSET, iron_rows};
+use super::state::{Dense, Gaussian, IRON, OFFSET, iron_rows, packed_index};
 use super::tuning;
 
 /// A gated sample after a share below this begins a new run.
@@ -25,12 +26,15 @@ const RECALL_IRON: f64 = 1e-4;
 
 /// A calibration that was in force before a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
     /// Their covariance, packed lower triangle; what rounding does to it, RECALL_SD_UT and RECALL_IRON cover.
     packed: SVector<f32, 45>,
 }
+
+checked!(Former, |it| is_covariance(&SMatrix::<f64, 9, 9>::from_fn(|i, j| f64::from(it.packed[packed_index(i, j)]))));
 
 impl Former {
     pub(crate) fn of(filter: &Gaussian) -> Self {
@@ -85,6 +89,7 @@ impl Former {
 
 /// Watches the share of samples that the filter does not explain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
     pub(crate) share: f64,
@@ -97,6 +102,8 @@ pub(crate) struct Watch {
     /// Rotation over gated samples, fading otherwise, rad.
     pub(crate) rotation_rad: f64,
 }
+
+checked!(Watch, |it| (0.0..=1.0).contains(&it.share) && it.misfit_ut >= 0.0 && it.rotation_rad >= 0.0);
 
 impl Watch {
     pub(crate) fn new() -> Self {
