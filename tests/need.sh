@@ -33,7 +33,10 @@ need() { # PART TOOL:PACKAGE...
     shift
     missing "$@"
     for pair in ${lacking[@]+"${lacking[@]}"}; do
-        packages+=(${pair#*:})
+        case " ${packages[*]:-} " in
+            *" ${pair#*:} "*) ;;
+            *) packages+=(${pair#*:}) ;;
+        esac
     done
     if [ ${#packages[@]} -gt 0 ] && [ "$(id -u)" = 0 ] && type -P apt-get >/dev/null; then
         echo "$part: installing ${packages[*]}"
