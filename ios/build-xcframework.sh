@@ -18,7 +18,7 @@ std=()
 export CARGO_TARGET_DIR=$target/ios-build
 if [ "$(uname)" != Darwin ]; then
     . tests/need.sh
-    need xcframework "${debian_rust[@]}" ${1:+zip:zip}
+    need xcframework "${debian_rust[@]}" $([ "${1:-}" != --release ] || echo zip:zip)
     # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
     export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
     unset RUSTUP_TOOLCHAIN RUSTFLAGS
