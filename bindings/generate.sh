@@ -6,17 +6,16 @@ case "${1:-}" in
     "" | --check) ;;
     *) echo "usage: bindings/generate.sh [--check]" >&2; exit 2 ;;
 esac
-command -v cargo >/dev/null || { echo "bindings: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
-target=${CARGO_TARGET_DIR:-target}
-
-# the static library: a stripped shared one has lost what the generator reads
-cargo build --quiet --locked --release -p magcomp-ffi --features test-hooks
-cargo build --quiet --locked --profile tool -p uniffi-bindgen
+. tests/need.sh
+need bindings "${rust_tools[@]}"
+. tests/native.sh
+cargo build --quiet --locked --profile test -p uniffi-bindgen
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 # --no-format: the committed files do not depend on which formatters are installed
-"$target/tool/uniffi-bindgen" generate "$target/release/libmagcomp_ffi.a" -l kotlin --no-format -o "$fresh/kotlin"
-"$target/tool/uniffi-bindgen" generate "$target/release/libmagcomp_ffi.a" -l swift --no-format -o "$fresh/swift"
+# the static library: a stripped shared one has lost what the generator reads
+"$target/debug/uniffi-bindgen" generate "$native/libmagcomp_ffi.a" -l kotlin --no-format -o "$fresh/kotlin"
+"$target/debug/uniffi-bindgen" generate "$native/libmagcomp_ffi.a" -l swift --no-format -o "$fresh/swift"
 for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompFFI.h swift/MagcompFFI.modulemap; do
     [ -s "$fresh/$file" ] || { echo "bindings: $file was not generated; was uniffi.toml read?" >&2; exit 1; }
     # the generator leaves spaces at line ends

@@ -3,30 +3,28 @@
 # Apple silicon, with headers and module map. On a Mac with Xcode and Rust's targets aarch64-apple-ios and
 # aarch64-apple-ios-sim (rustup target add); on Debian, without Xcode, with Debian's rustc-web, cargo-web and rust-web-src,
 # to check the structure: what ships is built on a Mac.
+# `--device` leaves out the simulators' slice, for a check: apps then build for devices alone.
 # With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "$#:${1:-}" in
-    0:) ;;
-    2:--release) ;;
-    *) echo "usage: ios/build-xcframework.sh [--release URL]" >&2; exit 2 ;;
+    0: | 1:--device | 2:--release) ;;
+    *) echo "usage: ios/build-xcframework.sh [--device | --release URL]" >&2; exit 2 ;;
 esac
 # cargo does not know that a build depends on it: another one needs another target folder
 export IPHONEOS_DEPLOYMENT_TARGET=15.0
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}" 2>/dev/null || echo "$PWD/target")
 std=()
+export CARGO_TARGET_DIR=$target/ios-build
 if [ "$(uname)" != Darwin ]; then
-    [ -d /usr/src/rustc-*/library ] || {
-        echo "xcframework: needs a Mac with Xcode, or the Debian packages rustc-web, cargo-web and rust-web-src" >&2
-        exit 1
-    }
-    # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
-    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1
+    . tests/need.sh
+    need xcframework "${debian_rust[@]}" $([ "${1:-}" != --release ] || echo zip:zip)
+    # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
+    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
     unset RUSTUP_TOOLCHAIN RUSTFLAGS
     # with what rustup's has: backtraces
     std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind,backtrace)
 fi
-export CARGO_TARGET_DIR=$target/ios-build
 
 framework=$target/ios/MagcompFFI.xcframework
 rm -rf "$framework" "$framework.zip"
@@ -35,10 +33,13 @@ rm -rf "$framework" "$framework.zip"
 slice() {
     # not `cargo build`: the shared library would need Apple's linker
     cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type staticlib ${std[@]+"${std[@]}"} --target "$1"
-    mkdir -p "$framework/$2/Headers"
+    # Xcode copies what is in Headers into one folder for all frameworks of an app: ours has a folder of its own in it, or
+    # the module map would meet another framework's ("Multiple commands produce include/module.modulemap")
+    local headers=$framework/$2/Headers/MagcompFFI
+    mkdir -p "$headers"
     cp "$CARGO_TARGET_DIR/$1/ship/libmagcomp_ffi.a" "$framework/$2/"
-    cp bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h "$framework/$2/Headers/"
-    cat >"$framework/$2/Headers/module.modulemap" <<'MODULE'
+    cp bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h "$headers/"
+    cat >"$headers/module.modulemap" <<'MODULE'
 module MagcompFFI {
     header "MagcompFFI.h"
     header "magcomp.h"
@@ -47,7 +48,7 @@ module MagcompFFI {
 MODULE
 }
 slice aarch64-apple-ios ios-arm64
-slice aarch64-apple-ios-sim ios-arm64-simulator
+[ "${1:-}" = --device ] || slice aarch64-apple-ios-sim ios-arm64-simulator
 
 # what `xcodebuild -create-xcframework` would write
 library() { # FOLDER, and for simulators the variant
@@ -80,7 +81,7 @@ cat >"$framework/Info.plist" <<PLIST
 	<key>AvailableLibraries</key>
 	<array>
 $(library ios-arm64)
-$(library ios-arm64-simulator simulator)
+$([ "${1:-}" = --device ] || library ios-arm64-simulator simulator)
 	</array>
 	<key>CFBundlePackageType</key>
 	<string>XFWK</string>

@@ -2,7 +2,8 @@
 # Instructions per sample, counted by valgrind: the same on every run and every load of the machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-command -v valgrind >/dev/null || { echo "instructions: valgrind is missing (Debian package valgrind)" >&2; exit 1; }
+. tests/need.sh
+need instructions "${rust_tools[@]}" valgrind:valgrind
 cargo build -q --release -p magcomp --example instructions
 run=${CARGO_TARGET_DIR:-target}/release/examples/instructions
 

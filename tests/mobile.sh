@@ -2,29 +2,26 @@
 # The Android libraries without an NDK: builds them with the shipping profile, linked against stand-ins of the system's
 # libraries (android/stubs). Prints their sizes and audits what they export and import and how they are aligned.
 # NOT for shipping: their unwinder is a stand-in. iOS: tests/xcframework.sh.
-# Result: target/android/<abi>/libmagcomp_ffi.so. `tests/mobile.sh arm64-v8a` builds that one alone.
-# Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld.
+# `tests/mobile.sh` builds arm64-v8a, which is most phones; `tests/mobile.sh ABI...` others, `tests/mobile.sh all` all three.
+# Result: target/android/<abi>/libmagcomp_ffi.so.
+# Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld, and installs them as root.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-packages=(rustc-web cargo-web rust-web-src clang-19 lld-19 binutils)
-if ! { [ -d /usr/src/rustc-*/library ] && command -v clang-19 ld.lld-19 readelf nm; } >/dev/null 2>&1; then
-    [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null || {
-        echo "mobile: needs the Debian packages ${packages[*]}, or root to install them" >&2
-        exit 1
-    }
-    apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null
-fi
+[ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64
+wanted=("${@:-arm64-v8a}")
+for abi in "${wanted[@]}"; do
+    case "$abi" in
+        arm64-v8a | armeabi-v7a | x86_64) ;;
+        *) echo "usage: tests/mobile.sh [all | arm64-v8a | armeabi-v7a | x86_64]..." >&2; exit 2 ;;
+    esac
+done
+. tests/need.sh
+need mobile "${debian_rust[@]}" clang-19:clang-19 ld.lld-19:lld-19 readelf:binutils nm:binutils ar:binutils
 
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 # Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
 export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
 unset RUSTUP_TOOLCHAIN RUSTFLAGS
-only=${1:-}
-case "$only" in
-    "" | arm64-v8a | armeabi-v7a | x86_64) ;;
-    *) echo "usage: tests/mobile.sh [arm64-v8a | armeabi-v7a | x86_64]" >&2; exit 2 ;;
-esac
 std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
 
 # stubs CLANG_TARGET FOLDER: shared libraries with the names of android/stubs, an unwinder that aborts, __dso_handle
@@ -44,7 +41,6 @@ stubs() {
 
 # build ABI RUST_TARGET CLANG_TARGET
 build() {
-    [ "${only:-$1}" = "$1" ] || return 0
     local stubs=$CARGO_TARGET_DIR/stubs/$1 variable
     stubs "$3" "$stubs"
     variable=CARGO_TARGET_$(tr 'a-z-' 'A-Z_' <<<"$2")
@@ -82,7 +78,11 @@ audit() {
     [ "$1" != arm64-v8a ] || [ "$(stat -c %s "$2")" -lt 700000 ] || { echo "mobile: $1: 700000 bytes or more" >&2; exit 1; }
 }
 
-build arm64-v8a aarch64-linux-android aarch64-linux-android21
-build armeabi-v7a armv7-linux-androideabi armv7a-linux-androideabi21
-build x86_64 x86_64-linux-android x86_64-linux-android21
-echo "mobile: all targets pass"
+for abi in "${wanted[@]}"; do
+    case "$abi" in
+        arm64-v8a) build arm64-v8a aarch64-linux-android aarch64-linux-android21 ;;
+        armeabi-v7a) build armeabi-v7a armv7-linux-androideabi armv7a-linux-androideabi21 ;;
+        x86_64) build x86_64 x86_64-linux-android x86_64-linux-android21 ;;
+    esac
+done
+echo "mobile: ${wanted[*]} passed"

@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts, `tests/run.sh rust bindings` some. A part that can't run fails and says what
-# is missing. `mobile` installs a second compiler where it may.
+# Every test. `tests/run.sh` runs all parts, `tests/run.sh rust bindings` some. Needs Rust 1.89 or newer; what else a part needs
+# it installs as root on Debian (tests/need.sh), or it fails and names what is missing. Mobile libraries are built for one
+# architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all with the argument `all`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 parts=(rust bindings kotlin swift mobile aar xcframework)
 
 rust() {
-    command -v cargo >/dev/null || { echo "rust: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
+    tests/need-test.sh
+    . tests/need.sh
+    need rust "${rust_tools[@]}"
     tests/versions.sh
     cargo fmt --all --check
     # the generator of the bindings is 5 lines on a large library: `bindings` builds it
-    local all=(--workspace --exclude uniffi-bindgen --locked)
+    # test-hooks: the library is then the one that the other languages test (tests/native.sh)
+    local all=(--workspace --exclude uniffi-bindgen --locked --features magcomp-ffi/test-hooks)
     cargo clippy "${all[@]}" --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc "${all[@]}" --no-deps
     cargo test "${all[@]}"
-    cargo build --release --locked
 }
 
 bindings() { bindings/generate.sh --check; }

@@ -1,4 +1,4 @@
-# Sourced: `swift_run ARGUMENTS...` runs `swift` in this folder, from PATH or in a Debian root; `swift_tool NAME
+# Sourced, after need.sh: `swift_run ARGUMENTS...` runs `swift` in this folder, from PATH or in a Debian root; `swift_tool NAME
 # ARGUMENTS...` any other tool of the toolchain.
 swift_root=${MAGCOMP_SWIFT_ROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/magcomp/swift}
 
@@ -21,21 +21,18 @@ swift_tool() {
 }
 
 # Swift 6 on PATH, or a Debian root that has it
-if command -v swift >/dev/null; then
+if type -P swift >/dev/null; then
     swift_on_path=yes
 else
     swift_on_path=no
+    if [ "$(id -u)" != 0 ] || ! unshare -m true; then
+        echo "swift: Swift 6 is missing; put it on PATH, or run as root on Debian, which makes $swift_root and mounts in it" >&2
+        exit 1
+    fi
     # made whole, then renamed
     if [ ! -d "$swift_root" ]; then
-        if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null || ! unshare -m true; then
-            echo "swift: Swift 6 is missing; put it on PATH, or run as root on Debian, which makes $swift_root" >&2
-            exit 1
-        fi
+        need swift debootstrap:debootstrap /usr/share/keyrings/debian-archive-keyring.gpg:debian-archive-keyring
         echo "swift: making $swift_root"
-        command -v debootstrap >/dev/null || {
-            apt-get update -qq
-            DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends debootstrap >/dev/null
-        }
         rm -rf "$swift_root.tmp"
         mkdir -p "$swift_root.tmp"
         debootstrap --variant=minbase --include=swiftlang,libc6-dev,libstdc++-14-dev trixie "$swift_root.tmp" \

@@ -6,19 +6,15 @@
 # ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-command -v cargo >/dev/null || { echo "swift: cargo is missing; install Rust 1.89 or newer" >&2; exit 1; }
+. tests/need.sh
+need swift "${rust_tools[@]}"
+[ "${1:-}" != benchmark ] || PROFILE=${PROFILE:-ship}
+. tests/native.sh
 . tests/swift-toolchain.sh
+expected "$target/swift/expected.txt"
+gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"
 
-target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-[ "${1:-}" = benchmark ] && profile=${PROFILE:-ship} || profile=${PROFILE:-release}
-cargo build --quiet --locked --profile "$profile" -p magcomp-ffi --features test-hooks
-cargo build --quiet --locked --profile "$profile" -p magcomp-ffi --features test-hooks --example expected
-mkdir -p "$target/swift"
-recording=tests/recordings/broad_34_attached_magnet_3cm.csv.gz
-"$target/$profile/examples/expected" $recording tests/vectors >"$target/swift/expected.txt"
-gzip -dc $recording >"$target/swift/recording.csv"
-
-export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$target/$profile MAGCOMP_EXPECTED=$target/swift
+export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
 # the package's own warnings are errors, and what it builds stays out of its folder
 mkdir -p "$target/swift/symbols/Magcomp"
 options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)

@@ -2,23 +2,22 @@
 # Builds the XCFramework without a Mac (ios/build-xcframework.sh) and checks its parts: property list against folders,
 # architecture, platform and minimum version of every object, headers and what they declare against what the libraries
 # define, the interfaces Apple wants a reason for against the privacy manifest. Links the device's slice as an app would and
-# prints what is left after dead-stripping. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3.
-# Not for shipping, and not tried in Xcode.
+# prints what is left after dead-stripping. `tests/xcframework.sh` builds the device's slice alone, `tests/xcframework.sh all`
+# the simulators' too. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3, and installs them as
+# root. Not for shipping, and not tried in Xcode.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/.."
-packages=(rustc-web cargo-web rust-web-src llvm-19 lld-19 python3)
-if ! { [ -d /usr/src/rustc-*/library ] && command -v llvm-nm-19 ld64.lld-19 python3; } >/dev/null 2>&1; then
-    [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null || {
-        echo "xcframework: needs the Debian packages ${packages[*]}, or root to install them" >&2
-        exit 1
-    }
-    apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${packages[@]}" >/dev/null
-fi
+case "$*" in
+    "") slices=ios-arm64 options=(--device) ;;
+    all) slices='ios-arm64 ios-arm64-simulator' options=() ;;
+    *) echo "usage: tests/xcframework.sh [all]" >&2; exit 2 ;;
+esac
+. tests/need.sh
+need xcframework "${debian_rust[@]}" llvm-nm-19:llvm-19 llvm-objdump-19:llvm-19 llvm-size-19:llvm-19 ld64.lld-19:lld-19 python3:python3
 fail() { echo "xcframework: $*" >&2; exit 1; }
 
-ios/build-xcframework.sh
+ios/build-xcframework.sh "${options[@]}"
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 framework=$target/ios/MagcompFFI.xcframework
 work=$target/ios/check
@@ -39,14 +38,16 @@ for library in info["AvailableLibraries"]:
     name = "-".join(filter(None, [library["SupportedPlatform"], architectures, variant]))
     assert folder.name == name, f"{folder.name}, expected {name}"
     assert library["LibraryPath"] == library["BinaryPath"], library
-    headers = folder / library["HeadersPath"]
+    assert library["HeadersPath"] == "Headers", library
+    # a folder of our own: Xcode merges the Headers of all frameworks of an app
+    headers = folder / "Headers" / "MagcompFFI"
     known |= {folder / library["LibraryPath"], headers / "module.modulemap"}
     known |= {headers / "MagcompFFI.h", headers / "magcomp.h"}
     print(folder.name, "iossimulator" if variant else "ios")
 there = {path for path in framework.rglob("*") if path.is_file()}
 assert there == known, there ^ known
 PYTHON
-[ "$(cut -d' ' -f1 "$work/slices" | tr '\n' ' ')" = "ios-arm64 ios-arm64-simulator " ] || fail "slices: $(cat "$work/slices")"
+[ "$(cut -d' ' -f1 "$work/slices" | xargs)" = "$slices" ] || fail "slices: $(cat "$work/slices")"
 
 # names the headers declare, as symbols
 cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\b(uniffi_magcomp_ffi|ffi_magcomp_ffi|magcomp)_[a-z0-9_]+ *\(' |
@@ -56,7 +57,7 @@ cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\
 while read -r slice platform; do
     library=$framework/$slice/libmagcomp_ffi.a
     for header in bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h; do
-        cmp "$header" "$framework/$slice/Headers/${header##*/}"
+        cmp "$header" "$framework/$slice/Headers/MagcompFFI/${header##*/}"
     done
     # one line for every kind of object
     llvm-objdump-19 --macho --private-headers "$library" >"$work/objects"
@@ -92,4 +93,4 @@ reason FileTimestamp 'stat|fstat|lstat|fstatat|getattrlist|getattrlistbulk|fgeta
 reason SystemBootTime 'mach_absolute_time|mach_continuous_time|clock_gettime_nsec_np'
 reason DiskSpace 'statfs|statvfs|fstatfs|fstatvfs'
 (cd "$framework/.." && find MagcompFFI.xcframework -type f | sort)
-echo "xcframework: all parts are there"
+echo "xcframework: all parts are there, for $slices"

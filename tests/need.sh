@@ -1,0 +1,62 @@
+# Sourced. `need PART TOOL:PACKAGE...` checks each tool by itself and installs the Debian packages of the missing ones. Where
+# it may not (not root, no apt-get) or apt-get fails, it names what is missing and ends the script.
+# TOOL is a command, an absolute path (with wildcards), or `jdk`: a Java compiler, 17 or newer.
+
+# `cc` and the C library's headers: cargo links with them
+rust_tools=(cargo: cc:gcc '/usr/include/stdio.h:libc6-dev')
+# Debian's own Rust brings the source of std, which the mobile targets are built from
+debian_rust=(/usr/bin/cargo:cargo-web /usr/bin/rustc:rustc-web '/usr/lib/rustlib/src/rust/library:rust-web-src' "${rust_tools[@]:1}")
+java_tools=(jdk:default-jdk-headless mvn:maven)
+
+there() { # TOOL
+    case "$1" in
+        /*) compgen -G "$1" >/dev/null ;;
+        jdk)
+            local version
+            version=$("${JAVA_HOME:+$JAVA_HOME/bin/}javac" -version 2>&1 | sed -n 's/^javac \([0-9]*\).*/\1/p')
+            [ "${version:-0}" -ge 17 ]
+            ;;
+        *) type -P "$1" >/dev/null ;; # one at a time: with several, `command -v` is content with any
+    esac
+}
+
+missing() { # TOOL:PACKAGE... -> sets `lacking` to the pairs whose tool is missing
+    local pair
+    lacking=()
+    for pair; do
+        there "${pair%%:*}" || lacking+=("$pair")
+    done
+}
+
+need() { # PART TOOL:PACKAGE...
+    local part=$1 lacking pair packages=() why='run this as root where there is apt-get, or install them'
+    shift
+    missing "$@"
+    for pair in ${lacking[@]+"${lacking[@]}"}; do
+        case " ${packages[*]:-} " in
+            *" ${pair#*:} "*) ;;
+            *) packages+=(${pair#*:}) ;;
+        esac
+    done
+    if [ ${#packages[@]} -gt 0 ] && [ "$(id -u)" = 0 ] && type -P apt-get >/dev/null; then
+        echo "$part: installing ${packages[*]}"
+        # --no-remove: Debian's Rust conflicts with Debian's rustup, which is not ours to remove
+        if apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove \
+            -o DPkg::Lock::Timeout=600 "${packages[@]}" >/dev/null; then
+            why='apt-get installed the packages, which did not bring them'
+        else
+            why='apt-get could not install them, see above'
+        fi
+        hash -r
+        missing "$@"
+    fi
+    [ ${#lacking[@]} -gt 0 ] || return 0
+    for pair in "${lacking[@]}"; do
+        case "$pair" in
+            cargo:) echo "$part: missing: cargo; install Rust 1.89 or newer (https://rustup.rs)" ;;
+            jdk:*) echo "$part: missing: a JDK 17 or newer (Debian package ${pair#*:}), on PATH or in JAVA_HOME; $why" ;;
+            *) echo "$part: missing: ${pair%%:*} (Debian package ${pair#*:}); $why" ;;
+        esac
+    done >&2
+    exit 1
+}
