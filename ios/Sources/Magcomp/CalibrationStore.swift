@@ -6,7 +6,9 @@ public protocol CalibrationStore: Sendable {
     /// What was saved last, or nil.
     func load() -> String?
 
-    /// Keeps a snapshot in the place of the one before. Called in the background, once a minute and at the end.
+    /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`, then
+    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings. Never
+    /// called for a snapshot that ``load()`` or the save before has kept already.
     func save(_ snapshot: String)
 }
 

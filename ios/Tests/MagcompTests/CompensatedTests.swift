@@ -136,26 +136,11 @@ import Testing
         #expect(again[0].reading.status.label() != "rejected")
     }
 
-    @Test func itIsSavedOnceAMinuteToo() async throws {
-        let store = Kept()
-        let (stream, continuation) = AsyncStream.makeStream(of: SensorSample.self)
-        var iterator = stream.compensated(store: store, capacity: 10_000).makeAsyncIterator()
-        for event in tumbling(6100) { continuation.yield(event) }
-        for _ in 0..<6000 { _ = try await iterator.next() }
-        try await eventually { store.snapshot.value != nil }
-    }
-
     @Test func aDamagedStoreIsAsNone() async throws {
         for snapshot in ["", "{}", "nonsense"] {
             let readings = Played(events: Array(events[..<2])).samples().compensated(store: Kept(snapshot))
             #expect(try await readings.collected().map(\.reading.fieldUt) == [nil])
         }
-    }
-
-    @Test func nothingIsSavedBeforeThereIsACalibration() async throws {
-        let store = Kept()
-        _ = try await Played(events: Array(events[..<20])).samples().compensated(store: store).collected()
-        #expect(store.snapshot.value == nil)
     }
 
     @Test func userDefaultsKeepASnapshot() {

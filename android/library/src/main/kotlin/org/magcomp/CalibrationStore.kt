@@ -11,7 +11,11 @@ public interface CalibrationStore {
     /** What was saved last, or null. */
     public fun load(): String?
 
-    /** Keeps a snapshot in the place of the one before. Called on a background thread, once a minute and at the end. */
+    /**
+     * Keeps a snapshot in the place of the one before. Called on a background thread: when the status is first `Tracking`,
+     * then when the calibration has changed and 10 s have passed since the save before, and at the end of the readings.
+     * Never called for a snapshot that [load] or the save before has kept already.
+     */
     public fun save(snapshot: String)
 }
 
