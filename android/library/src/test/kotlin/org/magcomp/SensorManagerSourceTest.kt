@@ -67,10 +67,14 @@ class SensorManagerSourceTest {
     fun `without the best sensors the next best are used`() = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_ACCELEROMETER)
         val samples = collectWhile(sensors, sensors.source(), 2) {
-            sensors.deliver(Sensor.TYPE_ACCELEROMETER, 1, 0f, 9f, 0f)
+            sensors.deliver(Sensor.TYPE_ACCELEROMETER, 1, 4f, -9f, 2f)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, 2, 1f, 2f, 3f)
         }
-        assertEquals(SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)), samples[1])
+        val expected = listOf(
+            SensorSample.Up(UpSample(1, Vector3(4.0, -9.0, 2.0))),
+            SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)),
+        )
+        assertEquals(expected, samples)
     }
 
     @Test
