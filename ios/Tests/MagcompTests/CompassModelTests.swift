@@ -96,28 +96,28 @@ import Testing
     @Test func aGoodRunLeavesNothingOfAnErrorBeforeIt() async throws {
         let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
             Self.failing(after: everything), Played(events: everything).samples(),
-            Self.failing(after: tumbling(10)), Played(events: tumbling(10)).samples(),
+            Self.failing(after: tumbling(1)), Played(events: tumbling(1)).samples(),
         ])))
         await model.run()
         await model.run()
-        #expect(model.status == "tracking", "though the latest reading before the error had this status too")
+        #expect(model.status == "tracking")
         #expect(model.headingDeg != nil)
         await model.run()
         await model.run()
-        #expect(model.status.hasPrefix("collecting: "))
+        #expect(model.status.hasPrefix("collecting: "), "though the reading before the error had this status too")
         #expect(model.guidance == "Pick the phone up and turn it.")
     }
 
     @Test func aRunBeginsWithNothingOfTheOneBefore() async throws {
         let (silent, continuation) = AsyncStream.makeStream(of: SensorSample.self)
-        let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
+        let source = Runs(samplesOfRuns: [
             Played(events: everything).samples(), SensorSamples { silent }, Self.failing(), SensorSamples { silent },
-        ])))
-        for _ in 1...2 {
+        ])
+        let model = CompassModel(compass: Compass(source: source))
+        for run in [2, 4] {
             await model.run()
-            let before = model.status
             let running = Task { await model.run() }
-            while model.status == before { await Task.yield() }
+            while source.run.value < run { await Task.yield() }
             #expect(model.status == "starting")
             #expect(shown(model) == nothing)
             running.cancel()

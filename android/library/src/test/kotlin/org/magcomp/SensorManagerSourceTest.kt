@@ -91,12 +91,23 @@ class SensorManagerSourceTest {
         assertEquals("magnetometer", none.sensor)
         val noUp = fails(FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD)) as SensorException.Missing
         assertEquals("accelerometer", noUp.sensor)
-        val fast = SensorOptions(rateHz = 400)
+        val fast = SensorOptions(rateHz = 201)
         val permission = fails(FakeSensorManager(*all), fast, permitted = false) as SensorException.PermissionMissing
         assertEquals("android.permission.HIGH_SAMPLING_RATE_SENSORS", permission.permission)
         assertTrue(fails(FakeSensorManager(*all).apply { forbid = true }) is SensorException.PermissionMissing)
         val refused = fails(FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GYROSCOPE }) as SensorException.Refused
         assertEquals("gyroscope", refused.sensor)
+    }
+
+    @Test
+    fun `up to 200 Hz no permission is needed`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source(SensorOptions(rateHz = 200), permitted = false)
+        collectWhile(sensors, source, 1) {
+            assertTrue(sensors.registrations.all { it.periodUs == 5000 })
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
+        }
+        assertEquals(0, sensors.registrations.size)
     }
 
     @Test
