@@ -56,7 +56,11 @@ import Testing
 
     @Test func itIsSavedWhenTrackingBeginsEvery10SecondsWhileItChangesAndAtTheEnd() async throws {
         let store = Kept()
-        let readings = try await readings(tumbling(2500), store)
+        var events = tumbling(2500)
+        // one that is rejected for its time, an hour back, changes no interval
+        events.insert(moved(events[1001], byNs: -3_600_000_000_000), at: 1002)
+        let readings = try await readings(events, store)
+        #expect(readings.filter { $0.reading.status.label() == "rejected" }.count == 1)
         let tracking = try #require(readings.first { $0.reading.status == .tracking })
         #expect(store.savedS.count == 4, "\(store.savedS)")
         #expect(store.savedS.first == Double(tracking.sample.timeNs) * 1e-9)

@@ -3,6 +3,7 @@ package org.magcomp
 import android.content.SharedPreferences
 import java.io.File
 import java.util.concurrent.CancellationException
+import kotlin.math.abs
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
@@ -62,6 +63,8 @@ class CompassTest {
         assertTrue(first.size >= 47, "${first.size} at the first sample")
         assertTrue(last.size < 24, "${last.size} after turning about")
         assertEquals(last.size / 48.0, 1 - readings.last().reading.coverage, 0.05, "renewed five times a second")
+        val renewed = readings.zipWithNext().count { (one, next) -> one.unseenDirections !== next.unseenDirections }
+        assertEquals(74, renewed, "every 20 samples, and no more often")
     }
 
     @Test
@@ -149,6 +152,33 @@ class CompassTest {
         assertEquals(90.0, Math.IEEEremainder(after.headingDeg - before.headingDeg + 360, 360.0), 5.0)
         assertEquals(trueHeadingDeg(after.headingDeg, 3.0), after.trueHeadingDeg)
         assertThrows(IllegalArgumentException::class.java) { headingFrame(4) }
+    }
+
+    @Test
+    fun `a compass has the config's frame, which may be set`(): Unit = runBlocking {
+        val played = Played(events)
+        assertEquals(HeadingFrame(ReferenceAxis.AUTO, ScreenRotation.DEG0, null), Compass(played).frame)
+        val heading = HeadingConfig(axis = ReferenceAxis.CAMERA, screenRotation = ScreenRotation.DEG90, declinationDeg = 3.0)
+        val config = Config(method = Method.WINDOWED, heading = heading)
+        val compass = Compass(played, config)
+        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 3.0), compass.frame)
+        val last = compass.readings().last().reading
+        assertEquals(Compensator(config).use { it.pushAll(events) }.last(), last)
+        compass.frame = HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG0, null)
+        val before = compass.readings().last().reading.heading!!
+        compass.frame = compass.frame.copy(screenRotation = ScreenRotation.DEG180)
+        val after = compass.readings().last().reading.heading!!
+        assertEquals(180.0, abs(Math.IEEEremainder(after.headingDeg - before.headingDeg, 360.0)), 1e-9)
+    }
+
+    @Test
+    fun `the system's own hard iron reaches the compensator`() = runBlocking {
+        val (x, y, z) = HARD_IRON.toList()
+        val samples = events.filterIsInstance<SensorSample.Magnetic>().map { it.sample.copy(reportedHardIronUt = Vector3(x, y, z)) }
+        val config = Config(useReportedHardIron = true)
+        val readings = samples.map { SensorSample.Magnetic(it) }.asFlow().compensated(config, capacity = samples.size).toList()
+        assertNotNull(readings.first().reading.fieldUt, "the system's estimate is the first calibration")
+        assertEquals(Compensator(config).use { c -> samples.map { c.push(it) } }, readings.map { it.reading })
     }
 
     @Test

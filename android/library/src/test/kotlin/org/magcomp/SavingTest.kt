@@ -52,7 +52,12 @@ class SavingTest {
     @Test
     fun `it is saved when tracking begins, every 10 s while it changes, and at the end`() {
         val store = Kept()
-        val readings = readings(events(tumbling(2500)), store)
+        val events = events(tumbling(2500)).toMutableList()
+        // one that is rejected for its time, an hour back, changes no interval
+        val refused = (events[1001] as SensorSample.Magnetic).sample
+        events.add(1002, SensorSample.Magnetic(refused.copy(timeNs = refused.timeNs - 3_600_000_000_000)))
+        val readings = readings(events, store)
+        assertEquals(1, readings.count { it.reading.status is Status.Rejected })
         val tracking = readings.first { it.reading.status == Status.Tracking }
         assertEquals(4, store.savedS.size, "${store.savedS}")
         assertEquals(tracking.sample.timeNs * 1e-9, store.savedS.first())
