@@ -176,6 +176,15 @@ import Testing
         #expect(after.trueHeadingDeg == trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
     }
 
+    @Test func aCompassHasTheConfigAndItsFrame() async throws {
+        let heading = HeadingConfig(axis: .camera, screenRotation: .deg90, declinationDeg: 3)
+        let config = Config(method: .windowed, heading: heading)
+        let compass = Compass(source: Played(events: events), config: config)
+        #expect(compass.frame == HeadingFrame(axis: .camera, screenRotation: .deg90, declinationDeg: 3))
+        let last = try await compass.readings().collected().last
+        #expect(try last?.reading == Compensator(config: config).pushAll(events).last)
+    }
+
     @Test func aCompassHasAFrameThatMayBeSet() async throws {
         let compass = Compass(source: Played(events: events))
         #expect(compass.frame == HeadingFrame(axis: .auto, screenRotation: .deg0))
