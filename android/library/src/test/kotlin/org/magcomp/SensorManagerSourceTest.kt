@@ -81,7 +81,7 @@ class SensorManagerSourceTest {
     fun `what is missing or refused is a typed error that says which`() {
         fun fails(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true): SensorException {
             val error = assertThrows(SensorException::class.java) {
-                runBlocking { sensors.source(options, permitted).samples().first() }
+                runBlocking { withTimeout(20_000) { sensors.source(options, permitted).samples().first() } }
             }
             assertEquals(0, sensors.registrations.size, "nothing stays registered")
             assertEquals(0, sensors.threads.get(), "no thread stays")
