@@ -126,7 +126,8 @@ fn attitudes_of_the_platform_events() {
             "camera" => ReferenceAxis::Camera,
             other => panic!("{other}"),
         };
-        let found = heading(&case.field_ut, &case.up_m_s2, axis, ScreenRotation::Deg0).expect("the axis is not vertical");
+        let found =
+            heading(&case.field_ut, &case.up_m_s2, axis, ScreenRotation::Deg0).expect("the axis is not vertical");
         let off = apart(found.heading_deg, case.heading_deg);
         assert!(off < 1e-9, "{}: {} not {}", case.name, found.heading_deg, case.heading_deg);
         assert!((found.inclination_deg - events.inclination_deg).abs() < 1e-9, "{}", case.name);
