@@ -7,8 +7,9 @@ public protocol CalibrationStore: Sendable {
     func load() -> String?
 
     /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`, then
-    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings. Never
-    /// called for a snapshot that ``load()`` or the save before has kept already.
+    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings. Changed
+    /// means hard iron or soft iron: the field strength follows the noise of a device at rest, and is kept with them. Never
+    /// called when ``load()`` or the save before has kept the same.
     func save(_ snapshot: String)
 }
 

@@ -90,7 +90,7 @@ private struct Estimation {
     private var systemField: SystemFieldSample?
     private var number = 0
     /// What the store keeps, and the time of the sample it was saved at.
-    private var saved: String?
+    private var saved: Correction?
     private var savedNs: Int64?
     private var unseen: [Vector3] = []
     private var lookedNs: Int64?
@@ -98,9 +98,11 @@ private struct Estimation {
     init(_ config: Config, store: (any CalibrationStore)?, frame: (@Sendable () -> HeadingFrame)?) throws {
         compensator = try Compensator(config: config)
         (self.store, self.frame) = (store, frame)
-        saved = store?.load()
         do {
-            try saved.map(compensator.restoreCalibration)
+            if let kept = store?.load() {
+                try compensator.restoreCalibration(kept)
+                saved = try correction()
+            }
         } catch MagcompError.SnapshotDamaged, MagcompError.SnapshotNewer {
             // as at the first launch
         }
@@ -162,10 +164,22 @@ private struct Estimation {
     @discardableResult
     private mutating func save() -> Bool {
         // after a defect there is nothing to keep
-        guard let store, let snapshot = try? compensator.snapshotCalibration(), snapshot != saved else { return false }
+        guard let store, let found = try? correction(), found != saved,
+            let snapshot = try? compensator.snapshotCalibration()
+        else { return false }
         store.save(snapshot)
-        saved = snapshot
+        saved = found
         return true
+    }
+
+    private func correction() throws -> Correction? {
+        try compensator.calibration().map { Correction(softIron: $0.softIron, hardIronUt: $0.hardIronUt) }
+    }
+
+    /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
+    private struct Correction: Equatable {
+        var softIron: SoftIron
+        var hardIronUt: Vector3
     }
 
     mutating func end() {

@@ -1,3 +1,4 @@
+import Foundation
 import Magcomp
 import Testing
 
@@ -73,35 +74,93 @@ import Testing
     @Test func itIsNotSavedAgainUntilItHasChanged() async throws {
         let rested = tumbling(1500) + still(1500..<6000)
         let turned = rested + tumbling(600).map { moved($0, byNs: 6000 * stepNs) }
-        // what the store should know, from a compensator of our own
-        var changedS: [Double] = []
-        var latest, atRest: String?
-        let compensator = try Compensator()
-        for (k, event) in turned.enumerated() {
-            _ = try compensator.push(event)
-            let snapshot = try compensator.snapshotCalibration()
-            if snapshot != latest { changedS.append(seconds(event)) }
-            latest = snapshot
-            if k == rested.count - 1 { atRest = snapshot }
-        }
-        let before = try #require(changedS.last { $0 <= 60 })
+        let changedS = try changes(turned).map(\.seconds)
+        #expect(try #require(changedS.last { $0 <= 60 }) < 20, "the data show a rest")
         let after = try #require(changedS.first { $0 > 60 })
-        #expect(before < 20, "the data show a rest")
-
-        let store = Kept()
-        _ = try await readings(rested, store)
-        #expect(try #require(store.savedS.last) <= before + 10.201, "\(store.savedS)")
-        #expect(store.state.value.snapshot == atRest, "the last change was saved, though within 10 s of the save before")
 
         let again = Kept()
         _ = try await readings(turned, again)
         let first = try #require(again.savedS.first { $0 > 60 })
         #expect((0...0.201).contains(first - after), "10 s had long passed: changed at \(after), saved at \(first)")
 
-        // a next launch that ends before the first magnetometer sample
-        let next = Kept(atRest)
-        _ = try await readings(Array(tumbling(1)[..<1]), next)
-        #expect(next.savedS == [])
+    }
+
+    @Test func aDeviceAtRestIsSavedNoMoreNorAtTheEndNorAtTheNextLaunch() async throws {
+        let alone = tumbling(1500) + still(1500..<6000)
+        for rested in [alone, handHeld(moving: 2000, still: 4000)] {
+            let (changedS, calibration) = try #require(try changes(rested).last)
+            #expect(changedS < 40, "the data show a rest")
+            let store = Kept()
+            _ = try await readings(rested, store)
+            #expect(try #require(store.savedS.last) <= changedS + 10.201, "\(store.savedS)")
+            let kept = try Compensator()
+            try kept.restoreCalibration(try #require(store.state.value.snapshot))
+            #expect(
+                try kept.calibration()?.hardIronUt == calibration.hardIronUt,
+                "the last change was saved, though within 10 s of the save before")
+            // a next launch that ends before the first magnetometer sample
+            let next = Kept(store.state.value.snapshot)
+            _ = try await readings(Array(rested[..<1]), next)
+            #expect(next.savedS == [])
+        }
+        // or else the gyroscope's part is the same as the magnetometer's alone
+        let events = handHeld(moving: 2000, still: 4000)
+        let compensator = try Compensator()
+        _ = try compensator.pushAll(Array(events[..<15_000]))
+        let before = try compensator.calibration()
+        _ = try compensator.pushAll(Array(events[15_000...]))
+        #expect(try compensator.calibration() != before, "the field strength follows the noise")
+    }
+
+    /// When a compensator of our own changes hard iron or soft iron, and to what.
+    func changes(_ events: [SensorSample]) throws -> [(seconds: Double, calibration: Calibration)] {
+        let compensator = try Compensator()
+        var latest: Calibration?
+        return try events.compactMap { event in
+            _ = try compensator.push(event)
+            guard let found = try compensator.calibration() else { return nil }
+            var correction = found
+            correction.fieldStrengthUt = 1
+            defer { latest = correction }
+            return correction == latest ? nil : (seconds(event), found)
+        }
+    }
+
+    /// A phone with a gyroscope, turned by hand for some samples and still from then on, and noise.
+    func handHeld(moving: Int, still: Int) -> [SensorSample] {
+        var (up, field) = (Vector3(x: 0, y: 0, z: 9.81), Vector3(x: 0, y: 22, z: -42))
+        return (1...(moving + still)).flatMap { k -> [SensorSample] in
+            let (t, timeNs) = (Double(k) * 0.01, Int64(k) * stepNs)
+            func noisy(_ v: Vector3, _ size: Double) -> Vector3 {
+                let noise = { (n: Int) in size * (Double((k * n) % 11) - 5) / 3 }
+                return Vector3(x: v.x + noise(3), y: v.y + noise(5), z: v.z + noise(7))
+            }
+            let rate =
+                k <= moving
+                ? Vector3(x: 0.8 * sin(0.9 * t), y: 0.9 * cos(0.7 * t), z: 0.7 * sin(1.3 * t + 1))
+                : Vector3(x: 0, y: 0, z: 0)
+            up = seen(up, rate)
+            field = seen(field, rate)
+            let raw = Vector3(x: field.x + 30, y: field.y - 20, z: field.z + 40)
+            return [
+                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: noisy(rate, 0.002))),
+                .up(UpSample(timeNs: timeNs, upMS2: noisy(up, 0.02))),
+                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: noisy(raw, 0.3))),
+            ]
+        }
+    }
+
+    /// A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula.
+    func seen(_ v: Vector3, _ rate: Vector3) -> Vector3 {
+        let speed = (rate.x * rate.x + rate.y * rate.y + rate.z * rate.z).squareRoot()
+        guard speed > 0 else { return v }
+        let (x, y, z) = (rate.x / speed, rate.y / speed, rate.z / speed)
+        let (c, s) = (cos(0.01 * speed), sin(0.01 * speed))
+        let along = (x * v.x + y * v.y + z * v.z) * (1 - c)
+        return Vector3(
+            x: v.x * c - (y * v.z - z * v.y) * s + x * along,
+            y: v.y * c - (z * v.x - x * v.z) * s + y * along,
+            z: v.z * c - (x * v.y - y * v.x) * s + z * along)
     }
 
     @Test func nothingIsSavedBeforeThereIsACalibration() async throws {

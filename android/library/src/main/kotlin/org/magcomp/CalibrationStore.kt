@@ -14,7 +14,8 @@ public interface CalibrationStore {
     /**
      * Keeps a snapshot in the place of the one before. Called on a background thread: when the status is first `Tracking`,
      * then when the calibration has changed and 10 s have passed since the save before, and at the end of the readings.
-     * Never called for a snapshot that [load] or the save before has kept already.
+     * Changed means hard iron or soft iron: the field strength follows the noise of a device at rest, and is kept with them.
+     * Never called when [load] or the save before has kept the same.
      */
     public fun save(snapshot: String)
 }

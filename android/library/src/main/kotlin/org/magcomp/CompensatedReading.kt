@@ -83,15 +83,16 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private var currentFrame: HeadingFrame? = frameOf(config)
 
     /** What the store keeps, and the time of the sample it was saved at. */
-    private var saved = store?.load()
+    private var saved: Correction? = null
     private var savedNs: Long? = null
     private var unseen = emptyList<Vector3>()
     private var lookedNs: Long? = null
 
     init {
-        saved?.let {
+        store?.load()?.let {
             try {
                 compensator.restoreCalibration(it)
+                saved = correction()
             } catch (_: MagcompException.SnapshotDamaged) {
                 // as at the first launch
             } catch (_: MagcompException.SnapshotNewer) {
@@ -149,12 +150,17 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     /** Whether there was anything to save that the store does not keep already. */
     private fun save(): Boolean {
         if (store == null) return false
-        val snapshot = compensator.snapshotCalibration()
-        if (snapshot == null || snapshot == saved) return false
-        store.save(snapshot)
-        saved = snapshot
+        val found = correction()
+        if (found == null || found == saved) return false
+        compensator.snapshotCalibration()?.let(store::save)
+        saved = found
         return true
     }
+
+    private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
+
+    /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
+    private data class Correction(val softIron: SoftIron, val hardIronUt: Vector3)
 
     override fun close() {
         try {

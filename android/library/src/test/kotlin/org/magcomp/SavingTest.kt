@@ -1,6 +1,9 @@
 package org.magcomp
 
 import java.util.Random
+import kotlin.math.cos
+import kotlin.math.sin
+import kotlin.math.sqrt
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.asFlow
 import kotlinx.coroutines.flow.flow
@@ -8,6 +11,7 @@ import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertFalse
+import org.junit.jupiter.api.Assertions.assertNotEquals
 import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
@@ -70,35 +74,54 @@ class SavingTest {
         val moved = events(tumbling(1500))
         val rested = moved + still(1500 until 6000)
         val turned = rested + events(tumbling(600), beginNs = 6000 * STEP_NS)
-        // what the store should know, from a compensator of our own
-        val changedS = mutableListOf<Double>()
-        var (latest, atRest) = listOf<String?>(null, null)
-        Compensator().use { compensator ->
-            for (event in turned) {
-                compensator.pushAll(listOf(event))
-                val snapshot = compensator.snapshotCalibration()
-                if (snapshot != latest) changedS += seconds(event)
-                latest = snapshot
-                if (event == rested.last()) atRest = snapshot
-            }
-        }
-        val (before, after) = changedS.partition { it <= 60.0 }
+        val (before, after) = changes(turned).map { it.first }.partition { it <= 60.0 }
         assertTrue(before.last() < 20.0 && after.isNotEmpty(), "the data show a rest, and a change after it: ${before.last()}")
-
-        val store = Kept()
-        readings(rested, store)
-        assertTrue(store.savedS.last() <= before.last() + 10.201, "${store.savedS}")
-        assertEquals(atRest, store.snapshot, "the last change was saved, though it came within 10 s of the save before")
 
         val again = Kept()
         readings(turned, again)
         val first = again.savedS.first { it > 60.0 }
         assertTrue(first - after.first() in 0.0..0.201, "10 s had long passed: changed at ${after.first()}, saved at $first")
 
-        // a next launch that ends before the first magnetometer sample
-        val next = Kept(atRest)
-        readings(events(tumbling(1)).take(1), next)
-        assertEquals(emptyList<Double>(), next.savedS)
+    }
+
+    @Test
+    fun `a device at rest is saved no more, nor at the end, nor at the next launch`() {
+        val alone = events(tumbling(1500)) + still(1500 until 6000)
+        for (rested in listOf(alone, handHeld(2000, 4000))) {
+            val (changedS, calibration) = changes(rested).last()
+            assertTrue(changedS < 40.0, "the data show a rest: $changedS")
+            val store = Kept()
+            readings(rested, store)
+            assertTrue(store.savedS.last() <= changedS + 10.201, "${store.savedS}")
+            val kept = Compensator().use {
+                it.restoreCalibration(store.snapshot!!)
+                it.calibration()!!
+            }
+            assertEquals(calibration.hardIronUt, kept.hardIronUt, "the last change was saved, though within 10 s of the save before")
+            // a next launch that ends before the first magnetometer sample
+            val next = Kept(store.snapshot)
+            readings(rested.take(1), next)
+            assertEquals(emptyList<Double>(), next.savedS)
+        }
+        // or else the gyroscope's part is the same as the magnetometer's alone
+        val (moved, last) = Compensator().use { compensator ->
+            val (before, after) = handHeld(2000, 4000).partition { seconds(it) <= 50 }
+            compensator.pushAll(before)
+            Pair(compensator.calibration(), compensator.apply { pushAll(after) }.calibration())
+        }
+        assertNotEquals(moved, last, "the field strength follows the noise")
+    }
+
+    /** When a compensator of our own changes hard iron or soft iron, and to what. */
+    private fun changes(events: List<SensorSample>): List<Pair<Double, Calibration>> = Compensator().use { compensator ->
+        var latest: Calibration? = null
+        events.mapNotNull { event ->
+            compensator.pushAll(listOf(event))
+            val found = compensator.calibration()
+            if (found == null || found.copy(fieldStrengthUt = 1.0) == latest) return@mapNotNull null
+            latest = found.copy(fieldStrengthUt = 1.0)
+            Pair(seconds(event), found)
+        }
     }
 
     @Test
@@ -130,6 +153,44 @@ class SavingTest {
     }
 
     private fun seconds(event: SensorSample) = event.timeNs * 1e-9
+
+    /** A phone with a gyroscope, turned by hand for some samples and still from then on: noise of 0.3 uT. */
+    private fun handHeld(moving: Int, still: Int): List<SensorSample> {
+        val random = Random(6)
+        fun noisy(v: Vector3, noise: Double) = Vector3(
+            v.x + noise * random.nextGaussian(),
+            v.y + noise * random.nextGaussian(),
+            v.z + noise * random.nextGaussian(),
+        )
+        var up = Vector3(0.0, 0.0, 9.81)
+        var field = Vector3(0.0, 22.0, -42.0)
+        return (1..moving + still).flatMap { k ->
+            val (t, timeNs) = Pair(k * 0.01, k * STEP_NS)
+            val rate = if (k <= moving) Vector3(0.8 * sin(0.9 * t), 0.9 * cos(0.7 * t), 0.7 * sin(1.3 * t + 1)) else Vector3(0.0, 0.0, 0.0)
+            up = seen(up, rate)
+            field = seen(field, rate)
+            val raw = Vector3(field.x + 30, field.y - 20, field.z + 40)
+            listOf(
+                SensorSample.RotationRate(RotationRateSample(timeNs, noisy(rate, 0.002))),
+                SensorSample.Up(UpSample(timeNs, noisy(up, 0.02))),
+                SensorSample.Magnetic(MagneticSample(timeNs, noisy(raw, 0.3))),
+            )
+        }
+    }
+
+    /** A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula. */
+    private fun seen(v: Vector3, rate: Vector3): Vector3 {
+        val speed = sqrt(rate.x * rate.x + rate.y * rate.y + rate.z * rate.z)
+        if (speed == 0.0) return v
+        val (x, y, z) = Triple(rate.x / speed, rate.y / speed, rate.z / speed)
+        val (c, s) = Pair(cos(0.01 * speed), sin(0.01 * speed))
+        val along = (x * v.x + y * v.y + z * v.z) * (1 - c)
+        return Vector3(
+            v.x * c - (y * v.z - z * v.y) * s + x * along,
+            v.y * c - (z * v.x - x * v.z) * s + y * along,
+            v.z * c - (x * v.y - y * v.x) * s + z * along,
+        )
+    }
 
     /** A device that lies still where the tumbling of 1500 samples left it: noise of 0.3 uT. */
     private fun still(samples: IntRange): List<SensorSample> {
