@@ -100,6 +100,40 @@ fn attitudes_of_the_reference() {
     assert!(compared > 1000, "{compared}");
 }
 
+#[derive(Deserialize)]
+struct PlatformEvents {
+    inclination_deg: f64,
+    cases: Vec<PlatformEvent>,
+}
+
+#[derive(Deserialize)]
+struct PlatformEvent {
+    name: String,
+    axis: String,
+    field_ut: Vector3<f64>,
+    up_m_s2: Vector3<f64>,
+    heading_deg: f64,
+}
+
+/// Kotlin and Swift assert the same file from the platforms' events on.
+#[test]
+fn attitudes_of_the_platform_events() {
+    let events = vectors::<PlatformEvents>("platform_events.json");
+    assert_eq!(events.cases.len(), 50);
+    for case in events.cases {
+        let axis = match case.axis.as_str() {
+            "top_edge" => ReferenceAxis::TopEdge,
+            "camera" => ReferenceAxis::Camera,
+            other => panic!("{other}"),
+        };
+        let found =
+            heading(&case.field_ut, &case.up_m_s2, axis, ScreenRotation::Deg0).expect("the axis is not vertical");
+        let off = apart(found.heading_deg, case.heading_deg);
+        assert!(off < 1e-9, "{}: {} not {}", case.name, found.heading_deg, case.heading_deg);
+        assert!((found.inclination_deg - events.inclination_deg).abs() < 1e-9, "{}", case.name);
+    }
+}
+
 /// The bearing of a device axis, from the attitude (device to east, north, up): (bearing, its sine to the vertical).
 fn bearing(axis: ReferenceAxis, rotation: ScreenRotation, attitude: &Rotation3<f64>) -> (f64, f64) {
     let (right, top) = match rotation {

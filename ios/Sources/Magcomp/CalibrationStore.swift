@@ -6,7 +6,10 @@ public protocol CalibrationStore: Sendable {
     /// What was saved last, or nil.
     func load() -> String?
 
-    /// Keeps a snapshot in the place of the one before. Called in the background, once a minute and at the end.
+    /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`, then
+    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings. Changed
+    /// means hard iron or soft iron: the field strength follows the noise of a device at rest, and is kept with them. Never
+    /// called when ``load()`` or the save before has kept the same.
     func save(_ snapshot: String)
 }
 

@@ -1,6 +1,8 @@
 import Observation
 
 /// What a compass screen shows, for SwiftUI: `.task { await model.run() }`.
+///
+/// Every run begins with nothing known; one that ends with an error leaves nothing but the error's text in ``status``.
 @available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
 @MainActor @Observable
 public final class CompassModel {
@@ -30,14 +32,21 @@ public final class CompassModel {
         set { compass.frame = newValue }
     }
 
-    /// Shows readings until its task is cancelled or the source ends.
+    /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
     public func run() async {
+        clear("starting")
         do {
             for try await answer in compass.readings() { show(answer) }
         } catch {
-            (headingDeg, headingSigmaDeg, guidance) = (nil, 180, nil)
-            status = error.localizedDescription
+            clear(error.localizedDescription)
         }
+    }
+
+    /// Nothing of an earlier reading, nor of an earlier error.
+    private func clear(_ status: String) {
+        (headingDeg, headingSigmaDeg, totalFieldUt, systemField) = (nil, 180, nil, nil)
+        (coverage, guidance, latest) = (0, nil, nil)
+        self.status = status
     }
 
     private func show(_ answer: CompensatedReading) {

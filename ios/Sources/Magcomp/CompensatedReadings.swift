@@ -78,10 +78,10 @@ public struct CompensatedReadings: AsyncSequence, Sendable {
 
 /// One iterator's compensator.
 private struct Estimation {
-    /// Once a minute: what a crash costs at the most.
-    private static let saveEveryNs = 60e9
+    /// About what a crash costs; flash memory wears out with more.
+    private static let saveEveryNs = 10e9
     /// As often as an eye sees.
-    private static let unseenEveryNs = 0.2e9
+    private static let lookEveryNs = 0.2e9
 
     private let compensator: Compensator
     private let store: (any CalibrationStore)?
@@ -89,15 +89,20 @@ private struct Estimation {
     private var currentFrame: HeadingFrame?
     private var systemField: SystemFieldSample?
     private var number = 0
+    /// What the store keeps, and the time of the sample it was saved at.
+    private var saved: Correction?
     private var savedNs: Int64?
     private var unseen: [Vector3] = []
-    private var unseenNs: Int64?
+    private var lookedNs: Int64?
 
     init(_ config: Config, store: (any CalibrationStore)?, frame: (@Sendable () -> HeadingFrame)?) throws {
         compensator = try Compensator(config: config)
         (self.store, self.frame) = (store, frame)
         do {
-            try store?.load().map(compensator.restoreCalibration)
+            if let kept = store?.load() {
+                try compensator.restoreCalibration(kept)
+                saved = try correction()
+            }
         } catch MagcompError.SnapshotDamaged, MagcompError.SnapshotNewer {
             // as at the first launch
         }
@@ -132,35 +137,52 @@ private struct Estimation {
         }
         let reading = try compensator.push(sample)
         // a time that is refused may be any
-        if case .rejected = reading.status {} else { try nowAndThen(sample.timeNs) }
+        if case .rejected = reading.status {} else { try nowAndThen(sample.timeNs, reading.status) }
         defer { number += 1 }
         let answer = CompensatedReading(
             reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen)
         return (number, answer)
     }
 
-    private mutating func nowAndThen(_ timeNs: Int64) throws {
-        let saved = savedNs ?? timeNs
-        savedNs = saved
-        if Self.apart(timeNs, saved) >= Self.saveEveryNs {
-            savedNs = timeNs
+    private mutating func nowAndThen(_ timeNs: Int64, _ status: Status) throws {
+        let since = savedNs
+        if since == nil, status == .tracking {
             save()
+            savedNs = timeNs
         }
-        if unseenNs.map({ Self.apart(timeNs, $0) >= Self.unseenEveryNs }) ?? true {
-            unseenNs = timeNs
+        if lookedNs.map({ Self.apart(timeNs, $0) >= Self.lookEveryNs }) ?? true {
+            lookedNs = timeNs
             unseen = try compensator.coverage().unseenDirections
+            if let since, Self.apart(timeNs, since) >= Self.saveEveryNs, save() { savedNs = timeNs }
         }
     }
 
     /// Nanoseconds between two times; the clock may have begun anew between them, so either may be the later.
     private static func apart(_ oneNs: Int64, _ otherNs: Int64) -> Double { abs(Double(oneNs) - Double(otherNs)) }
 
-    private func save() {
+    /// Whether there was anything to save that the store does not keep already.
+    @discardableResult
+    private mutating func save() -> Bool {
         // after a defect there is nothing to keep
-        if let store, let snapshot = try? compensator.snapshotCalibration() { store.save(snapshot) }
+        guard let store, let found = try? correction(), found != saved,
+            let snapshot = try? compensator.snapshotCalibration()
+        else { return false }
+        store.save(snapshot)
+        saved = found
+        return true
     }
 
-    func end() {
+    private func correction() throws -> Correction? {
+        try compensator.calibration().map { Correction(softIron: $0.softIron, hardIronUt: $0.hardIronUt) }
+    }
+
+    /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
+    private struct Correction: Equatable {
+        var softIron: SoftIron
+        var hardIronUt: Vector3
+    }
+
+    mutating func end() {
         save()
         compensator.close()
     }

@@ -33,7 +33,7 @@ import Testing
             let cases: [Case]
         }
         let events = try vectors("platform_events.json", as: Events.self)
-        #expect(events.cases.count == 12)
+        #expect(events.cases.count == 50)
         for fact in events.cases {
             let (g, r, m) = (fact.ios.gravity, fact.ios.rotationRate, fact.ios.magneticField)
             let samples = try await samples(3) {

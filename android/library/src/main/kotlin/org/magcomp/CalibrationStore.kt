@@ -11,7 +11,12 @@ public interface CalibrationStore {
     /** What was saved last, or null. */
     public fun load(): String?
 
-    /** Keeps a snapshot in the place of the one before. Called on a background thread, once a minute and at the end. */
+    /**
+     * Keeps a snapshot in the place of the one before. Called on a background thread: when the status is first `Tracking`,
+     * then when the calibration has changed and 10 s have passed since the save before, and at the end of the readings.
+     * Changed means hard iron or soft iron: the field strength follows the noise of a device at rest, and is kept with them.
+     * Never called when [load] or the save before has kept the same.
+     */
     public fun save(snapshot: String)
 }
 

@@ -1,13 +1,12 @@
 package org.magcomp
 
 import android.content.Context
-import java.io.IOException
 import java.util.concurrent.Executor
 import kotlinx.coroutines.CoroutineScope
-import kotlinx.coroutines.CoroutineStart
 import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.cancel
+import kotlinx.coroutines.ensureActive
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.launch
@@ -46,25 +45,24 @@ public class Compass @JvmOverloads constructor(
     public fun readings(): Flow<CompensatedReading> = source.samples().compensated(config, store, frames)
 
     /**
-     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed.
+     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed. What the
+     * listener throws in `onReading` ends the readings, as every other error does, and is given to its `onEnd`.
      *
      * @return closing it ends the readings; a call under way is finished
      */
     public fun start(executor: Executor, listener: CompassListener): AutoCloseable {
         val scope = CoroutineScope(SupervisorJob() + executor.asCoroutineDispatcher())
-        scope.launch(start = CoroutineStart.UNDISPATCHED) {
-            try {
+        scope.launch {
+            // whoever threw it: nobody above this coroutine would hear of it before the app crashed
+            val error = try {
                 readings().collect { listener.onReading(it) }
-                listener.onEnd(null)
-            } catch (e: SensorException) {
-                listener.onEnd(e)
-            } catch (e: RecordingException) {
-                listener.onEnd(e)
-            } catch (e: IOException) {
-                listener.onEnd(e)
-            } catch (e: MagcompException) {
-                listener.onEnd(e)
+                null
+            } catch (e: Exception) {
+                e
             }
+            // after closing there is nobody to tell
+            ensureActive()
+            listener.onEnd(error)
         }
         return AutoCloseable { scope.cancel() }
     }
@@ -77,7 +75,8 @@ public interface CompassListener {
 
     /**
      * There are no more readings, because the source ended or for this error: a [SensorException], a
-     * [RecordingException], an [IOException] of a recording's file or a [MagcompException]. Not called after closing.
+     * [RecordingException], a [java.io.IOException] of a recording's file, a [MagcompException], or what the source, the
+     * store or [onReading] threw. The sensors are no longer used then. Not called after closing.
      */
     public fun onEnd(error: Exception?)
 }

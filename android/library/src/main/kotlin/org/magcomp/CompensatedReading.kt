@@ -51,13 +51,17 @@ public fun Flow<SensorSample>.compensated(
         coroutineScope {
             val readings = Channel<Numbered>(capacity, BufferOverflow.DROP_OLDEST)
             launch(Dispatchers.Default) {
-                try {
+                val error = try {
                     Estimation(config, store, frame).use { estimation ->
                         samples.cancellable().collect { sample -> estimation.push(sample)?.let { readings.send(it) } }
                     }
-                } finally {
-                    readings.close()
+                    null
+                } catch (e: Exception) {
+                    e
                 }
+                // after the readings that came before it, and even a CancellationException, such as a source's own timeout,
+                // which would end this coroutine without a word
+                readings.close(error)
             }
             var next = 0L
             for ((number, answer) in readings) {
@@ -77,15 +81,18 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     private val buffer = ReadingBuffer()
     private var number = 0L
     private var currentFrame: HeadingFrame? = frameOf(config)
+
+    /** What the store keeps, and the time of the sample it was saved at. */
+    private var saved: Correction? = null
     private var savedNs: Long? = null
     private var unseen = emptyList<Vector3>()
-    private var unseenNs: Long? = null
+    private var lookedNs: Long? = null
 
     init {
-        val kept = store?.load()
-        if (kept != null) {
+        store?.load()?.let {
             try {
-                compensator.restoreCalibration(kept)
+                compensator.restoreCalibration(it)
+                saved = correction()
             } catch (_: MagcompException.SnapshotDamaged) {
                 // as at the first launch
             } catch (_: MagcompException.SnapshotNewer) {
@@ -119,29 +126,41 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
         }
         val reading = buffer.toReading()
         // a time that is refused may be any
-        if (reading.status !is Status.Rejected) nowAndThen(sample.timeNs)
+        if (reading.status !is Status.Rejected) nowAndThen(sample.timeNs, reading.status)
         return Numbered(number++, CompensatedReading(reading, sample, unseen))
     }
 
-    private fun nowAndThen(timeNs: Long) {
-        val saved = savedNs ?: timeNs.also { savedNs = it }
-        if (apart(timeNs, saved) >= SAVE_EVERY_NS) {
-            savedNs = timeNs
+    private fun nowAndThen(timeNs: Long, status: Status) {
+        val since = savedNs
+        if (since == null && status == Status.Tracking) {
             save()
+            savedNs = timeNs
         }
-        val looked = unseenNs
-        if (looked == null || apart(timeNs, looked) >= UNSEEN_EVERY_NS) {
-            unseenNs = timeNs
+        val looked = lookedNs
+        if (looked == null || apart(timeNs, looked) >= LOOK_EVERY_NS) {
+            lookedNs = timeNs
             unseen = compensator.coverage().unseenDirections
+            if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && save()) savedNs = timeNs
         }
     }
 
     /** Nanoseconds between two times; the clock may have begun anew between them, so either may be the later. */
     private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
 
-    private fun save() {
-        if (store != null) compensator.snapshotCalibration()?.let(store::save)
+    /** Whether there was anything to save that the store does not keep already. */
+    private fun save(): Boolean {
+        if (store == null) return false
+        val found = correction()
+        if (found == null || found == saved) return false
+        compensator.snapshotCalibration()?.let(store::save)
+        saved = found
+        return true
     }
+
+    private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
+
+    /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
+    private data class Correction(val softIron: SoftIron, val hardIronUt: Vector3)
 
     override fun close() {
         try {
@@ -154,11 +173,11 @@ private class Estimation(config: Config, private val store: CalibrationStore?, p
     }
 
     private companion object {
-        /** Once a minute: what a crash costs at the most. */
-        const val SAVE_EVERY_NS = 60_000_000_000L
+        /** About what a crash costs; flash memory wears out with more. */
+        const val SAVE_EVERY_NS = 10_000_000_000L
 
         /** As often as an eye sees. */
-        const val UNSEEN_EVERY_NS = 200_000_000L
+        const val LOOK_EVERY_NS = 200_000_000L
 
         fun frameOf(config: Config) = HeadingFrame(
             config.heading?.axis ?: ReferenceAxis.TOP_EDGE,

@@ -18,10 +18,18 @@ public sealed class SensorException(message: String, cause: Throwable? = null) :
         SensorException("above 200 Hz the manifest needs <uses-permission android:name=\"$permission\"/>; or ask for 200 Hz", cause)
 
     /**
-     * The system refused to deliver a sensor's events.
+     * The system refused to deliver a sensor's events, for instance because the app has 128 sensor listeners already.
      *
      * @property sensor its name
+     * @property reason what the system said, if it said anything
      */
-    public class Refused(public val sensor: String) :
-        SensorException("the system refused to deliver the $sensor; close other users of sensors and try again")
+    public class Refused @JvmOverloads constructor(
+        public val sensor: String,
+        public val reason: String? = null,
+        cause: Throwable? = null,
+    ) : SensorException(
+        "the system refused to deliver the $sensor" + (reason?.let { " ($it)" } ?: "") +
+            "; end other uses of the sensors and try again",
+        cause,
+    )
 }

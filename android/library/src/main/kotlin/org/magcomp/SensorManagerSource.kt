@@ -96,6 +96,9 @@ public class SensorManagerSource internal constructor(
             sensors.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, handler)
         } catch (e: SecurityException) {
             throw SensorException.PermissionMissing(HIGH_RATE, e)
+        } catch (e: IllegalStateException) {
+            // what Android throws at the 129th listener of an app
+            throw SensorException.Refused(nameOf(sensor.type), e.message, e)
         }
         if (!accepted) throw SensorException.Refused(nameOf(sensor.type))
     }

@@ -158,17 +158,12 @@ class FactsTest {
         val shared = JSONObject(repository.resolve("tests/vectors/platform_events.json").readText())
         val types = intArrayOf(Sensor.TYPE_GYROSCOPE, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
         val timeNs = shared.getLong("time_ns")
-        for (case in list(shared, "cases")) {
+        val cases = list(shared, "cases")
+        assertEquals(50, cases.size)
+        for (case in cases) {
             val sensors = FakeSensorManager(*types)
-            val source = SensorManagerSource(sensors, SensorOptions(), { true }) {
-                object : SensorManagerSource.EventThread {
-                    override val handler = null
-
-                    override fun end() = Unit
-                }
-            }
             val samples = mutableListOf<SensorSample>()
-            val collecting = launch { source.samples().take(3).toList(samples) }
+            val collecting = launch { sensors.source().samples().take(3).toList(samples) }
             withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
             val events = case.getJSONObject("android")
             for ((type, key) in types.zip(listOf("gyroscope", "gravity", "magnetic_field_uncalibrated"))) {
@@ -180,15 +175,15 @@ class FactsTest {
             val up = (samples[1] as SensorSample.Up).sample
             val field = (samples[2] as SensorSample.Magnetic).sample
             // Android's floats
-            assertVector(vector(case.getJSONArray("rate_rad_s")), rate.rateRadS, 1e-6)
-            assertVector(vector(case.getJSONArray("up_m_s2")), up.upMS2, 1e-6)
-            assertVector(vector(case.getJSONArray("field_ut")), field.fieldUt, 1e-6)
+            assertVector(vector(case.getJSONArray("rate_rad_s")), rate.rateRadS, 1e-5)
+            assertVector(vector(case.getJSONArray("up_m_s2")), up.upMS2, 1e-5)
+            assertVector(vector(case.getJSONArray("field_ut")), field.fieldUt, 1e-5)
             assertEquals(List(3) { timeNs }, samples.map { it.timeNs })
             val axis = ReferenceAxis.valueOf(case.getString("axis").uppercase())
             val found = heading(field.fieldUt, up.upMS2, HeadingFrame(axis, ScreenRotation.DEG0))!!
             val off = Math.IEEEremainder(found.headingDeg - case.getDouble("heading_deg"), 360.0)
-            assertTrue(abs(off) < 1e-6, "${case.getString("name")}: $found")
-            assertEquals(shared.getDouble("inclination_deg"), found.inclinationDeg, 1e-6)
+            assertTrue(abs(off) < 1e-4, "${case.getString("name")}: $found")
+            assertEquals(shared.getDouble("inclination_deg"), found.inclinationDeg, 1e-4)
         }
     }
 

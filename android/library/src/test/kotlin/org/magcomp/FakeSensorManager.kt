@@ -11,6 +11,7 @@ import android.hardware.TriggerEventListener
 import android.os.Handler
 import android.os.MemoryFile
 import java.util.concurrent.CopyOnWriteArrayList
+import java.util.concurrent.atomic.AtomicInteger
 
 /** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
 class FakeSensorManager(vararg types: Int) : SensorManager() {
@@ -21,8 +22,24 @@ class FakeSensorManager(vararg types: Int) : SensorManager() {
         SensorEvent(sensors.getValue(it), 0, 0, FloatArray(if (it == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) 6 else 3))
     }
     val registrations = CopyOnWriteArrayList<Registration>()
+
+    /** Threads of its sources that have not ended. */
+    val threads = AtomicInteger()
     var refuse: Int? = null
     var forbid = false
+
+    /** A source over these sensors, whose events come on the test's thread. */
+    internal fun source(options: SensorOptions = SensorOptions(), permitted: Boolean = true) =
+        SensorManagerSource(this, options, { permitted }) {
+            threads.incrementAndGet()
+            object : SensorManagerSource.EventThread {
+                override val handler: Handler? = null
+
+                override fun end() {
+                    threads.decrementAndGet()
+                }
+            }
+        }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {
@@ -46,6 +63,10 @@ class FakeSensorManager(vararg types: Int) : SensorManager() {
         maxReportLatencyUs: Int,
         reservedFlags: Int,
     ): Boolean {
+        // as Android's SystemSensorManager counts: at every sensor, even of a listener that is among them
+        check(registrations.distinctBy { it.listener }.size < LISTENER_LIMIT) {
+            "register failed, the sensor listeners size has exceeded the maximum limit $LISTENER_LIMIT"
+        }
         if (forbid) throw SecurityException("the permission is missing")
         if (sensor.type == refuse) return false
         registrations += Registration(listener, sensor, delayUs, maxReportLatencyUs)
@@ -81,9 +102,18 @@ class FakeSensorManager(vararg types: Int) : SensorManager() {
 
     override fun setOperationParameterImpl(parameter: SensorAdditionalInfo): Boolean = false
 
-    private companion object {
+    /** A listener of someone else. */
+    class Silent : SensorEventListener {
+        override fun onSensorChanged(event: SensorEvent) = Unit
+
+        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = Unit
+    }
+
+    companion object {
+        const val LISTENER_LIMIT = 128
+
         /** Apps can't make a Sensor: its constructor and its type are Android's own. */
-        fun sensor(type: Int): Sensor {
+        private fun sensor(type: Int): Sensor {
             val sensor = Sensor::class.java.getDeclaredConstructor().apply { isAccessible = true }.newInstance()
             Sensor::class.java.getDeclaredField("mType").apply { isAccessible = true }.setInt(sensor, type)
             return sensor

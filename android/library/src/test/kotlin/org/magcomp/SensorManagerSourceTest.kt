@@ -1,8 +1,6 @@
 package org.magcomp
 
 import android.hardware.Sensor
-import android.os.Handler
-import java.util.concurrent.atomic.AtomicInteger
 import java.util.concurrent.locks.LockSupport
 import kotlin.concurrent.thread
 import kotlinx.coroutines.Dispatchers
@@ -20,20 +18,6 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 
 class SensorManagerSourceTest {
-    private val threads = AtomicInteger()
-
-    private fun source(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true) =
-        SensorManagerSource(sensors, options, { permitted }) {
-            threads.incrementAndGet()
-            object : SensorManagerSource.EventThread {
-                override val handler: Handler? = null
-
-                override fun end() {
-                    threads.decrementAndGet()
-                }
-            }
-        }
-
     private val all = intArrayOf(
         Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED,
         Sensor.TYPE_MAGNETIC_FIELD,
@@ -45,7 +29,7 @@ class SensorManagerSourceTest {
     @Test
     fun `events arrive in order, copied, though Android uses the event again`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val samples = collectWhile(sensors, source(sensors), 4) {
+        val samples = collectWhile(sensors, sensors.source(), 4) {
             sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0.1f, 0.2f, 0.3f)
             sensors.deliver(Sensor.TYPE_GRAVITY, 2, 0f, 0f, 9.81f)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 3, 120f, -35f, 300f, 120f, -80f, 300f)
@@ -67,7 +51,7 @@ class SensorManagerSourceTest {
     fun `the best sensors are chosen, at the rate and latency asked for`() = runBlocking {
         val sensors = FakeSensorManager(*all)
         val options = SensorOptions(rateHz = 50, maxReportLatencyUs = 7)
-        collectWhile(sensors, source(sensors, options), 1) {
+        collectWhile(sensors, sensors.source(options), 1) {
             assertEquals(
                 listOf(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE),
                 sensors.registrations.map { it.sensor.type },
@@ -76,34 +60,38 @@ class SensorManagerSourceTest {
             sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
         }
         assertEquals(0, sensors.registrations.size, "unregistered")
-        assertEquals(0, threads.get(), "its thread has ended")
+        assertEquals(0, sensors.threads.get(), "its thread has ended")
     }
 
     @Test
     fun `without the best sensors the next best are used`() = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_ACCELEROMETER)
-        val samples = collectWhile(sensors, source(sensors), 2) {
-            sensors.deliver(Sensor.TYPE_ACCELEROMETER, 1, 0f, 9f, 0f)
+        val samples = collectWhile(sensors, sensors.source(), 2) {
+            sensors.deliver(Sensor.TYPE_ACCELEROMETER, 1, 4f, -9f, 2f)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, 2, 1f, 2f, 3f)
         }
-        assertEquals(SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)), samples[1])
+        val expected = listOf(
+            SensorSample.Up(UpSample(1, Vector3(4.0, -9.0, 2.0))),
+            SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)),
+        )
+        assertEquals(expected, samples)
     }
 
     @Test
     fun `what is missing or refused is a typed error that says which`() {
         fun fails(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true): SensorException {
             val error = assertThrows(SensorException::class.java) {
-                runBlocking { source(sensors, options, permitted).samples().first() }
+                runBlocking { withTimeout(20_000) { sensors.source(options, permitted).samples().first() } }
             }
             assertEquals(0, sensors.registrations.size, "nothing stays registered")
-            assertEquals(0, threads.get(), "no thread stays")
+            assertEquals(0, sensors.threads.get(), "no thread stays")
             return error
         }
         val none = fails(FakeSensorManager(Sensor.TYPE_GRAVITY)) as SensorException.Missing
         assertEquals("magnetometer", none.sensor)
         val noUp = fails(FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD)) as SensorException.Missing
         assertEquals("accelerometer", noUp.sensor)
-        val fast = SensorOptions(rateHz = 400)
+        val fast = SensorOptions(rateHz = 201)
         val permission = fails(FakeSensorManager(*all), fast, permitted = false) as SensorException.PermissionMissing
         assertEquals("android.permission.HIGH_SAMPLING_RATE_SENSORS", permission.permission)
         assertTrue(fails(FakeSensorManager(*all).apply { forbid = true }) is SensorException.PermissionMissing)
@@ -112,9 +100,62 @@ class SensorManagerSourceTest {
     }
 
     @Test
+    fun `up to 200 Hz no permission is needed`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source(SensorOptions(rateHz = 200), permitted = false)
+        collectWhile(sensors, source, 1) {
+            assertTrue(sensors.registrations.all { it.periodUs == 5000 })
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
+        }
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `a listener too many is a typed error, and the others go on`(): Unit = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source()
+        val others = List(FakeSensorManager.LISTENER_LIMIT - 1) { launch { source.samples().collect { } } }
+        registered(sensors, 3 * others.size)
+        // the last that Android lets in gets its magnetometer, then no gravity
+        val error = assertThrows(SensorException.Refused::class.java) { runBlocking { source.samples().first() } }
+        assertEquals("gravity sensor", error.sensor)
+        assertEquals(
+            "the system refused to deliver the gravity sensor (register failed, the sensor listeners size has exceeded the " +
+                "maximum limit 128); end other uses of the sensors and try again",
+            error.message,
+        )
+        assertTrue(error.cause is IllegalStateException)
+        assertEquals(3 * others.size, sensors.registrations.size, "nothing of its own stays registered")
+        assertEquals(others.size, sensors.threads.get())
+        // and as the message says
+        others.first().cancelAndJoin()
+        val again = launch { source.samples().collect { } }
+        registered(sensors, 3 * others.size)
+        (others + again).forEach { it.cancelAndJoin() }
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `an error of the collector unregisters the sensors`() {
+        class OfTheApp : Exception()
+        val sensors = FakeSensorManager(*all)
+        assertThrows(OfTheApp::class.java) {
+            runBlocking {
+                launch {
+                    registered(sensors, 3)
+                    sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, 2f, 3f)
+                }
+                sensors.source().samples().compensated().collect { throw OfTheApp() }
+            }
+        }
+        assertEquals(0, sensors.registrations.size)
+        assertEquals(0, sensors.threads.get())
+    }
+
+    @Test
     fun `two collectors have a listener each, and one ends alone`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val source = source(sensors)
+        val source = sensors.source()
         val first = launch(Dispatchers.Default) { source.samples().collect { } }
         val second = launch(Dispatchers.Default) { source.samples().collect { } }
         registered(sensors, 6)
@@ -122,13 +163,13 @@ class SensorManagerSourceTest {
         assertEquals(3, sensors.registrations.size)
         second.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
-        assertEquals(0, threads.get())
+        assertEquals(0, sensors.threads.get())
     }
 
     @Test
     fun `cancelled in the middle of events, again and again`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val source = source(sensors)
+        val source = sensors.source()
         var running = true
         val player = thread {
             var time = 1L
@@ -149,7 +190,7 @@ class SensorManagerSourceTest {
     @Test
     fun `no event is dropped before the estimator, however slow its collector`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val samples = collectWhile(sensors, source(sensors), 5000) {
+        val samples = collectWhile(sensors, sensors.source(), 5000) {
             // all at once, before the collector runs again
             for (k in 1L..5000) sensors.deliver(Sensor.TYPE_GYROSCOPE, k, k.toFloat(), 0f, 0f)
         }

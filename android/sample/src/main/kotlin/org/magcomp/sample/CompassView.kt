@@ -45,9 +45,11 @@ class CompassView(context: Context) : View(context) {
         invalidate()
     }
 
-    /** Shows why there are no readings. */
+    /** Shows why there are no readings, and nothing of those before. */
     fun explain(why: String?) {
         words = why ?: "the end"
+        reading = null
+        unseen = emptyList()
         invalidate()
     }
 
