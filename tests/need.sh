@@ -53,7 +53,7 @@ need() { # PART TOOL:PACKAGE...
     [ ${#lacking[@]} -gt 0 ] || return 0
     for pair in "${lacking[@]}"; do
         case "$pair" in
-            cargo:) echo "$part: missing: cargo; install Rust 1.89 or newer (https://rustup.rs)" ;;
+            cargo:) echo "$part: missing: cargo; install Rust 1.89 or newer" ;;
             jdk:*) echo "$part: missing: a JDK 17 or newer (Debian package ${pair#*:}), on PATH or in JAVA_HOME; $why" ;;
             *) echo "$part: missing: ${pair%%:*} (Debian package ${pair#*:}); $why" ;;
         esac
