@@ -241,7 +241,6 @@ impl Compensator {
         Answer {
             field_ut: output.corrected_ut.map(|(field, _)| field),
             field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + floor),
-            heading_covariance_ut2: output.heading_covariance_ut2.map(|covariance| covariance + floor),
             up: paired.up_m_s2,
             sigma_t: self.windowed.sigma_t(),
             direction_sigma_deg: output.direction_sigma_deg,

@@ -82,6 +82,17 @@ impl<const N: usize> Ldl<N> {
         (self.squared(&rows, |_| N), SVector::from(vector))
     }
 
+    /// H^-1 A.
+    #[inline]
+    pub fn solve_matrix(&self, a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+        let mut x = *a;
+        for mut column in x.column_iter_mut() {
+            let solved = self.solve(&column.clone_owned());
+            column.copy_from(&solved);
+        }
+        x
+    }
+
     /// H^-1.
     #[inline]
     pub fn inverse(&self) -> SMatrix<f64, N, N> {

@@ -7,5 +7,6 @@ mod report;
 mod start;
 
 pub use fit::{FitError, FitOptions, Residual, SMALLEST_SAMPLE_COUNT, Termination, fit_ellipsoid};
+pub(crate) use moments::ExactSum;
 pub use moments::Moments;
 pub use report::{EllipsoidFit, direction_sigma_deg};

@@ -48,8 +48,8 @@ const PLACES: [[usize; 10]; 10] = {
 /// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
 ///
 /// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct ExactSum {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ExactSum {
     high: i64,
     low: i64,
 }
@@ -76,8 +76,15 @@ impl ExactSum {
         self.low = low & LOW_MASK;
     }
 
+    /// A value enters as often as `times` says.
     #[inline]
-    fn value(self) -> f64 {
+    pub fn add_times(&mut self, value: f64, times: i64) {
+        let (high, low) = Self::split(value);
+        self.add((high.wrapping_mul(times), low * times));
+    }
+
+    #[inline]
+    pub fn value(self) -> f64 {
         (self.high as f64 + self.low as f64 / LOW_UNIT) / HIGH_UNIT
     }
 }
@@ -193,6 +200,21 @@ impl Moments {
         for (sum, part) in self.sums.iter_mut().zip(terms.parts) {
             sum.add(part);
         }
+    }
+
+    /// The mean of `count` neighbouring samples enters the set in their place: constant time.
+    pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
+        self.count += count;
+        self.not_finite += if is_finite(raw_ut) { 0 } else { count };
+        let monomials = self.monomials(raw_ut);
+        for (sum, value) in self.sums.iter_mut().zip(monomials) {
+            sum.add_times(value, count as i64);
+        }
+    }
+
+    /// No samples any more, about the same centre.
+    pub(crate) fn clear(&mut self) {
+        (self.count, self.not_finite, self.sums) = (0, 0, [ExactSum::default(); MONOMIALS]);
     }
 
     /// A sample that was added leaves the set: constant time, and exactly undoes [`Moments::add`].

@@ -1,59 +1,35 @@
 //! The adaptive estimator: M and b from the magnetometer alone, at the speed the information in the samples allows.
 //!
-//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; what was known before is a Gaussian prior.
-//! The estimate is the maximum a posteriori, in constant time from the moments of the samples. A change is noticed from
-//! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
-//! what they lead to is released when it is predicted to be better than what is in force.
-//! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
-//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `neighbours` (averaged) · `noise` ·
-//! `notice` (changes) · `change` (small ones) · `drift`, `rate`, `line` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
-//! `publish` (the gate) · `answer` (what is in force) · `output`.
+//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; when that change was, and what it changed, is
+//! not known. A bank of hypotheses says each what it may be; the samples weigh them; the mixture is published.
+//! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
+//! `hypothesis` (prior, fit, evidence) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
+//! `grouping` (neighbours averaged) · `angle` (errors as angles) · `output`.
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
-mod answer;
-mod change;
-mod drift;
+mod bank;
+mod grouping;
 mod hypothesis;
-mod ladder;
 mod likelihood;
-mod line;
-mod neighbours;
 mod noise;
-mod notice;
 mod output;
 mod parameters;
-mod publish;
-mod rate;
-mod rivals;
-mod samples;
-mod spread;
-mod starts;
-mod steadiness;
-#[cfg(test)]
-mod tests;
-mod witness;
+mod tuning;
+mod vertical;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError};
-use crate::reading::{Event, ModelOrder};
-use drift::Drift;
-use hypothesis::{Gaussian, Hypothesis};
-use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
-use likelihood::Likelihood;
-use nalgebra::{Matrix3, Vector3};
-use neighbours::Neighbours;
-use noise::Noise;
-use notice::{LARGE_CHANGE, RETURNED};
+use crate::reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Status};
+use bank::Bank;
+use grouping::{Group, Grouping};
+use hypothesis::{Gate, Gaussian, Kind, Sample};
+use nalgebra::Vector3;
+use noise::{Level, Noise, VerticalNoise};
 pub(crate) use output::AdaptiveOutput;
-use parameters::Vector9;
-use publish::Published;
-use rate::Motion;
-use rivals::Rivals;
-use samples::Samples;
+use parameters::is_bounded;
 use serde::{Deserialize, Serialize};
-use steadiness::Steadiness;
-use witness::Witness;
+use tuning::Tuning;
 
 /// The few numbers of the adaptive estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,62 +56,25 @@ impl AdaptiveConfig {
     }
 }
 
-/// Least noise that is believed, uT: quantisation of phones' magnetometers is 0.05 to 0.15.
-const LEAST_NOISE_UT: f64 = 0.03;
-/// A sample that fits worse than this many standard deviations is not used: 1 in 150 000 by chance.
-const GATE: f64 = 4.5;
-/// The first samples of a segment fit many ellipsoids: gated is what lies further from the first of them than any field
-/// strength reaches (units); the review drops what else was wrong.
-const UNGATED: usize = 9;
-const FARTHEST: f64 = 4.0;
-/// So many of the latest samples decide about a large change.
-const RECENT: usize = 24;
-/// Samples of a segment before small changes in it are looked for.
-const SCANNED_FROM: usize = 32;
-/// Former calibrations that are remembered.
-const FORMER: usize = 4;
-/// Samples in a block that is absorbed into the prior: the span of that length stays.
-const BLOCK_SPAN: usize = 3;
-/// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
-const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// Noise is no more than so many times the variance by which neighbours differ, and so many standard deviations of the
-/// room's unevenness.
-const MORE_THAN_DIFFERING: f64 = 3.0;
-const MORE_THAN_UNEVEN: f64 = 2.0;
-/// Ages of a segment at which its samples are gated anew and other starts are tried.
-const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
-/// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
-const FIRST_TURNS: usize = 12;
-const MOST_TURNS: usize = 8;
-const FEWER_TURNS: usize = 4;
-const YOUNG: usize = 32;
-/// Most iterations of each with one of the first samples, where they come from all around: each moves the minimum far.
-const ITERATIONS_YOUNG: usize = 3;
+/// Standard gravity, and the share of it by which a vertical may be accelerated to be one.
+const GRAVITY_M_S2: f64 = 9.806_65;
+const CALM: f64 = 0.1;
 
-/// Above this expected error (degrees) the linearised covariance is not taken at its word.
-const CLOSE_DEG: f64 = 5.0;
+const TUNING: Tuning = Tuning::PHONE;
 
-/// What competes since the latest change.
+/// What is in force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Trial {
-    since_ns: i64,
-    /// What was known before; None at the start.
-    base: Option<Gaussian>,
-    /// What was in force before.
-    held: Option<Published>,
-    /// Its result has been released.
-    released: bool,
-    /// The samples fit no ellipsoid.
-    misfit: bool,
+struct Published {
+    known: Gaussian,
+    /// Expected direction error all around, rad^2.
+    error: f64,
 }
 
-/// A sample of late, and whether it was gated.
+/// Where the device stays, and for how long, samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Late {
-    time_ns: i64,
-    raw_ut: Vector3<f64>,
-    gated: bool,
-    alone: bool,
+struct Stay {
+    at: Vector3<f64>,
+    samples: f64,
 }
 
 /// The estimator. All state is plain numbers.
@@ -143,29 +82,25 @@ struct Late {
 pub(crate) struct Adaptive {
     unit_ut: f64,
     strength_ut: Option<f64>,
-    release_below_deg: f64,
-    centre_ut: Vector3<f64>,
-    started: bool,
     given: Option<Calibration>,
-    samples: Samples,
-    rivals: Rivals,
-    trial: Option<Trial>,
-    former: [Option<Gaussian>; FORMER],
+    bank: Box<Bank>,
     noise: Noise,
-    steadiness: Steadiness,
-    witness: Witness,
-    drift: Drift,
-    motion: Motion,
-    late: [Option<Late>; RECENT],
-    /// A second look at the latest samples has not helped: a change is called with the next one, which spreads the cost.
-    called: bool,
+    vertical_noise: VerticalNoise,
+    up: Option<Vector3<f64>>,
+    grouping: Grouping,
+    stay: Stay,
+    latest_ns: Option<i64>,
+    group_ns: Option<i64>,
     published: Option<Published>,
+    surprised: bool,
+    worst: f64,
     order: ModelOrder,
     event: Option<Event>,
+    /// The hypothesis whose change was decided last.
+    decided: u32,
+    /// Since when the place is another one.
+    place_ns: Option<i64>,
     count: u64,
-    absorbed_ns: i64,
-    direction_sigma_deg: f64,
-    worst_sigma_deg: f64,
 }
 
 impl Adaptive {
@@ -174,231 +109,228 @@ impl Adaptive {
         let fit = &config.fit;
         let middle = (fit.field_range_ut.0 * fit.field_range_ut.1).sqrt();
         let unit_ut = fit.field_strength_ut.unwrap_or(middle);
+        let tuning = Tuning { noise_ut: config.adaptive.noise_ut, ..TUNING };
         Self {
             unit_ut,
             strength_ut: fit.field_strength_ut,
-            release_below_deg: fit.max_direction_sigma_deg,
-            centre_ut: Vector3::zeros(),
-            started: false,
             given: initial,
-            samples: Samples::new(Vector3::zeros(), unit_ut),
-            rivals: Rivals::new([], &[]),
-            trial: None,
-            former: [None; FORMER],
-            noise: Noise::new(
-                config.adaptive.noise_ut / unit_ut,
-                LEAST_NOISE_UT / unit_ut,
-                config.heading.field_sigma_ut / unit_ut,
-            ),
-            steadiness: Steadiness::new(),
-            witness: Witness::new(),
-            drift: Drift::default(),
-            motion: Motion::default(),
-            late: [None; RECENT],
-            called: false,
+            bank: Box::new(Bank::new()),
+            noise: Noise::new(&tuning, unit_ut),
+            vertical_noise: VerticalNoise::new(),
+            up: None,
+            grouping: Grouping::default(),
+            stay: Stay { at: Vector3::zeros(), samples: 0.0 },
+            latest_ns: None,
+            group_ns: None,
             published: None,
+            surprised: false,
+            worst: 0.0,
             order: ModelOrder::Nothing,
             event: None,
+            decided: 0,
+            place_ns: None,
             count: 0,
-            absorbed_ns: 0,
-            direction_sigma_deg: 180.0,
-            worst_sigma_deg: 180.0,
         }
+    }
+
+    /// What gravity says with the next sample, m/s^2.
+    pub fn level(&mut self, up_m_s2: Option<Vector3<f64>>) {
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < CALM;
+        self.up = up_m_s2.filter(calm).map(|up| up.normalize());
     }
 
     /// A raw sample, finite, times in order.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
-        let unseen = self.steadiness.is_resting(self.noise.uneven_samples());
-        let raw_ut = &(raw_ut - self.motion.go(time_ns, self.unit_ut, unseen));
-        let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
-        if !self.started {
-            if self.given.is_none() && (leaps || !self.steadiness.is_known()) {
-                return self.output(raw_ut);
-            }
-            self.begin(time_ns, raw_ut);
-        }
+        let u = raw_ut / self.unit_ut;
+        let seconds = self.latest_ns.map(|latest| time_ns.saturating_sub(latest) as f64 * 1e-9);
+        self.latest_ns = Some(time_ns);
+        self.noise.raw(&u, seconds);
         self.count += 1;
-        let gated = leaps || self.is_gated(raw_ut);
-        if let Some(before) = self.late[RECENT - 1] {
-            self.noise.learn_period(time_ns.saturating_sub(before.time_ns) as f64 * 1e-9);
+        if self.bank.is_empty() {
+            self.begin(time_ns, &u);
         }
-        self.late.rotate_left(1);
-        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
-        self.samples.noise = self.noise.variance.sqrt();
-        let rests = !gated && self.rests(raw_ut);
-        let onset = self.onset();
-        if self.called || onset.odds >= LARGE_CHANGE {
-            self.large_change(onset.first);
-        } else if self.former_is_back() {
-            self.large_change(RECENT - RETURNED);
-        } else if !gated && !rests {
-            self.samples.add(raw_ut);
-            self.fit();
-            if self.trial.is_some() && REVIEWS.contains(&self.samples.age) {
-                self.review();
-            } else if self.count.is_multiple_of(2) {
-                self.look_for_small_change(time_ns);
-            } else {
-                self.absorb(time_ns);
+        let level = self.noise.level(&self.vertical_noise);
+        let radius = TUNING.group_ut / self.unit_ut + 4.5 * level.white.sqrt();
+        let longest = ((TUNING.group_s - self.noise.period_s()).max(0.0) * 1e9) as i64;
+        for group in self.grouping.push((time_ns, u, self.up), radius, longest).into_iter().flatten() {
+            self.take(&group);
+        }
+        self.output(&u)
+    }
+
+    fn begin(&mut self, time_ns: i64, u: &Vector3<f64>) {
+        let given = self.given.map(|calibration| {
+            let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
+            bank::given(&parameters::tau_of(&t, &(calibration.hard_iron_ut() / self.unit_ut)), self.unit_ut, &TUNING)
+        });
+        self.published = given.map(|known| Published { known, error: angle::expected(&known) });
+        self.bank.begin(time_ns, u, self.unit_ut, self.strength_ut, given, &TUNING);
+        self.decided = self.bank.best().map_or(0, |best| best.id);
+    }
+
+    /// A complete group of neighbours.
+    fn take(&mut self, group: &Group) {
+        let level = self.noise.level(&self.vertical_noise);
+        let (u, count) = (group.mean(), group.samples().len());
+        let seconds = self.group_ns.map_or(0.0, |before| group.began_ns().saturating_sub(before) as f64 * 1e-9);
+        self.group_ns = Some(group.began_ns());
+        let stale = self.stays(&u, count as f64, &level);
+        let half_square = -(TUNING.spike_share * level.white.sqrt() * std::f64::consts::TAU.sqrt() * self.unit_ut
+            / TUNING.spike_range_ut)
+            .ln();
+        let gate = Gate {
+            half_square,
+            price: half_square / level.kappa.sqrt(),
+            unsure: TUNING.unsure_deg.to_radians().powi(2),
+        };
+        let sample = Sample { u, raw_ut: u * self.unit_ut, up: group.up(), count, stale };
+        let period_s = self.noise.period_s();
+        if !stale {
+            self.learn_noise(group, &level, &gate);
+        }
+        self.surprised = self.bank.push(
+            group.began_ns(),
+            &sample,
+            seconds.min(1.0),
+            period_s,
+            &level,
+            &gate,
+            self.unit_ut,
+            self.strength_ut,
+            &TUNING,
+        );
+        self.publish(group.began_ns());
+    }
+
+    /// What the best hypothesis misses tells of the noise, where it is known well enough.
+    fn learn_noise(&mut self, group: &Group, level: &Level, gate: &Gate) {
+        let Some(best) = self.bank.best() else { return };
+        let white = best.error / level.kappa;
+        let count = group.samples().len() as f64;
+        let surprised = best.judges(level, gate)
+            && best.surprise(&group.mean(), count, level).is_some_and(|(_, z2)| 0.5 * z2 > gate.half_square * count);
+        if best.age * self.noise.period_s() <= 0.5 || white.sqrt() >= 5.0_f64.to_radians() || surprised {
+            self.noise.interrupt();
+            self.vertical_noise.interrupt();
+            return;
+        }
+        let known = best.known;
+        if let Some(up) = group.up() {
+            let (e, g) = vertical::miss(&known.mean, &group.mean(), &up);
+            let rho = g.dot(&(known.covariance * g)).max(0.0) / level.kappa;
+            for _ in 0..group.samples().len() {
+                self.vertical_noise.miss(e, rho, self.noise.period_s());
             }
-            self.look_for_a_rate(time_ns);
         }
-        if !rests && !self.called {
-            self.judge();
+        for u in group.samples() {
+            if let Some((e, g)) = parameters::distance(&known.mean, u) {
+                let rho = g.dot(&(known.covariance * g)).max(0.0) / level.kappa;
+                self.noise.distance(e, rho, rho < 0.25 * level.white);
+            }
         }
-        self.attest(time_ns, raw_ut, rests);
-        if !self.called {
-            self.publish(time_ns);
-        }
-        self.output(raw_ut)
     }
 
-    /// Whether a sample tells nothing new: unevenness of the field lasts as long as the device does not move.
-    fn rests(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let (within, samples) = (self.noise.unevenness(), self.noise.uneven_samples());
-        self.steadiness.rests(&(raw_ut / self.unit_ut), within, samples)
-    }
-
-    fn unit(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
-        (raw_ut - self.centre_ut) / self.unit_ut
-    }
-
-    /// The first sample.
-    fn begin(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) {
-        self.started = true;
-        self.absorbed_ns = time_ns;
-        self.move_centre(raw_ut);
-        let given = self.given.map(|calibration| ladder::given(&self.tau_of(&calibration), self.unit_ut));
-        self.published = given.map(|known| Published { tau: known.mean, covariance: known.covariance, expected: 0.0 });
-        self.compete(time_ns, given);
-    }
-
-    /// Coordinates about another sample; the segment starts anew there.
-    fn move_centre(&mut self, raw_ut: &Vector3<f64>) {
-        let by = (self.centre_ut - raw_ut) / self.unit_ut;
-        self.centre_ut = *raw_ut;
-        self.rivals.shift(&by);
-        self.witness.shift(&by);
-        self.motion.shift(&by);
-        self.drift.shift(&by);
-        self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
-        if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
-            base.shift(&by);
+    /// A device that stays sees one place of an uneven field again and again: whether it has told of it already.
+    fn stays(&mut self, u: &Vector3<f64>, count: f64, level: &Level) -> bool {
+        if (u - self.stay.at).norm() > TUNING.group_ut / self.unit_ut {
+            self.stay = Stay { at: *u, samples: 0.0 };
         }
-        let held = self.trial.as_mut().and_then(|trial| trial.held.as_mut());
-        for published in self.published.iter_mut().chain(held) {
-            (0..3).for_each(|i| published.tau[6 + i] += by[i]);
-        }
-        self.samples.clear(self.centre_ut);
+        self.stay.samples += count;
+        let place = level.uneven.max((TUNING.uneven_ut / self.unit_ut).powi(2));
+        let worth = if level.kappa > 2.0 { level.kappa * level.white / place } else { 1.0 / self.noise.period_s() };
+        self.stay.samples > worth.max(count)
     }
 
-    /// Hypotheses of what may have happened since what was known, `base`.
-    fn compete(&mut self, since_ns: i64, base: Option<Gaussian>) {
-        let jumps = JUMPS.iter().filter_map(|jump| {
-            let mut hypothesis = Hypothesis::new(jump.order, &jump.after(&base?), jump.log_prior)?;
-            hypothesis.told = (jump.log_told - jump.log_prior).exp();
-            Some(hypothesis)
+    fn publish(&mut self, time_ns: i64) {
+        let Some(mixture) = self.bank.mixture() else { return };
+        let held = self.published.map(|published| {
+            let off = mixture.known.mean - published.known.mean;
+            let known =
+                Gaussian { mean: published.known.mean, covariance: mixture.known.covariance + off * off.transpose() };
+            Published { error: angle::expected(&known), known }
         });
-        let former = self.former.iter().flatten().filter_map(|former| {
-            let prior = JUMPS[0].after(former);
-            base.and_then(|_| Hypothesis::new(ModelOrder::Former, &prior, LOG_PRIOR_FORMER))
+        let narrow = TUNING.publish_deg.to_radians().powi(2);
+        let better = held.is_some_and(|held| mixture.error < 0.25 * held.error);
+        if is_bounded(&mixture.known.mean) && (mixture.error < narrow || better) {
+            self.published = Some(Published { known: mixture.known, error: mixture.error });
+            self.decide(time_ns);
+        } else if let Some(held) = held {
+            self.published = Some(held);
+        }
+        if self.count.is_multiple_of(16)
+            && let Some(published) = &self.published
+        {
+            self.worst = published.known.covariance.symmetric_eigenvalues().max();
+        }
+    }
+
+    /// A change is decided when the hypotheses that came with it have nearly all of the probability.
+    fn decide(&mut self, time_ns: i64) {
+        if self.place_ns.is_some_and(|since| time_ns.saturating_sub(since) as f64 > TUNING.new_place_s * 1e9) {
+            self.place_ns = None;
+        }
+        let Some(best) = self.bank.best() else { return };
+        let (id, kind, onset_ns) = (best.id, best.kind, best.onset_ns);
+        let certain = || self.bank.probability(|h| h.onset_ns >= onset_ns && h.id != self.decided) > TUNING.certain;
+        if id == self.decided || kind == Kind::Motion || !certain() {
+            return;
+        }
+        let before = best.former.map_or(best.known, |former| former);
+        let best_mean = best.known.mean;
+        let off = best_mean - before.mean;
+        let turned = angle::expected(&Gaussian { mean: before.mean, covariance: off * off.transpose() });
+        self.decided = id;
+        let was_elsewhere = self.place_ns.take().is_some();
+        let kind = match kind {
+            Kind::Cold | Kind::Motion => return,
+            Kind::Place if self.is_same_place(&before.mean, &best_mean) => return,
+            Kind::Place => {
+                self.place_ns = Some(onset_ns);
+                EventKind::PlaceChanged
+            }
+            Kind::Former if was_elsewhere => EventKind::PlaceChanged,
+            _ if turned < TUNING.least_change_deg.to_radians().powi(2) => return,
+            Kind::Former => {
+                self.order = ModelOrder::Former;
+                EventKind::DeviceStepBack
+            }
+            Kind::HardIron => {
+                self.order = ModelOrder::HardIron;
+                EventKind::DeviceStep
+            }
+            Kind::All => {
+                self.order = ModelOrder::All;
+                EventKind::DeviceStep
+            }
+        };
+        // what is found out about a change that has been told already is no other change
+        let told = self.event.is_some_and(|told| {
+            onset_ns.saturating_sub(told.since_ns) as f64 <= TUNING.one_change_s * 1e9
+                && (told.kind == EventKind::PlaceChanged) == (kind == EventKind::PlaceChanged)
         });
-        let ignored = if base.is_some() { LOG_PRIOR_IGNORED } else { 0.0 };
-        let cold = ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some());
-        let cold = cold.iter().filter(|_| base.is_none() || self.count == 0);
-        let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
-        self.rivals =
-            Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
-        // a trial that begins anew before anything was released still holds what the first one held
-        let held = self.trial.filter(|trial| !trial.released).map_or(self.published, |trial| trial.held);
-        self.trial = Some(Trial { since_ns, base, held, released: false, misfit: false });
-        self.called = false;
-        self.noise.forget_block();
-        self.drift.reset();
-        self.motion.stop();
-        self.late.iter_mut().for_each(|late| *late = None);
-        self.steadiness.accept();
-    }
-
-    /// Whether a sample is too far from where it is expected; the noise learns from it.
-    fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), &self.noise) else { return false };
-        let slope_squared = expected.slope * expected.slope;
-        let variance = self.noise.total() * slope_squared + expected.variance;
-        let z = expected.excess / variance.sqrt();
-        if !self.is_cold() {
-            let most = if self.noise.is_known() { self.most_noise() } else { f64::INFINITY };
-            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared, most);
-        }
-        if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
-            self.noise.learn_colour(z);
-        }
-        if self.trial.is_some() && self.samples.age < UNGATED {
-            return self.unit(raw_ut).norm() > FARTHEST;
-        }
-        expected.likely < (-0.5 * GATE * GATE).exp()
-    }
-
-    /// The most that noise may be, units^2: what misses the fit by more is of two ellipsoids, or of one that moves.
-    fn most_noise(&self) -> f64 {
-        let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
-        MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven
-    }
-
-    /// Whether nothing was known before this segment.
-    fn is_cold(&self) -> bool {
-        self.trial.is_some_and(|trial| trial.base.is_none())
-    }
-
-    fn likelihood_of(&self, moments: &crate::ellipsoid::Moments) -> Likelihood {
-        Likelihood::new(moments, self.noise.variance, moments.count() as f64 / self.noise.correlation())
-    }
-
-    /// The samples of the segment, neighbours averaged: where what they miss by is white noise of a known level.
-    fn neighbours(&self) -> Option<&Neighbours> {
-        self.samples.neighbours().filter(|_| !self.is_cold() && self.noise.correlation() <= 1.0)
-    }
-
-    /// Of the segment.
-    fn likelihood(&self) -> Likelihood {
-        let Some(neighbours) = self.neighbours() else { return self.likelihood_of(self.samples.segment()) };
-        let (moments, means) = (neighbours.all(), neighbours.means() as f64);
-        let share = means / moments.count().max(1) as f64;
-        Likelihood::new(&moments, self.noise.variance * share, means)
-    }
-
-    /// The hypotheses take in what has come.
-    fn fit(&mut self) {
-        self.fit_some(match self.samples.age {
-            0..12 => FIRST_TURNS,
-            12..YOUNG => MOST_TURNS,
-            _ => FEWER_TURNS,
-        });
-    }
-
-    /// The same, so many hypotheses besides the best.
-    fn fit_some(&mut self, turns: usize) {
-        let likelihood = self.likelihood();
-        let age = self.samples.age;
-        let in_trial = self.trial.is_some();
-        if in_trial && (age < 64 || age.is_multiple_of(8)) {
-            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
-        }
-        let turns = if in_trial { turns } else { 0 };
-        let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
-        self.rivals.refine(&likelihood, age, turns, iterations);
-        if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
-            self.noise
-                .learn_from_fit(best.distance_squared.min(self.most_noise()), self.samples.segment().count() as f64);
+        if !told {
+            self.event = Some(Event { kind, since_ns: onset_ns, decided_ns: time_ns });
         }
     }
 
-    fn tau_of(&self, calibration: &Calibration) -> Vector9 {
-        let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
-        parameters::tau_of(&t, &self.unit(calibration.hard_iron_ut()))
+    /// Whether the field is about as strong and as steep.
+    fn is_same_place(&self, a: &parameters::Tau, b: &parameters::Tau) -> bool {
+        let strength = |tau: &parameters::Tau| parameters::shape(tau).trace();
+        (strength(a) / strength(b) - 1.0).abs() < TUNING.least_place && (a[9] - b[9]).abs() < TUNING.least_place
     }
 
-    fn strength_of(&self, t: &Matrix3<f64>) -> f64 {
-        self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
+    fn status(&self) -> Status {
+        let Some(published) = &self.published else {
+            return Status::Collecting(Missing::Directions);
+        };
+        let limit = TUNING.publish_deg.to_radians().powi(2);
+        match self.bank.best() {
+            Some(best) if best.id != self.decided && best.kind != Kind::Motion => {
+                Status::Suspect { since_ns: best.onset_ns }
+            }
+            _ if self.place_ns.is_some() => Status::Disturbed { since_ns: self.place_ns.unwrap_or_default() },
+            _ if published.error > limit => Status::Held(HoldReason::TooLittleRotation),
+            _ => Status::Tracking,
+        }
     }
 }

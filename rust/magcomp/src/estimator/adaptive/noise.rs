@@ -1,166 +1,262 @@
-//! The noise of the samples, learned from the innovations: how far a sample lies off the ellipsoid predicted for it.
+//! What samples miss their ellipsoid by: white noise of the sensor, and the unevenness of the place.
 //!
-//! Level: v <- v + g w (min(e^2, 4 V) / 0.92 - V), V = v + rho, e the innovation as a distance, rho the variance that the
-//! parameters' own uncertainty gives it, w = v / V the share that is noise. Clipped, so that spikes hardly count; 0.92 is
-//! what the clipped square of a normal comes to on average.
-//!
-//! Colour: the field of a room is uneven over some tens of centimetres, so that residuals of neighbouring samples agree.
-//! kappa = mean of (sum of z over a block)^2 / length is 1 for white noise; n correlated samples are worth n / kappa.
-//! What a fit absorbs does not show in its innovations; so a room's own unevenness s_u (config) comes on top, as errors
-//! that last for a second, m samples: the samples inform as white noise of V = kappa v + m s_u^2 would.
+//! White level v, per axis: half the mean square difference of neighbouring distances, or, where the motion is smooth, a
+//! sixth of the mean square second difference of the raw samples, whichever is less. Clipped, so that spikes hardly count:
+//!     v <- v + (min(x^2, 4 v) / 0.92 - v) / n
+//! Unevenness lasts: distances summed over T = 2^j bins differ from one T to the next by more than white noise does
+//! (Allan variance A_j, per sample). Of the largest,
+//!     kappa = 1 + 2 max(0, max_j A_j / v - 2)
+//! samples are worth one, blended with what is believed of places before anything was seen.
 
+use super::tuning::Tuning;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Samples that the sensor's own figure is worth at the start.
-const START_SAMPLES: f64 = 20.0;
-/// Samples after which the start no longer matters much.
-const KNOWN_FROM: f64 = 100.0;
-/// Parameters of a fit.
-const PARAMETERS: f64 = 9.0;
-/// Memory of the level, samples: 3 % of scatter.
-const MEMORY: f64 = 1000.0;
-/// Larger innovations count as this many standard deviations.
+/// Times over which distances are summed: 0.02 s times 2^j, up to 5.12 s.
+const LEVELS: usize = 9;
+const BIN_S: f64 = 0.02;
+/// Larger values count as this many standard deviations; the mean of min(z^2, CLIP^2) of a normal z.
 const CLIP: f64 = 2.0;
-/// Mean of min(z^2, CLIP^2) for a standard normal z.
 const CLIPPED_MEAN: f64 = 0.9205;
-/// Length of a block, samples: the unevenness of rooms lasts about half a second while walking.
-const BLOCK: u32 = 32;
-/// Memory of kappa, blocks, and blocks that the start value 1 is worth.
-const BLOCKS: f64 = 30.0;
-const START_BLOCKS: f64 = 4.0;
-/// How long a room's unevenness lasts, s: the aided method's local field has about as much.
-const UNEVEN_S: f64 = 1.0;
-/// Largest contribution of a block.
-const LARGEST_BLOCK: f64 = 32.0;
-/// White noise stays below this with the memory above (4 sigma): up to here kappa counts as 1.
-const WHITE: f64 = 2.0;
+/// Samples that the value at the start is worth, and the memory (3 % of scatter).
+const START: f64 = 20.0;
+const MEMORY: f64 = 1000.0;
+/// Seconds of sums of one length that are remembered.
+const SUMS_S: f64 = 120.0;
+const MOST_SUMS: f64 = 100.0;
+/// Sums before they are believed rather than what places are like.
+const KNOWN: f64 = 3.0;
+/// The largest of seven mean squares exceeds the white level by chance up to this; unevenness lasts for longer than the sums.
+const BY_CHANCE: f64 = 2.0;
+const LASTS: f64 = 2.0;
 
-/// Level and colour of the noise.
+/// What samples are believed to be like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Level {
+    /// White variance of a sample, units^2.
+    pub white: f64,
+    /// Variance of the place's unevenness, units^2.
+    pub uneven: f64,
+    /// Samples that are worth one.
+    pub kappa: f64,
+    /// The same for the vertical part: variance (field strengths squared) and samples that are worth one.
+    pub vertical: (f64, f64),
+}
+
+/// A clipped running mean square.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Mean {
+    value: f64,
+    count: f64,
+}
+
+impl Mean {
+    fn add(&mut self, square: f64, share: f64) {
+        self.count = (self.count + share).min(MEMORY);
+        let square = square.min(CLIP * CLIP * self.value) / CLIPPED_MEAN;
+        self.value += share * (square - self.value) / self.count;
+    }
+}
+
+/// Sums of distances over one length of time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Scale {
+    /// The sum and its samples that wait for the next.
+    pending: Option<(f64, f64)>,
+    /// Mean of half the squared difference of neighbouring sums, per sample.
+    allan: f64,
+    count: f64,
+}
+
+/// Sums of errors over dyadic lengths of time: what lasts differs from one sum to the next by more than white noise does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Lasting {
+    bin: (f64, f64),
+    scales: [Scale; LEVELS],
+}
+
+impl Lasting {
+    /// White noise of a variance, until told otherwise.
+    fn new(variance: f64) -> Self {
+        Self { bin: (0.0, 0.0), scales: [Scale { allan: variance, count: 1.0, pending: None }; LEVELS] }
+    }
+
+    fn add(&mut self, e: f64, period_s: f64) {
+        self.bin.0 += e;
+        self.bin.1 += 1.0;
+        if self.bin.1 * period_s < 0.75 * BIN_S {
+            return;
+        }
+        let mut sum = std::mem::take(&mut self.bin);
+        for (j, scale) in self.scales.iter_mut().enumerate() {
+            let Some(other) = scale.pending.take() else {
+                scale.pending = Some(sum);
+                break;
+            };
+            let samples = sum.1 + other.1;
+            let most = (SUMS_S / (BIN_S * f64::from(2u32 << j))).min(MOST_SUMS);
+            scale.count = (scale.count + 1.0).min(most);
+            scale.allan += ((sum.0 - other.0).powi(2) / samples - scale.allan) / scale.count;
+            sum = (sum.0 + other.0, samples);
+        }
+    }
+
+    /// Sums that are not complete say nothing.
+    fn interrupt(&mut self) {
+        self.scales.iter_mut().for_each(|scale| scale.pending = None);
+        self.bin = (0.0, 0.0);
+    }
+
+    /// Samples worth one: the most that any length of time shows, each as learned and, while it was seen too rarely, as
+    /// `believed` before. What is learned of short times says nothing of long ones.
+    fn kappa(&self, white: f64, believed: f64) -> f64 {
+        let start = KNOWN * KNOWN;
+        let of = |scale: &Scale| {
+            let told = 1.0 + LASTS * (scale.allan / white - BY_CHANCE).max(0.0);
+            let known = (scale.count - 1.0).powi(2);
+            (start * believed.ln() + known * told.ln()) / (start + known)
+        };
+        self.scales.iter().map(of).fold(0.0, f64::max).exp()
+    }
+}
+
+/// What the vertical is wrong by: accelerations of a hand, which last as long as a step. Learned as the rest is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct VerticalNoise {
+    total: Mean,
+    lasting: Lasting,
+}
+
+/// Tilt of a hand that moves before it is learned, radians, and how long it lasts, s; the least that is believed.
+const TILT_RAD: f64 = 0.06;
+const TILT_S: f64 = 1.0;
+const LEAST_TILT_RAD: f64 = 0.02;
+
+impl VerticalNoise {
+    pub fn new() -> Self {
+        let v = TILT_RAD * TILT_RAD;
+        Self { total: Mean { value: v, count: START }, lasting: Lasting::new(v) }
+    }
+
+    /// What a sample's vertical part misses, in field strengths, and the variance of its prediction.
+    pub fn miss(&mut self, e: f64, rho: f64, period_s: f64) {
+        let v = self.total.value;
+        self.total.add((e * e - rho).max(0.0), v / (v + rho));
+        let most = 3.0 * v.sqrt();
+        self.lasting.add(e.clamp(-most, most), period_s);
+    }
+
+    pub fn interrupt(&mut self) {
+        self.lasting.interrupt();
+    }
+
+    /// Variance, and samples worth one.
+    pub fn level(&self, period_s: f64) -> (f64, f64) {
+        let v = self.total.value.max(LEAST_TILT_RAD * LEAST_TILT_RAD);
+        let lasts = 1.0 + TILT_S / period_s;
+        (v, self.lasting.kappa(v, lasts).max(lasts))
+    }
+}
+
+/// The learned noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Noise {
-    /// v, units^2 per axis.
-    pub variance: f64,
+    innovation: Mean,
+    second: Mean,
+    total: Mean,
+    latest: Option<f64>,
+    raw: [Vector3<f64>; 2],
+    seen: usize,
+    lasting: Lasting,
     least: f64,
-    start: f64,
-    samples: f64,
-    sum: f64,
-    in_block: u32,
-    blocks: f64,
-    mean_block: f64,
-    /// s_u^2, units^2.
-    uneven: f64,
-    /// Time between samples, s.
+    most: f64,
+    /// Unevenness before it is learned, units^2, times how long it lasts, s.
+    uneven_s: f64,
     period_s: f64,
 }
 
 impl Noise {
-    /// From a standard deviation in units, the least that is believed, and the unevenness of rooms.
-    pub fn new(sigma: f64, least: f64, uneven: f64) -> Self {
+    pub fn new(tuning: &Tuning, unit_ut: f64) -> Self {
+        let square = |ut: f64| (ut / unit_ut).powi(2);
+        let (v, uneven) = (square(tuning.noise_ut), square(tuning.uneven_ut));
+        let mean = |value: f64| Mean { value, count: START };
         Self {
-            variance: sigma * sigma,
-            least: least * least,
-            start: sigma * sigma,
-            samples: START_SAMPLES,
-            sum: 0.0,
-            in_block: 0,
-            blocks: START_BLOCKS,
-            mean_block: 1.0,
-            uneven: uneven * uneven,
-            period_s: 0.0,
+            innovation: mean(v),
+            second: mean(v),
+            total: mean(v + uneven),
+            latest: None,
+            raw: [Vector3::zeros(); 2],
+            seen: 0,
+            lasting: Lasting::new(v),
+            least: square(tuning.noise_range_ut.0),
+            most: square(tuning.noise_range_ut.1),
+            uneven_s: uneven * tuning.uneven_s,
+            period_s: 0.01,
         }
     }
 
-    /// Whether enough has been seen for the level to be trusted.
-    pub fn is_known(&self) -> bool {
-        self.samples > START_SAMPLES + KNOWN_FROM
-    }
-
-    /// The time between two samples, s.
-    pub fn learn_period(&mut self, seconds: f64) {
-        if seconds > 0.0 && seconds < 1.0 {
-            let known = if self.period_s > 0.0 { 0.02 } else { 1.0 };
-            self.period_s += known * (seconds - self.period_s);
+    /// Every raw sample, units, and the time since the one before, s.
+    pub fn raw(&mut self, u: &Vector3<f64>, seconds: Option<f64>) {
+        if let Some(seconds) = seconds.filter(|seconds| *seconds < 1.0) {
+            let gain = if self.seen < 2 { 1.0 } else { 0.02 };
+            self.period_s += gain * (seconds - self.period_s);
         }
+        if self.seen >= 2 {
+            self.second.add((u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / 18.0, 1.0);
+        }
+        self.raw = [self.raw[1], *u];
+        self.seen += 1;
     }
 
-    /// Time between samples, s; 0 while unknown.
+    /// Time between samples, s.
     pub fn period_s(&self) -> f64 {
         self.period_s
     }
 
-    /// V / v: so many samples are worth one of white noise.
-    pub fn correlation(&self) -> f64 {
-        let kappa = if self.mean_block < WHITE { 1.0 } else { self.mean_block };
-        kappa + self.uneven_samples() * self.uneven / self.variance
-    }
-
-    /// Samples for which the unevenness of a room stays the same error.
-    pub fn uneven_samples(&self) -> f64 {
-        if self.period_s > 0.0 { (UNEVEN_S / self.period_s).max(1.0) } else { 1.0 }
-    }
-
-    /// s_u, units.
-    pub fn unevenness(&self) -> f64 {
-        self.uneven.sqrt()
-    }
-
-    /// Variance of one sample about its prediction, the parameters' own share aside.
-    pub fn total(&self) -> f64 {
-        self.variance + self.uneven
-    }
-
-    /// An innovation (distance, units), the variance rho of its prediction, and the most that v may be.
-    pub fn learn(&mut self, innovation: f64, rho: f64, most: f64) {
-        let expected = self.variance + rho;
-        let share = self.variance / expected;
-        let square = (innovation * innovation).min(CLIP * CLIP * expected) / CLIPPED_MEAN;
-        self.samples = (self.samples + share).min(MEMORY);
-        let variance = self.variance + share * (square - expected) / self.samples;
-        self.variance = variance.min(most).max(self.least);
-    }
-
-    /// Before anything is known innovations tell little: the mean square distance of `count` samples from their own fit.
-    pub fn learn_from_fit(&mut self, distance_squared: f64, count: f64) {
-        let free = count - PARAMETERS;
-        if free > 0.0 {
-            let samples = START_SAMPLES + free;
-            self.variance = (START_SAMPLES * self.start + distance_squared * count) / samples;
-            self.variance = self.variance.max(self.least);
-            self.samples = samples.min(MEMORY);
+    /// A sample's distance from the ellipsoid predicted, and the variance of that prediction; `lasting` where the prediction is
+    /// good enough to tell what lasts.
+    pub fn distance(&mut self, e: f64, rho: f64, lasting: bool) {
+        let v = self.white();
+        let share = v / (v + rho);
+        self.total.add((e * e - rho).max(0.0), share);
+        if let Some(latest) = self.latest {
+            self.innovation.add(0.5 * (e - latest).powi(2), share);
         }
-    }
-
-    /// A normalised innovation of the calibration in force.
-    pub fn learn_colour(&mut self, z: f64) {
-        self.sum += z.clamp(-4.0, 4.0);
-        self.in_block += 1;
-        if self.in_block == BLOCK {
-            let square = (self.sum * self.sum / f64::from(BLOCK)).min(LARGEST_BLOCK);
-            self.blocks = (self.blocks + 1.0).min(BLOCKS);
-            self.mean_block += (square - self.mean_block) / self.blocks;
-            (self.sum, self.in_block) = (0.0, 0);
+        self.latest = Some(e);
+        if !lasting {
+            return;
         }
+        let most = 3.0 * self.total.value.sqrt();
+        self.lasting.add(e.clamp(-most, most), self.period_s);
     }
 
-    /// A block that spans a change says nothing.
-    pub fn forget_block(&mut self) {
-        (self.sum, self.in_block) = (0.0, 0);
+    /// Sums that a change or a spike interrupts say nothing.
+    pub fn interrupt(&mut self) {
+        self.lasting.interrupt();
+        self.latest = None;
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Neighbours tell how large white noise is; what an ellipsoid that moves away is missed by besides is none.
-    #[test]
-    fn what_neighbours_do_not_show_is_no_noise() {
-        let after = |most: f64| {
-            let mut noise = Noise::new(0.01, 1e-4, 0.0);
-            (0..4000).for_each(|k| noise.learn(1e-4 * f64::from(k), 0.0, most));
-            noise.variance.sqrt()
+    /// v, units^2.
+    pub fn white(&self) -> f64 {
+        let (differing, smooth) = (self.innovation, self.second.value);
+        let v = if smooth >= self.most {
+            differing.value
+        } else if differing.count > 5.0 * START {
+            differing.value.min(smooth)
+        } else {
+            smooth
         };
-        assert!((after(9e-4) - 0.03).abs() < 1e-12);
-        assert!(after(f64::INFINITY) > 0.1, "{}", after(f64::INFINITY));
+        v.max(self.least)
+    }
+
+    pub fn level(&self, vertical: &VerticalNoise) -> Level {
+        let white = self.white();
+        let kappa = self.lasting.kappa(white, 1.0 + self.uneven_s / (white * self.period_s));
+        Level {
+            white,
+            uneven: (self.total.value - 1.1 * white).max(0.0),
+            kappa,
+            vertical: vertical.level(self.period_s),
+        }
     }
 }
