@@ -166,9 +166,7 @@ impl Compensator {
         answer: impl FnOnce(&magcomp::Reading, Option<f64>) -> R,
     ) -> Result<R, MagcompError> {
         self.running.with(|running| {
-            // what is rejected changes nothing
-            let usable = running.core.check(&sample.into()).is_ok();
-            let jump_ut = if usable { running.note_reported(&sample, self.use_reported_hard_iron) } else { None };
+            let jump_ut = running.note_reported(&sample, self.use_reported_hard_iron);
             Ok(answer(&running.core.push(sample.into()), jump_ut))
         })
     }
@@ -186,9 +184,11 @@ impl Running {
         Ok(Self { core, reported_ut: None })
     }
 
-    /// Looks at the operating system's hard iron before a sample that will be used itself: by how much it jumped, microtesla.
+    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
     fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
         let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
+        // a sample that will be rejected changes nothing
+        self.core.check(&(*sample).into()).ok()?;
         let before = self.reported_ut.replace(now);
         if use_reported && before != Some(now) && self.core.calibration().is_none() {
             match prior(now, self.core.config()) {
