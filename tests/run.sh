@@ -9,8 +9,9 @@ parts=(rust bindings kotlin swift mobile aar xcframework)
 rust() {
     tests/need-test.sh
     . tests/need.sh
-    need rust "${rust_tools[@]}"
+    need rust "${rust_tools[@]}" python3:python3
     tests/versions.sh
+    tests/circles.py
     cargo fmt --all --check
     # the generator of the bindings is 5 lines on a large library: `bindings` builds it
     # test-hooks: the library is then the one that the other languages test (tests/native.sh)

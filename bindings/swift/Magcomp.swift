@@ -1288,7 +1288,7 @@ public func FfiConverterTypeCalibration_lower(_ value: Calibration) -> RustBuffe
 
 
 /**
- * Everything a compensator can be told. A field left out is the library's default; `default_config()` shows them all.
+ * Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
  */
 public struct Config: Equatable, Hashable {
     /**
@@ -1305,34 +1305,28 @@ public struct Config: Equatable, Hashable {
      */
     public var useReportedHardIron: Bool?
     /**
-     * What a raw sample may be.
+     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
+     * magnets.
      */
-    public var sensor: SensorLimits?
+    public var rangeUt: Double?
     /**
-     * What an ellipsoid fit accepts.
+     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
+     * as saturated. 1 to 100 000. Default none: not known.
      */
-    public var fit: FitOptions?
+    public var railUt: Double?
     /**
-     * The paper's method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
-    public var windowed: WindowedConfig?
-    /**
-     * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
-     * which documents them with their units and ranges. A setting left out is the default.
-     */
-    public var aided: [String: Double]?
-    /**
-     * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
-     */
-    public var adaptiveNoiseUt: Double?
-    /**
-     * How events of several sensors are brought together.
-     */
-    public var pairing: PairingConfig?
+    public var fieldStrengthUt: Double?
     /**
      * How headings are reported.
      */
     public var heading: HeadingConfig?
+    /**
+     * The paper's method.
+     */
+    public var windowed: WindowedConfig?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -1348,37 +1342,31 @@ public struct Config: Equatable, Hashable {
          * there is no other: readings from the first sample on, as good as that estimate. Default false.
          */useReportedHardIron: Bool? = nil,
         /**
-         * What a raw sample may be.
-         */sensor: SensorLimits? = nil,
+         * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
+         * magnets.
+         */rangeUt: Double? = nil,
         /**
-         * What an ellipsoid fit accepts.
-         */fit: FitOptions? = nil,
+         * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
+         * as saturated. 1 to 100 000. Default none: not known.
+         */railUt: Double? = nil,
         /**
-         * The paper's method.
-         */windowed: WindowedConfig? = nil,
-        /**
-         * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
-         * which documents them with their units and ranges. A setting left out is the default.
-         */aided: [String: Double]? = nil,
-        /**
-         * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
-         */adaptiveNoiseUt: Double? = nil,
-        /**
-         * How events of several sensors are brought together.
-         */pairing: PairingConfig? = nil,
+         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+         * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+         */fieldStrengthUt: Double? = nil,
         /**
          * How headings are reported.
-         */heading: HeadingConfig? = nil) {
+         */heading: HeadingConfig? = nil,
+        /**
+         * The paper's method.
+         */windowed: WindowedConfig? = nil) {
         self.method = method
         self.initial = initial
         self.useReportedHardIron = useReportedHardIron
-        self.sensor = sensor
-        self.fit = fit
-        self.windowed = windowed
-        self.aided = aided
-        self.adaptiveNoiseUt = adaptiveNoiseUt
-        self.pairing = pairing
+        self.rangeUt = rangeUt
+        self.railUt = railUt
+        self.fieldStrengthUt = fieldStrengthUt
         self.heading = heading
+        self.windowed = windowed
     }
 
 
@@ -1400,13 +1388,11 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
                 method: FfiConverterOptionTypeMethod.read(from: &buf),
                 initial: FfiConverterOptionTypeCalibration.read(from: &buf),
                 useReportedHardIron: FfiConverterOptionBool.read(from: &buf),
-                sensor: FfiConverterOptionTypeSensorLimits.read(from: &buf),
-                fit: FfiConverterOptionTypeFitOptions.read(from: &buf),
-                windowed: FfiConverterOptionTypeWindowedConfig.read(from: &buf),
-                aided: FfiConverterOptionDictionaryStringDouble.read(from: &buf),
-                adaptiveNoiseUt: FfiConverterOptionDouble.read(from: &buf),
-                pairing: FfiConverterOptionTypePairingConfig.read(from: &buf),
-                heading: FfiConverterOptionTypeHeadingConfig.read(from: &buf)
+                rangeUt: FfiConverterOptionDouble.read(from: &buf),
+                railUt: FfiConverterOptionDouble.read(from: &buf),
+                fieldStrengthUt: FfiConverterOptionDouble.read(from: &buf),
+                heading: FfiConverterOptionTypeHeadingConfig.read(from: &buf),
+                windowed: FfiConverterOptionTypeWindowedConfig.read(from: &buf)
         )
     }
 
@@ -1414,13 +1400,11 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeMethod.write(value.method, into: &buf)
         FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
         FfiConverterOptionBool.write(value.useReportedHardIron, into: &buf)
-        FfiConverterOptionTypeSensorLimits.write(value.sensor, into: &buf)
-        FfiConverterOptionTypeFitOptions.write(value.fit, into: &buf)
-        FfiConverterOptionTypeWindowedConfig.write(value.windowed, into: &buf)
-        FfiConverterOptionDictionaryStringDouble.write(value.aided, into: &buf)
-        FfiConverterOptionDouble.write(value.adaptiveNoiseUt, into: &buf)
-        FfiConverterOptionTypePairingConfig.write(value.pairing, into: &buf)
+        FfiConverterOptionDouble.write(value.rangeUt, into: &buf)
+        FfiConverterOptionDouble.write(value.railUt, into: &buf)
+        FfiConverterOptionDouble.write(value.fieldStrengthUt, into: &buf)
         FfiConverterOptionTypeHeadingConfig.write(value.heading, into: &buf)
+        FfiConverterOptionTypeWindowedConfig.write(value.windowed, into: &buf)
     }
 }
 
@@ -1743,9 +1727,9 @@ public struct FitOptions: Equatable, Hashable {
      */
     public var maxDirectionSigmaDeg: Double?
     /**
-     * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
+     * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
      */
-    public var errorFloorUt: Double?
+    public var noiseFloorUt: Double?
     /**
      * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
      */
@@ -1780,8 +1764,8 @@ public struct FitOptions: Equatable, Hashable {
          * Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
          */maxDirectionSigmaDeg: Double? = nil,
         /**
-         * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
-         */errorFloorUt: Double? = nil,
+         * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
+         */noiseFloorUt: Double? = nil,
         /**
          * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
          */maxResidualShare: Double? = nil,
@@ -1797,7 +1781,7 @@ public struct FitOptions: Equatable, Hashable {
         self.fieldLowUt = fieldLowUt
         self.fieldHighUt = fieldHighUt
         self.maxDirectionSigmaDeg = maxDirectionSigmaDeg
-        self.errorFloorUt = errorFloorUt
+        self.noiseFloorUt = noiseFloorUt
         self.maxResidualShare = maxResidualShare
         self.maxIterations = maxIterations
         self.tolerance = tolerance
@@ -1824,7 +1808,7 @@ public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
                 fieldLowUt: FfiConverterOptionDouble.read(from: &buf),
                 fieldHighUt: FfiConverterOptionDouble.read(from: &buf),
                 maxDirectionSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
-                errorFloorUt: FfiConverterOptionDouble.read(from: &buf),
+                noiseFloorUt: FfiConverterOptionDouble.read(from: &buf),
                 maxResidualShare: FfiConverterOptionDouble.read(from: &buf),
                 maxIterations: FfiConverterOptionInt32.read(from: &buf),
                 tolerance: FfiConverterOptionDouble.read(from: &buf)
@@ -1837,7 +1821,7 @@ public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
         FfiConverterOptionDouble.write(value.fieldLowUt, into: &buf)
         FfiConverterOptionDouble.write(value.fieldHighUt, into: &buf)
         FfiConverterOptionDouble.write(value.maxDirectionSigmaDeg, into: &buf)
-        FfiConverterOptionDouble.write(value.errorFloorUt, into: &buf)
+        FfiConverterOptionDouble.write(value.noiseFloorUt, into: &buf)
         FfiConverterOptionDouble.write(value.maxResidualShare, into: &buf)
         FfiConverterOptionInt32.write(value.maxIterations, into: &buf)
         FfiConverterOptionDouble.write(value.tolerance, into: &buf)
@@ -1877,7 +1861,7 @@ public struct GeomagneticField: Equatable, Hashable {
      */
     public var inclinationDeg: Double
     /**
-     * Strength, microtesla: what `FitOptions.field_strength_ut` takes.
+     * Strength, microtesla: what `Config.field_strength_ut` takes.
      */
     public var totalFieldUt: Double
 
@@ -1894,7 +1878,7 @@ public struct GeomagneticField: Equatable, Hashable {
          * Below the horizon, degrees, positive when the field points down.
          */inclinationDeg: Double,
         /**
-         * Strength, microtesla: what `FitOptions.field_strength_ut` takes.
+         * Strength, microtesla: what `Config.field_strength_ut` takes.
          */totalFieldUt: Double) {
         self.declinationDeg = declinationDeg
         self.declinationSigmaDeg = declinationSigmaDeg
@@ -2058,10 +2042,6 @@ public struct HeadingConfig: Equatable, Hashable {
      * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     public var tiltSigmaDeg: Double?
-    /**
-     * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
-     */
-    public var fieldSigmaUt: Double?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -2077,15 +2057,11 @@ public struct HeadingConfig: Equatable, Hashable {
          */declinationDeg: Double? = nil,
         /**
          * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
-         */tiltSigmaDeg: Double? = nil,
-        /**
-         * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
-         */fieldSigmaUt: Double? = nil) {
+         */tiltSigmaDeg: Double? = nil) {
         self.axis = axis
         self.screenRotation = screenRotation
         self.declinationDeg = declinationDeg
         self.tiltSigmaDeg = tiltSigmaDeg
-        self.fieldSigmaUt = fieldSigmaUt
     }
 
 
@@ -2107,8 +2083,7 @@ public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
                 axis: FfiConverterOptionTypeReferenceAxis.read(from: &buf),
                 screenRotation: FfiConverterOptionTypeScreenRotation.read(from: &buf),
                 declinationDeg: FfiConverterOptionDouble.read(from: &buf),
-                tiltSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
-                fieldSigmaUt: FfiConverterOptionDouble.read(from: &buf)
+                tiltSigmaDeg: FfiConverterOptionDouble.read(from: &buf)
         )
     }
 
@@ -2117,7 +2092,6 @@ public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
         FfiConverterOptionTypeScreenRotation.write(value.screenRotation, into: &buf)
         FfiConverterOptionDouble.write(value.declinationDeg, into: &buf)
         FfiConverterOptionDouble.write(value.tiltSigmaDeg, into: &buf)
-        FfiConverterOptionDouble.write(value.fieldSigmaUt, into: &buf)
     }
 }
 
@@ -2296,99 +2270,6 @@ public func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> Mag
 #endif
 public func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
     return FfiConverterTypeMagneticSample.lower(value)
-}
-
-
-/**
- * How events of several sensors are brought together. A field left out is the default.
- */
-public struct PairingConfig: Equatable, Hashable {
-    /**
-     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
-     * 0.25.
-     */
-    public var staleS: Double?
-    /**
-     * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
-     */
-    public var maxRateRadS: Double?
-    /**
-     * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
-     */
-    public var maxUpMS2: Double?
-    /**
-     * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
-     * 10.
-     */
-    public var maxLeadS: Double?
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
-         * 0.25.
-         */staleS: Double? = nil,
-        /**
-         * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
-         */maxRateRadS: Double? = nil,
-        /**
-         * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
-         */maxUpMS2: Double? = nil,
-        /**
-         * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
-         * 10.
-         */maxLeadS: Double? = nil) {
-        self.staleS = staleS
-        self.maxRateRadS = maxRateRadS
-        self.maxUpMS2 = maxUpMS2
-        self.maxLeadS = maxLeadS
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension PairingConfig: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypePairingConfig: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> PairingConfig {
-        return
-            try PairingConfig(
-                staleS: FfiConverterOptionDouble.read(from: &buf),
-                maxRateRadS: FfiConverterOptionDouble.read(from: &buf),
-                maxUpMS2: FfiConverterOptionDouble.read(from: &buf),
-                maxLeadS: FfiConverterOptionDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: PairingConfig, into buf: inout [UInt8]) {
-        FfiConverterOptionDouble.write(value.staleS, into: &buf)
-        FfiConverterOptionDouble.write(value.maxRateRadS, into: &buf)
-        FfiConverterOptionDouble.write(value.maxUpMS2, into: &buf)
-        FfiConverterOptionDouble.write(value.maxLeadS, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypePairingConfig_lift(_ buf: RustBuffer) throws -> PairingConfig {
-    return try FfiConverterTypePairingConfig.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypePairingConfig_lower(_ value: PairingConfig) -> RustBuffer {
-    return FfiConverterTypePairingConfig.lower(value)
 }
 
 
@@ -2677,97 +2558,6 @@ public func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample
 
 
 /**
- * What a raw sample may be; anything else is rejected with a reason. A field left out is the default.
- */
-public struct SensorLimits: Equatable, Hashable {
-    /**
-     * Largest component, microtesla, 1 to 100 000. Default 2000.
-     */
-    public var rangeUt: Double?
-    /**
-     * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default none: not known.
-     */
-    public var railUt: Double?
-    /**
-     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
-     */
-    public var stuckSamples: Int32?
-    /**
-     * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
-     */
-    public var maxGapS: Double?
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * Largest component, microtesla, 1 to 100 000. Default 2000.
-         */rangeUt: Double? = nil,
-        /**
-         * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-         * as saturated. 1 to 100 000. Default none: not known.
-         */railUt: Double? = nil,
-        /**
-         * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
-         */stuckSamples: Int32? = nil,
-        /**
-         * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
-         */maxGapS: Double? = nil) {
-        self.rangeUt = rangeUt
-        self.railUt = railUt
-        self.stuckSamples = stuckSamples
-        self.maxGapS = maxGapS
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension SensorLimits: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeSensorLimits: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorLimits {
-        return
-            try SensorLimits(
-                rangeUt: FfiConverterOptionDouble.read(from: &buf),
-                railUt: FfiConverterOptionDouble.read(from: &buf),
-                stuckSamples: FfiConverterOptionInt32.read(from: &buf),
-                maxGapS: FfiConverterOptionDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: SensorLimits, into buf: inout [UInt8]) {
-        FfiConverterOptionDouble.write(value.rangeUt, into: &buf)
-        FfiConverterOptionDouble.write(value.railUt, into: &buf)
-        FfiConverterOptionInt32.write(value.stuckSamples, into: &buf)
-        FfiConverterOptionDouble.write(value.maxGapS, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeSensorLimits_lift(_ buf: RustBuffer) throws -> SensorLimits {
-    return try FfiConverterTypeSensorLimits.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeSensorLimits_lower(_ value: SensorLimits) -> RustBuffer {
-    return FfiConverterTypeSensorLimits.lower(value)
-}
-
-
-/**
  * Soft iron M: symmetric positive definite, dimensionless.
  */
 public struct SoftIron: Equatable, Hashable {
@@ -3045,9 +2835,15 @@ public struct WindowedConfig: Equatable, Hashable {
      */
     public var normalisation: Normalisation?
     /**
-     * Samples from one fit to the next, 1 to 100 000. Default 1.
+     * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
+     * however far its samples lie from one ellipsoid.
      */
-    public var refitStride: Int32?
+    public var residual: Residual?
+    /**
+     * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
+     * where the residual is small.
+     */
+    public var noiseFloorUt: Double?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -3065,13 +2861,19 @@ public struct WindowedConfig: Equatable, Hashable {
          * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
          */normalisation: Normalisation? = nil,
         /**
-         * Samples from one fit to the next, 1 to 100 000. Default 1.
-         */refitStride: Int32? = nil) {
+         * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
+         * however far its samples lie from one ellipsoid.
+         */residual: Residual? = nil,
+        /**
+         * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
+         * where the residual is small.
+         */noiseFloorUt: Double? = nil) {
         self.nMin = nMin
         self.nMax = nMax
         self.sigmaTh = sigmaTh
         self.normalisation = normalisation
-        self.refitStride = refitStride
+        self.residual = residual
+        self.noiseFloorUt = noiseFloorUt
     }
 
 
@@ -3094,7 +2896,8 @@ public struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
                 nMax: FfiConverterOptionInt32.read(from: &buf),
                 sigmaTh: FfiConverterOptionDouble.read(from: &buf),
                 normalisation: FfiConverterOptionTypeNormalisation.read(from: &buf),
-                refitStride: FfiConverterOptionInt32.read(from: &buf)
+                residual: FfiConverterOptionTypeResidual.read(from: &buf),
+                noiseFloorUt: FfiConverterOptionDouble.read(from: &buf)
         )
     }
 
@@ -3103,7 +2906,8 @@ public struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
         FfiConverterOptionInt32.write(value.nMax, into: &buf)
         FfiConverterOptionDouble.write(value.sigmaTh, into: &buf)
         FfiConverterOptionTypeNormalisation.write(value.normalisation, into: &buf)
-        FfiConverterOptionInt32.write(value.refitStride, into: &buf)
+        FfiConverterOptionTypeResidual.write(value.residual, into: &buf)
+        FfiConverterOptionDouble.write(value.noiseFloorUt, into: &buf)
     }
 }
 
@@ -5467,54 +5271,6 @@ fileprivate struct FfiConverterOptionTypeHeadingConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypePairingConfig: FfiConverterRustBuffer {
-    typealias SwiftType = PairingConfig?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypePairingConfig.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypePairingConfig.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterOptionTypeSensorLimits: FfiConverterRustBuffer {
-    typealias SwiftType = SensorLimits?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypeSensorLimits.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypeSensorLimits.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
 fileprivate struct FfiConverterOptionTypeVector3: FfiConverterRustBuffer {
     typealias SwiftType = Vector3?
 
@@ -5731,30 +5487,6 @@ fileprivate struct FfiConverterOptionSequenceDouble: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionDictionaryStringDouble: FfiConverterRustBuffer {
-    typealias SwiftType = [String: Double]?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterDictionaryStringDouble.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterDictionaryStringDouble.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
 fileprivate struct FfiConverterSequenceDouble: FfiConverterRustBuffer {
     typealias SwiftType = [Double]
 
@@ -5799,32 +5531,6 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
             seq.append(try FfiConverterTypeVector3.read(from: &buf))
         }
         return seq
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterDictionaryStringDouble: FfiConverterRustBuffer {
-    public static func write(_ value: [String: Double], into buf: inout [UInt8]) {
-        let len = Int32(value.count)
-        writeInt(&buf, len)
-        for (key, value) in value {
-            FfiConverterString.write(key, into: &buf)
-            FfiConverterDouble.write(value, into: &buf)
-        }
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> [String: Double] {
-        let len: Int32 = try readInt(&buf)
-        var dict = [String: Double]()
-        dict.reserveCapacity(Int(len))
-        for _ in 0..<len {
-            let key = try FfiConverterString.read(from: &buf)
-            let value = try FfiConverterDouble.read(from: &buf)
-            dict[key] = value
-        }
-        return dict
     }
 }
 /**

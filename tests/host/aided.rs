@@ -71,7 +71,7 @@ fn phone_like(share: f64) -> Calibration {
 }
 
 fn compensator(method: Method) -> Compensator {
-    let heading = HeadingConfig { field_sigma_ut: 0.0, declination_deg: Some(2.5), ..HeadingConfig::default() };
+    let heading = HeadingConfig { declination_deg: Some(2.5), ..HeadingConfig::default() };
     Compensator::new(Config { method, heading, ..Config::default() }).expect("a valid config")
 }
 

@@ -5,8 +5,8 @@
 use magcomp::nalgebra::{Matrix3, Rotation3, Vector3};
 use magcomp::{
     Calibration, CalibrationError, Compensator, Config, ConstantField, Disturbance, EventRejection, FactoryErrors,
-    FitOptions, HeadingConfig, MagneticSample, Method, Reading, ReferenceAxis, RejectReason, Restored,
-    RotationRateSample, ScreenRotation, SensorLimits, SnapshotError, Status, UpSample,
+    HeadingConfig, MagneticSample, Method, Reading, ReferenceAxis, RejectReason, Restored, RotationRateSample,
+    ScreenRotation, SnapshotError, Status, UpSample,
 };
 use magcomp_tests::{REF, Random, calibration, difference};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -94,13 +94,9 @@ fn unchanged(compensator: &mut Compensator, what: &str, refuse: impl FnOnce(&mut
 #[test]
 fn a_refused_sample_changes_nothing() {
     for method in METHODS {
-        let sensor = SensorLimits { range_ut: 6000.0, ..SensorLimits::default() };
-        let mut free = compensator(&Config { method, sensor, ..Config::default() });
-        let mut railed = compensator(&Config {
-            method,
-            sensor: SensorLimits { rail_ut: Some(1000.0), ..sensor },
-            ..Config::default()
-        });
+        let config = Config { method, range_ut: 6000.0, ..Config::default() };
+        let mut free = compensator(&config);
+        let mut railed = compensator(&Config { rail_ut: Some(1000.0), ..config });
         let mut phone = Phone::new(10, calibration(&REF, 45.0));
         phone.clone().run(&mut railed, 400);
         phone.run(&mut free, 400);
@@ -211,7 +207,6 @@ fn set_heading_changes_headings_alone() {
                     screen_rotation: ScreenRotation::Deg90,
                     declination_deg: Some(5.0),
                     tilt_sigma_deg: 2.0,
-                    field_sigma_ut: 0.1,
                 };
                 assert_eq!(other.set_heading(heading), Ok(()));
                 assert_eq!(other.config().heading, heading);
@@ -235,28 +230,6 @@ fn set_heading_changes_headings_alone() {
     }
 }
 
-/// The sigma of a heading follows `field_sigma_ut` as it was set, wherever the sigma of the field does not.
-#[test]
-fn a_set_field_sigma_is_heard_by_the_sigma_of_headings() {
-    for method in [Method::Adaptive, Method::Windowed] {
-        let config = Config { method, ..Config::default() };
-        let (mut one, mut other) = (compensator(&config), compensator(&config));
-        let mut phones = [0; 2].map(|_| Phone::new(21, calibration(&REF, 45.0)));
-        let mut sigmas = [[0.0; 2]; 2];
-        for _ in 0..1500 {
-            let readings = [phones[0].advance(&mut one), phones[1].advance(&mut other)];
-            sigmas = readings.map(|r| {
-                [r.heading.and_then(|heading| heading.heading_sigma_deg), r.field_sigma_ut]
-                    .map(Option::unwrap_or_default)
-            });
-            let heading = HeadingConfig { field_sigma_ut: 8.0, ..config.heading };
-            assert_eq!(other.set_heading(heading), Ok(()));
-        }
-        assert!(sigmas[1][0] > 2.0 * sigmas[0][0] && sigmas[0][0] > 0.0, "{method:?}: {sigmas:?}");
-        assert_eq!(sigmas[1][1], sigmas[0][1], "{method:?}");
-    }
-}
-
 // 3. a known field strength
 
 #[test]
@@ -267,8 +240,8 @@ fn a_known_field_strength_is_heard_by_every_method() {
     parameters[..3].iter_mut().for_each(|b| *b *= 1.1);
     let truth = calibration(&parameters, field_ut);
     for method in METHODS {
-        let fit = FitOptions { field_strength_ut: Some(field_ut), ..FitOptions::default() };
-        let mut compensator = compensator(&Config { method, fit, ..Config::default() });
+        let field_strength_ut = Some(field_ut);
+        let mut compensator = compensator(&Config { method, field_strength_ut, ..Config::default() });
         let mut phone = Phone::new(30, truth);
         phone.run(&mut compensator, 6000);
         let (mut sums, count) = ([0.0; 2], 500);
@@ -561,36 +534,43 @@ fn whatever_calibration_may_be_adopted_does_no_harm() {
 #[test]
 fn every_number_of_the_config_has_a_range() {
     type Set = fn(&mut Config, f64);
-    let fields: [(&str, Set); 20] = [
-        ("sensor.range_ut", |c, v| c.sensor.range_ut = v),
-        ("sensor.rail_ut", |c, v| c.sensor.rail_ut = Some(v)),
-        ("sensor.max_gap_s", |c, v| c.sensor.max_gap_s = v),
-        ("pairing.stale_s", |c, v| c.pairing.stale_s = v),
-        ("pairing.max_rate_rad_s", |c, v| c.pairing.max_rate_rad_s = v),
-        ("pairing.max_up_m_s2", |c, v| c.pairing.max_up_m_s2 = v),
-        ("pairing.max_lead_s", |c, v| c.pairing.max_lead_s = v),
-        ("fit.field_strength_ut", |c, v| c.fit.field_strength_ut = Some(v)),
-        ("fit.field_range_ut", |c, v| c.fit.field_range_ut = (v, 67.0)),
-        ("fit.field_range_ut", |c, v| c.fit.field_range_ut = (22.0, v)),
-        ("fit.max_direction_sigma_deg", |c, v| c.fit.max_direction_sigma_deg = v),
-        ("fit.error_floor_ut", |c, v| c.fit.error_floor_ut = v),
-        ("fit.max_residual_share", |c, v| c.fit.max_residual_share = v),
-        ("fit.max_iterations", |c, v| c.fit.max_iterations = v as usize),
-        ("fit.tolerance", |c, v| c.fit.tolerance = v),
+    let fields: [(&str, Set); 8] = [
+        ("range_ut", |c, v| c.range_ut = v),
+        ("rail_ut", |c, v| c.rail_ut = Some(v)),
+        ("field_strength_ut", |c, v| c.field_strength_ut = Some(v)),
         ("windowed.n_max", |c, v| c.windowed.n_max = v as usize),
         ("windowed.sigma_th", |c, v| c.windowed.sigma_th = v),
-        ("windowed.refit_stride", |c, v| c.windowed.refit_stride = v as usize),
+        ("windowed.noise_floor_ut", |c, v| c.windowed.noise_floor_ut = v),
+        ("heading.declination_deg", |c, v| c.heading.declination_deg = Some(v)),
         ("heading.tilt_sigma_deg", |c, v| c.heading.tilt_sigma_deg = v),
-        ("heading.field_sigma_ut", |c, v| c.heading.field_sigma_ut = v),
     ];
     for (field, set) in fields {
-        for value in [1e300, f64::MAX, f64::INFINITY, -1.0, f64::NAN] {
+        for value in [1e300, f64::MAX, f64::INFINITY, -1000.0, f64::NAN] {
             let mut config = Config::default();
             set(&mut config, value);
             let error = Compensator::new(config).expect_err(field);
             assert_eq!(error.field, field, "{value}");
             assert!(error.expected.chars().any(|c| c.is_ascii_digit()), "{field}: {}", error.expected);
         }
+    }
+}
+
+/// What a stored config says: every setting may be left out, and none is unknown.
+#[test]
+fn a_config_has_fifteen_settings_each_with_a_default() {
+    fn settings(value: &serde_json::Value) -> usize {
+        value.as_object().map_or(1, |fields| fields.values().map(settings).sum())
+    }
+    let usual = Config::default();
+    assert_eq!(settings(&serde_json::to_value(&usual).expect("plain data")), 15);
+    let read = |text: &str| serde_json::from_str::<Config>(text);
+    assert_eq!(read("{}").expect("all may be left out"), usual);
+    let mut other = usual;
+    (other.range_ut, other.windowed.n_min, other.heading.declination_deg) = (5000.0, 50, Some(2.5));
+    let text = r#"{"range_ut": 5000, "windowed": {"n_min": 50}, "heading": {"declination_deg": 2.5}}"#;
+    assert_eq!(read(text).expect("some may be left out"), other);
+    for unknown in [r#"{"range": 5000}"#, r#"{"windowed": {"n": 50}}"#, r#"{"heading": {"field_sigma_ut": 1}}"#] {
+        assert!(read(unknown).is_err(), "{unknown}");
     }
 }
 

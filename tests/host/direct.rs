@@ -10,7 +10,7 @@ fn options(residual: Residual, field_ut: f64) -> FitOptions {
     FitOptions {
         residual,
         field_strength_ut: Some(field_ut),
-        error_floor_ut: 0.0,
+        noise_floor_ut: 0.0,
         max_direction_sigma_deg: 60.0,
         field_range_ut: (1.0, 1000.0),
         ..FitOptions::default()

@@ -4,8 +4,8 @@
 use magcomp::nalgebra::Vector3;
 use magcomp::{
     Calibration, Compensator, Config, ConstantField, EventRejection, FitError, FitOptions, HoldReason, MagneticSample,
-    Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation, SensorLimits, SnapshotError, Status,
-    UpSample, WindowedConfig, heading, true_heading_deg,
+    Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation, SnapshotError, Status, UpSample,
+    WindowedConfig, heading, true_heading_deg,
 };
 use magcomp_tests::{symmetric, vectors};
 use serde_json::Value;
@@ -84,9 +84,7 @@ fn headings() {
 fn units_by_their_limits() {
     let facts = facts();
     let pair = |key: &str| <[f64; 2]>::try_from(numbers(&facts["limits"][key])).unwrap();
-    let max_gap_s = facts["limits"]["max_gap_s"].as_f64().unwrap();
-    let config = Config { sensor: SensorLimits { max_gap_s, ..Default::default() }, ..Default::default() };
-    let mut compensator = Compensator::new(config).unwrap();
+    let mut compensator = Compensator::new(Config::default()).unwrap();
     let mut push =
         |time_ns: i64, x: f64| compensator.push(MagneticSample { time_ns, field_ut: Vector3::new(x, 0.0, 0.0) });
     let [within, beyond] = pair("magnetic_ut");

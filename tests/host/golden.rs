@@ -54,7 +54,7 @@ impl EllipsoidCase {
         let options = |residual, field_strength_ut| FitOptions {
             residual,
             field_strength_ut,
-            error_floor_ut: 0.0,
+            noise_floor_ut: 0.0,
             ..FitOptions::default()
         };
         let known = Some(self.known_field_ut);

@@ -49,7 +49,7 @@ fn options(residual: Residual, field_ut: f64) -> FitOptions {
         residual,
         field_strength_ut: Some(field_ut),
         field_range_ut: (1.0, 1000.0),
-        error_floor_ut: 0.0,
+        noise_floor_ut: 0.0,
         max_direction_sigma_deg: 90.0,
         ..FitOptions::default()
     }

@@ -2,8 +2,8 @@
 
 use magcomp::nalgebra::{Rotation3, Unit, Vector3};
 use magcomp::{
-    Calibration, Compensator, Config, FitError, FitOptions, HoldReason, MagneticSample, Missing, Normalisation,
-    Reading, RejectReason, Status, WindowedConfig,
+    Calibration, Compensator, Config, FitError, HoldReason, MagneticSample, Missing, Normalisation, Reading,
+    RejectReason, Status, WindowedConfig,
 };
 use magcomp_tests::{REF, Random, calibration, nine, sample, worst_direction_deg};
 
@@ -26,7 +26,7 @@ fn after() -> Calibration {
 fn compensator(normalisation: Normalisation) -> Compensator {
     let config = Config {
         method: magcomp::Method::Windowed,
-        fit: FitOptions { field_strength_ut: Some(FIELD_UT), ..FitOptions::default() },
+        field_strength_ut: Some(FIELD_UT),
         windowed: WindowedConfig { normalisation, ..WindowedConfig::default() },
         ..Config::default()
     };

@@ -28,7 +28,6 @@ import Testing
             let magneticUt, rotationRateRadS: [Double]
             // `convertFromSnakeCase` makes this of up_m_s2
             let upMS2, gapNs: [Double]
-            let maxGapS: Double
         }
         struct Words: Decodable {
             let name: String
@@ -95,7 +94,7 @@ import Testing
 
     @Test func unitsByTheirLimits() throws {
         let limits = facts.limits
-        let compensator = try Compensator(config: Config(sensor: SensorLimits(maxGapS: limits.maxGapS)))
+        let compensator = try Compensator()
         func push(_ timeNs: Double, _ x: Double) throws -> Status {
             let field = Vector3(x: x, y: 0, z: 0)
             return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status

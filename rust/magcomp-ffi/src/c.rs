@@ -6,8 +6,8 @@
 // the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
 #![allow(unsafe_code)]
 
+use crate::compensator::find;
 use crate::flat::{self, ACCEPTED, CLOSED, FlatReading};
-use crate::handles::find;
 use crate::record::Vector3;
 
 const NO_ROOM: i32 = -3;

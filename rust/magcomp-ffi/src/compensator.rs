@@ -3,6 +3,7 @@
 use crate::config::Config;
 use crate::error::MagcompError;
 use crate::guarded::{Guarded, caught};
+use crate::handles::Handles;
 use crate::record::{Calibration, Coverage, Fit, HeadingFrame, MagneticSample, Reading, RotationRateSample, UpSample};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use std::sync::{Arc, OnceLock};
@@ -29,6 +30,13 @@ pub enum Restored {
 struct Running {
     core: magcomp::Compensator,
     reported_ut: Option<Vector3<f64>>,
+}
+
+static HANDLES: Handles<Compensator> = Handles::new();
+
+/// The compensator of a fast handle, if it is still there.
+pub(crate) fn find(handle: i64) -> Option<Arc<Compensator>> {
+    HANDLES.find(handle)
 }
 
 /// Strength of the field of a first calibration from the operating system's estimate, microtesla, where the config has
@@ -154,7 +162,7 @@ impl Compensator {
 
     /// A number for the fast paths, JNI and C, for the library's own wrapper.
     pub fn fast_handle(self: Arc<Self>) -> i64 {
-        *self.handle.get_or_init(|| crate::handles::add(&self))
+        *self.handle.get_or_init(|| HANDLES.add(&self))
     }
 }
 
@@ -203,11 +211,11 @@ impl Running {
 
 /// A first calibration from the operating system's hard iron.
 fn prior(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp::Calibration, MagcompError> {
-    let (value_ut, limit_ut) = (hard_iron_ut[hard_iron_ut.iamax()], config.sensor.range_ut);
+    let (value_ut, limit_ut) = (hard_iron_ut[hard_iron_ut.iamax()], config.range_ut);
     if value_ut.abs() > limit_ut {
         return Err(magcomp::RejectReason::OutOfRange { value_ut, limit_ut }.into());
     }
-    let field_ut = config.fit.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
+    let field_ut = config.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
     Ok(magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?)
 }
 

@@ -2,8 +2,7 @@
 
 mod convert;
 
-use crate::record::Calibration;
-use std::collections::HashMap;
+use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
 
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
@@ -20,7 +19,7 @@ pub enum Method {
     Constant,
 }
 
-/// Everything a compensator can be told. A field left out is the library's default; `default_config()` shows them all.
+/// Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
@@ -33,46 +32,24 @@ pub struct Config {
     /// there is no other: readings from the first sample on, as good as that estimate. Default false.
     #[uniffi(default = None)]
     pub use_reported_hard_iron: Option<bool>,
-    /// What a raw sample may be.
-    #[uniffi(default = None)]
-    pub sensor: Option<SensorLimits>,
-    /// What an ellipsoid fit accepts.
-    #[uniffi(default = None)]
-    pub fit: Option<FitOptions>,
-    /// The paper's method.
-    #[uniffi(default = None)]
-    pub windowed: Option<WindowedConfig>,
-    /// Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
-    /// which documents them with their units and ranges. A setting left out is the default.
-    #[uniffi(default = None)]
-    pub aided: Option<HashMap<String, f64>>,
-    /// Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
-    #[uniffi(default = None)]
-    pub adaptive_noise_ut: Option<f64>,
-    /// How events of several sensors are brought together.
-    #[uniffi(default = None)]
-    pub pairing: Option<PairingConfig>,
-    /// How headings are reported.
-    #[uniffi(default = None)]
-    pub heading: Option<HeadingConfig>,
-}
-
-/// What a raw sample may be; anything else is rejected with a reason. A field left out is the default.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct SensorLimits {
-    /// Largest component, microtesla, 1 to 100 000. Default 2000.
+    /// Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
+    /// magnets.
     #[uniffi(default = None)]
     pub range_ut: Option<f64>,
-    /// The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
+    /// The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
     /// as saturated. 1 to 100 000. Default none: not known.
     #[uniffi(default = None)]
     pub rail_ut: Option<f64>,
-    /// So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
+    /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+    /// carries the sensor's scale. Every method listens to it. Default none: found by the method.
     #[uniffi(default = None)]
-    pub stuck_samples: Option<i32>,
-    /// Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
+    pub field_strength_ut: Option<f64>,
+    /// How headings are reported.
     #[uniffi(default = None)]
-    pub max_gap_s: Option<f64>,
+    pub heading: Option<HeadingConfig>,
+    /// The paper's method.
+    #[uniffi(default = None)]
+    pub windowed: Option<WindowedConfig>,
 }
 
 /// What is squared and summed by a fit.
@@ -103,9 +80,9 @@ pub struct FitOptions {
     /// Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
     #[uniffi(default = None)]
     pub max_direction_sigma_deg: Option<f64>,
-    /// White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
+    /// White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
     #[uniffi(default = None)]
-    pub error_floor_ut: Option<f64>,
+    pub noise_floor_ut: Option<f64>,
     /// Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
     #[uniffi(default = None)]
     pub max_residual_share: Option<f64>,
@@ -142,52 +119,14 @@ pub struct WindowedConfig {
     /// How the standard deviations in sigma_T are normalised. Default `HalfRange`.
     #[uniffi(default = None)]
     pub normalisation: Option<Normalisation>,
-    /// Samples from one fit to the next, 1 to 100 000. Default 1.
+    /// What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
+    /// however far its samples lie from one ellipsoid.
     #[uniffi(default = None)]
-    pub refit_stride: Option<i32>,
-}
-
-/// How events of several sensors are brought together. A field left out is the default.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct PairingConfig {
-    /// A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
-    /// 0.25.
+    pub residual: Option<Residual>,
+    /// White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
+    /// where the residual is small.
     #[uniffi(default = None)]
-    pub stale_s: Option<f64>,
-    /// Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
-    #[uniffi(default = None)]
-    pub max_rate_rad_s: Option<f64>,
-    /// Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
-    #[uniffi(default = None)]
-    pub max_up_m_s2: Option<f64>,
-    /// An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
-    /// 10.
-    #[uniffi(default = None)]
-    pub max_lead_s: Option<f64>,
-}
-
-/// Which axis of the device the heading is that of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum ReferenceAxis {
-    /// Top edge of the screen.
-    TopEdge,
-    /// Back camera.
-    Camera,
-    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
-    Auto,
-}
-
-/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum ScreenRotation {
-    /// Natural orientation: portrait on phones.
-    Deg0,
-    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
-    Deg90,
-    /// Upside down.
-    Deg180,
-    /// The other landscape: the screen's top is the device's left edge.
-    Deg270,
+    pub noise_floor_ut: Option<f64>,
 }
 
 /// How headings are reported. A field left out is the default.
@@ -205,26 +144,21 @@ pub struct HeadingConfig {
     /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
     #[uniffi(default = None)]
     pub tilt_sigma_deg: Option<f64>,
-    /// What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
-    #[uniffi(default = None)]
-    pub field_sigma_ut: Option<f64>,
 }
 
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, sensor, fit, windowed, aided, adaptive, pairing, heading } =
+    let magcomp::Config { method, initial, range_ut, rail_ut, field_strength_ut, heading, windowed } =
         magcomp::Config::default();
     Config {
         method: Some(method.into()),
         initial: initial.map(Into::into),
         use_reported_hard_iron: Some(false),
-        sensor: Some(sensor.into()),
-        fit: Some(fit.into()),
-        windowed: Some(windowed.into()),
-        aided: Some(aided.settings().map(|(name, value)| (name.to_owned(), value)).collect()),
-        adaptive_noise_ut: Some(adaptive.noise_ut),
-        pairing: Some(pairing.into()),
+        range_ut: Some(range_ut),
+        rail_ut,
+        field_strength_ut,
         heading: Some(heading.into()),
+        windowed: Some(windowed.into()),
     }
 }

@@ -1,9 +1,10 @@
 //! Constant-field calibration as it crosses the border.
 
 use crate::config::FitOptions;
+use crate::convert::count;
 use crate::error::MagcompError;
 use crate::guarded::Guarded;
-use crate::record::{Coverage, Fit, Vector3, count};
+use crate::record::{Coverage, Fit, Vector3};
 use std::sync::Arc;
 
 /// One calibration from a set of orientations: collects them, shows which directions are missing, and fits.

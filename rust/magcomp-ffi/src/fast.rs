@@ -7,8 +7,8 @@
 // the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
 #![allow(unsafe_code)]
 
+use crate::compensator::find;
 use crate::flat::{self, ACCEPTED, CLOSED, FlatReading, FlatStatus};
-use crate::handles::find;
 use crate::java::{Env, JavaArray};
 use crate::record::Vector3;
 use jni::jni_mangle;

@@ -142,7 +142,7 @@ impl FlatReading {
             direction_sigma_deg: number(direction_sigma_deg),
             worst_sigma_deg: number(worst_sigma_deg),
             reported_hard_iron_jump_ut: number(jump_ut),
-            window: crate::record::count(window),
+            window: crate::convert::count(window),
             mode: match mode {
                 SensorMode::GyroscopeAndGravity => 0,
                 SensorMode::GyroscopeOnly => 1,

@@ -18,7 +18,7 @@ pub struct GeomagneticField {
     pub declination_sigma_deg: f64,
     /// Below the horizon, degrees, positive when the field points down.
     pub inclination_deg: f64,
-    /// Strength, microtesla: what `FitOptions.field_strength_ut` takes.
+    /// Strength, microtesla: what `Config.field_strength_ut` takes.
     pub total_field_ut: f64,
 }
 

@@ -11,6 +11,7 @@ mod c;
 mod compensator;
 mod config;
 mod constant_field;
+mod convert;
 mod error;
 #[cfg(not(target_vendor = "apple"))]
 mod fast;
@@ -25,17 +26,14 @@ mod record;
 mod status;
 
 pub use compensator::{Compensator, Restored};
-pub use config::{
-    Config, FitOptions, HeadingConfig, Method, Normalisation, PairingConfig, ReferenceAxis, Residual, ScreenRotation,
-    SensorLimits, WindowedConfig, default_config,
-};
+pub use config::{Config, FitOptions, HeadingConfig, Method, Normalisation, Residual, WindowedConfig, default_config};
 pub use constant_field::ConstantField;
 pub use error::MagcompError;
 pub use geomagnetic::{GeomagneticField, geomagnetic_field};
 pub use logging::{LogLevel, start_logging};
 pub use record::{
-    Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, RotationRateSample, SoftIron,
-    Termination, UpSample, Vector3, correct, heading, true_heading_deg,
+    Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, ReferenceAxis, RotationRateSample,
+    ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
     Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,

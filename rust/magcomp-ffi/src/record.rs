@@ -1,26 +1,9 @@
 //! Records that cross the border, and their conversions.
 
-use crate::config::{ReferenceAxis, ScreenRotation};
+use crate::convert::{count, same_names};
 use crate::error::MagcompError;
 use crate::status::{Event, ModelOrder, SensorMode, Status};
 use magcomp::nalgebra;
-
-/// Conversions both ways between enums without data that have the same names here and in the core.
-macro_rules! same_names {
-    ($($name:ident { $($variant:ident),+ })+) => {$(
-        impl From<magcomp::$name> for $name {
-            fn from(value: magcomp::$name) -> Self {
-                match value { $(magcomp::$name::$variant => Self::$variant),+ }
-            }
-        }
-        impl From<$name> for magcomp::$name {
-            fn from(value: $name) -> Self {
-                match value { $($name::$variant => Self::$variant),+ }
-            }
-        }
-    )+};
-}
-pub(crate) use same_names;
 
 /// Three components in the device frame: x right, y up along the screen, z out of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
@@ -113,6 +96,30 @@ impl From<magcomp::Heading> for Heading {
         let magcomp::Heading { heading_deg, heading_sigma_deg, true_heading_deg, inclination_deg } = h;
         Self { heading_deg, heading_sigma_deg, true_heading_deg, inclination_deg }
     }
+}
+
+/// Which axis of the device the heading is that of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum ReferenceAxis {
+    /// Top edge of the screen.
+    TopEdge,
+    /// Back camera.
+    Camera,
+    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
+    Auto,
+}
+
+/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum ScreenRotation {
+    /// Natural orientation: portrait on phones.
+    Deg0,
+    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
+    Deg90,
+    /// Upside down.
+    Deg180,
+    /// The other landscape: the screen's top is the device's left edge.
+    Deg270,
 }
 
 /// The axis whose heading is reported, how the screen's content is turned, and the declination.
@@ -311,7 +318,11 @@ pub enum Termination {
     MaxIterations,
 }
 
-same_names! { Termination { Converged, Stalled, MaxIterations } }
+same_names! {
+    Termination { Converged, Stalled, MaxIterations }
+    ReferenceAxis { TopEdge, Camera, Auto }
+    ScreenRotation { Deg0, Deg90, Deg180, Deg270 }
+}
 
 /// Which directions of the sphere have been seen, for guidance.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
@@ -360,9 +371,4 @@ pub(crate) fn heading_in(
 #[uniffi::export]
 pub fn true_heading_deg(heading_deg: f64, declination_deg: f64) -> f64 {
     magcomp::true_heading_deg(heading_deg, declination_deg)
-}
-
-/// A count as the border carries it.
-pub(crate) fn count(n: usize) -> i32 {
-    i32::try_from(n).unwrap_or(i32::MAX)
 }

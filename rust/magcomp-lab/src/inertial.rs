@@ -3,7 +3,7 @@
 
 use crate::motion::Trajectory;
 use crate::random::Random;
-use crate::simulate::time_ns;
+use crate::time::time_ns;
 use magcomp::nalgebra::Vector3;
 use magcomp::{RotationRateSample, UpSample};
 

@@ -24,3 +24,4 @@ pub mod scenario;
 pub mod schedule;
 pub mod simulate;
 pub mod table;
+pub mod time;

@@ -8,6 +8,7 @@ use crate::motion::Motion;
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
+use crate::time::time_ns;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
 
@@ -140,12 +141,6 @@ impl Scenario {
         });
         Simulation { magnetic, truth, rotation_rates, ups }
     }
-}
-
-/// Seconds as whole nanoseconds.
-#[must_use]
-pub fn time_ns(time_s: f64) -> i64 {
-    (time_s * 1e9).round() as i64
 }
 
 #[cfg(test)]

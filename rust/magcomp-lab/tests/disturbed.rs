@@ -3,7 +3,6 @@
 
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Compensator, Config, Method, Status};
-use magcomp_lab::experiment::aided::config;
 use magcomp_lab::inertial::InertialSensor;
 use magcomp_lab::motion::Motion;
 use magcomp_lab::parameters::Parameters;
@@ -30,7 +29,7 @@ struct Seen {
 }
 
 fn follow(stream: &Simulation, gravity: bool) -> Seen {
-    follow_by(config(Method::Adaptive), stream, gravity)
+    follow_by(Config { method: Method::Adaptive, ..Config::default() }, stream, gravity)
 }
 
 fn follow_by(config: Config, stream: &Simulation, gravity: bool) -> Seen {

@@ -3,15 +3,12 @@
 //! eigenvalue of the information says that one combination of parameters is open.
 
 use magcomp::nalgebra::{Rotation3, Vector3};
-use magcomp::{
-    Compensator, Config, HeadingConfig, MagneticSample, Method, Normalisation, Reading, WindowedConfig, uniformity,
-};
+use magcomp::{Compensator, Config, MagneticSample, Method, Normalisation, Reading, WindowedConfig, uniformity};
 use magcomp_lab::random::{Purpose, Random};
 
 /// The last reading of a phone that sees the field along these directions.
 fn last(directions: impl Iterator<Item = Vector3<f64>>) -> Reading {
-    let heading = HeadingConfig { field_sigma_ut: 0.0, ..HeadingConfig::default() };
-    let config = Config { method: Method::Adaptive, heading, ..Config::default() };
+    let config = Config { method: Method::Adaptive, ..Config::default() };
     let mut compensator = Compensator::new(config).expect("a valid config");
     let mut noise = Random::new(7, Purpose::MagnetometerNoise);
     let mut reading = None;

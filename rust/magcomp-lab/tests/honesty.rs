@@ -2,9 +2,8 @@
 //! the share of heading errors within one and two of their sigmas, in every scenario, before and after its change.
 
 use clap::ValueEnum;
-use magcomp::{Compensator, Method};
+use magcomp::{Compensator, Config, Method};
 use magcomp_lab::experiment::adaptive::{AdaptiveOptions, run};
-use magcomp_lab::experiment::aided::config;
 use magcomp_lab::experiment::nees::Nees;
 use magcomp_lab::scenario::Case;
 
@@ -21,7 +20,8 @@ fn nees(case: Case, first: u64) -> [(f64, f64); 4] {
     let mut found: [Vec<Nees>; 4] = Default::default();
     for seed in first..first + RUNS {
         let stream = case.plan(seed, None).scenario.run();
-        let mut compensator = Compensator::new(config(Method::Adaptive)).expect("the default config");
+        let config = Config { method: Method::Adaptive, ..Config::default() };
+        let mut compensator = Compensator::new(config).expect("a valid config");
         for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
             compensator.push(*sample);
             if let Some(at) = AT.iter().position(|at| *at == k + 1) {
@@ -71,7 +71,7 @@ fn shares_of_errors_within_their_sigmas_are_right() {
     let mut wrong = Vec::new();
     let cases = Case::value_variants();
     let of = |case: &Case| {
-        let options = AdaptiveOptions { case: *case, runs: 16, seed: 71_000, snr_db: None, noise_ut: None, repeats: 1 };
+        let options = AdaptiveOptions { case: *case, runs: 16, seed: 71_000, snr_db: None, repeats: 1 };
         run(&options).expect("the default config")
     };
     // two at a time

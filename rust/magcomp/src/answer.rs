@@ -7,8 +7,6 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) struct Answer {
     pub field_ut: Option<Vector3<f64>>,
     pub field_covariance_ut2: Option<Matrix3<f64>>,
-    /// The same for headings, where large errors are known as angles.
-    pub heading_covariance_ut2: Option<Matrix3<f64>>,
     pub filtered_field_ut: Option<Vector3<f64>>,
     pub filtered_covariance_ut2: Option<Matrix3<f64>>,
     pub up: Option<Vector3<f64>>,
@@ -29,7 +27,6 @@ impl Answer {
         Self {
             field_ut: None,
             field_covariance_ut2: None,
-            heading_covariance_ut2: None,
             filtered_field_ut: None,
             filtered_covariance_ut2: None,
             up: None,

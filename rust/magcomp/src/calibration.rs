@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Why a pair (M, b) is no calibration.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum CalibrationError {
     /// A value is NaN or infinite.
     #[error("calibration holds a value that is not finite; check the numbers it was built from")]
@@ -67,6 +68,14 @@ const LARGEST_ELEMENT: f64 = 1000.0;
 pub(crate) const LARGEST_RAW_UT: f64 = 100_000.0;
 /// Field strengths, uT: the Earth's field is 22 to 67, laboratories' coils reach a few hundred.
 pub(crate) const FIELD_STRENGTHS_UT: (f64, f64) = (1.0, 1000.0);
+
+/// What the Earth's field spans at its surface, uT (world magnetic model).
+pub(crate) const EARTH_FIELD_UT: (f64, f64) = (22.0, 67.0);
+
+/// The field strength to count in before one is found, uT: that which is known, else the middle of the Earth's.
+pub(crate) fn typical_field_ut(known_ut: Option<f64>) -> f64 {
+    known_ut.unwrap_or((EARTH_FIELD_UT.0 * EARTH_FIELD_UT.1).sqrt())
+}
 
 /// M, b and the strength of the field they were found in: h_m = M h + b.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

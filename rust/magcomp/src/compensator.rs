@@ -6,23 +6,26 @@ mod keep;
 
 use crate::answer::Answer;
 use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError, HeadingConfig, Method};
+use crate::config::{Config, ConfigError, Method, validate_heading};
 use crate::coverage::Coverage;
-use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::{Aided, calibration_covariance};
-use crate::estimator::windowed::Windowed;
-use crate::heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
-use crate::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::estimator::aided::{Aided, AidedConfig, calibration_covariance};
+use crate::estimator::paper::Windowed;
+use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
+use crate::quadric::EllipsoidFit;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
+use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::sensing::tilt::Tilt;
 use crate::snapshot::{LARGEST_COUNT, checked};
-use crate::tilt::Tilt;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
+/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
+/// in two laboratories.
+const UNEVEN_UT: f64 = 1.3;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -51,11 +54,9 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 #[derive(Clone, Debug)]
 pub struct Compensator {
     config: Config,
-    /// `heading.field_sigma_ut` as it was at `new`: the estimators keep it, whatever is set for headings.
-    uneven_ut: f64,
     pairing: InertialPairing,
     aided: Aided,
-    adaptive: Adaptive,
+    adaptive: Box<Adaptive>,
     windowed: Windowed,
     inputs: Inputs,
 }
@@ -82,6 +83,11 @@ struct Inputs {
     tilt: Tilt,
 }
 
+/// Covariance of what no calibration knows, uT^2.
+fn uneven_ut2() -> Matrix3<f64> {
+    Matrix3::identity() * UNEVEN_UT.powi(2)
+}
+
 checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT);
 
 impl Compensator {
@@ -92,20 +98,18 @@ impl Compensator {
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         config.validate()?;
         Ok(Self {
-            uneven_ut: config.heading.field_sigma_ut,
-            pairing: InertialPairing::new(config.pairing),
-            aided: Aided::new(config.aided, config.fit.field_strength_ut),
-            adaptive: Adaptive::new(&config, config.initial),
-            windowed: Windowed::new(&config),
+            pairing: InertialPairing::new(),
+            aided: Aided::new(AidedConfig::default(), config.field_strength_ut),
+            adaptive: Box::new(Adaptive::new(config.field_strength_ut, config.initial)),
+            windowed: Self::windowed(&config),
             inputs: Inputs::default(),
             config,
         })
     }
 
-    /// The config that the estimators were made with: of the heading settings they know `field_sigma_ut` alone.
-    fn made_with(&self) -> Config {
-        let heading = HeadingConfig { field_sigma_ut: self.uneven_ut, ..HeadingConfig::default() };
-        Config { heading, ..self.config.clone() }
+    /// The paper's estimator for a config.
+    fn windowed(config: &Config) -> Windowed {
+        Windowed::new(config.windowed, config.method == Method::Constant, config.field_strength_ut, config.initial)
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -114,13 +118,12 @@ impl Compensator {
         &self.config
     }
 
-    /// From now on headings are reported like this, for instance when the screen was turned. Nothing else changes: the
-    /// estimators and `Reading::field_sigma_ut` keep the `field_sigma_ut` that the compensator was made with.
+    /// From now on headings are reported like this, for instance when the screen was turned. Nothing else changes.
     ///
     /// # Errors
     /// [`ConfigError`] names the field that is out of range; nothing has changed then.
     pub fn set_heading(&mut self, heading: HeadingConfig) -> Result<(), ConfigError> {
-        heading.validate()?;
+        validate_heading(&heading)?;
         self.config.heading = heading;
         Ok(())
     }
@@ -130,7 +133,7 @@ impl Compensator {
     pub fn adopt(&mut self, calibration: Calibration) {
         self.windowed.adopt(calibration);
         self.aided.begin_from(&calibration);
-        self.adaptive.restart(&self.made_with(), Some(calibration));
+        *self.adaptive = Adaptive::new(self.config.field_strength_ut, Some(calibration));
         // it does not know yet where the field points: the next sample goes in as one after a pause
         self.inputs.aided = false;
     }
@@ -213,7 +216,6 @@ impl Compensator {
         Answer {
             field_ut: output.corrected_ut,
             field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
-            heading_covariance_ut2: None,
             filtered_field_ut: output.filtered_ut,
             filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
             up: output.up,
@@ -231,7 +233,7 @@ impl Compensator {
     fn adaptive_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
         if self.inputs.aided {
             self.inputs.aided = false;
-            self.adaptive.restart(&self.made_with(), self.aided.calibration());
+            *self.adaptive = Adaptive::new(self.config.field_strength_ut, self.aided.calibration());
         }
         self.adaptive.level(paired.up_m_s2);
         let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
@@ -240,13 +242,9 @@ impl Compensator {
         if wanted {
             self.windowed.measure();
         }
-        let (floor, heading_floor) = self.floors_ut2();
-        let covariance = output.corrected_ut.map(|(_, covariance)| covariance);
-        let heading_covariance = output.heading_covariance_ut2.or(covariance);
         Answer {
             field_ut: output.corrected_ut.map(|(field, _)| field),
-            field_covariance_ut2: covariance.map(|covariance| covariance + floor),
-            heading_covariance_ut2: heading_covariance.map(|covariance| covariance + heading_floor),
+            field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2()),
             up: paired.up_m_s2,
             sigma_t: self.windowed.sigma_t(),
             direction_sigma_deg: output.direction_sigma_deg,
@@ -270,7 +268,6 @@ impl Compensator {
         let step = self.windowed.push(sample.time_ns, &sample.field_ut);
         let field_ut = self.windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
         let field_ut = field_ut.filter(|field| field.norm().is_finite());
-        let (floor, heading_floor) = self.floors_ut2();
         let covariance = self.windowed.fit().zip(field_ut).map(|(fit, field)| {
             let w = fit.calibration.soft_iron_inverse();
             let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
@@ -278,8 +275,7 @@ impl Compensator {
         });
         Answer {
             field_ut,
-            field_covariance_ut2: covariance.map(|covariance| covariance + floor),
-            heading_covariance_ut2: covariance.map(|covariance| covariance + heading_floor),
+            field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2()),
             up: paired.up_m_s2,
             sigma_t: step.sigma_t,
             direction_sigma_deg: self.windowed.fit().map(|fit| fit.direction_sigma_deg),
@@ -290,16 +286,9 @@ impl Compensator {
         }
     }
 
-    /// What no calibration knows, uT^2: of the field, and of headings.
-    fn floors_ut2(&self) -> (Matrix3<f64>, Matrix3<f64>) {
-        let floor = |sigma_ut: f64| Matrix3::identity() * sigma_ut.powi(2);
-        (floor(self.uneven_ut), floor(self.config.heading.field_sigma_ut))
-    }
-
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut);
-        let covariance =
-            answer.filtered_covariance_ut2.or(answer.heading_covariance_ut2).or(answer.field_covariance_ut2);
+        let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
         Reading {
             time_ns,
             field_ut: answer.field_ut,
@@ -381,11 +370,11 @@ impl Compensator {
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        let config = self.made_with();
-        self.pairing = InertialPairing::new(config.pairing);
-        self.aided = Aided::new(config.aided, config.fit.field_strength_ut);
-        self.adaptive.restart(&config, config.initial);
-        self.windowed.restart(&config);
+        let Config { field_strength_ut, initial, .. } = self.config;
+        self.pairing = InertialPairing::new();
+        self.aided = Aided::new(AidedConfig::default(), field_strength_ut);
+        *self.adaptive = Adaptive::new(field_strength_ut, initial);
+        self.windowed.restart(initial);
         self.inputs = Inputs::default();
     }
 }

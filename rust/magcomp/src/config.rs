@@ -1,16 +1,14 @@
 //! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
 
 use crate::calibration::Calibration;
-use crate::ellipsoid::{FitOptions, SMALLEST_SAMPLE_COUNT};
-use crate::estimator::adaptive::AdaptiveConfig;
-use crate::estimator::aided::AidedConfig;
-use crate::heading::{ReferenceAxis, ScreenRotation};
-use crate::pairing::PairingConfig;
-use crate::uniformity::Normalisation;
+use crate::estimator::paper::WindowedConfig;
+use crate::heading::HeadingConfig;
+use crate::quadric::SMALLEST_SAMPLE_COUNT;
 use serde::{Deserialize, Serialize};
 
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Method {
     /// `Aided` while rotation rates arrive, else `Adaptive`. The default.
     #[default]
@@ -25,107 +23,51 @@ pub enum Method {
     Constant,
 }
 
-/// Everything a [`crate::Compensator`] can be told. `Config::default()` suits a phone.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Everything a [`crate::Compensator`] can be told: fifteen settings. `Config::default()` suits a phone; a setting is changed
+/// on it.
+///
+/// ```
+/// use magcomp::{Config, Method};
+///
+/// let mut config = Config::default();
+/// config.method = Method::Adaptive;
+/// config.heading.declination_deg = Some(2.5);
+/// assert!(config.validate().is_ok());
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Config {
     /// How M and b are estimated. Default [`Method::Auto`].
     pub method: Method,
     /// A calibration to begin with, for instance that of the last launch. Default none.
     pub initial: Option<Calibration>,
-    /// What a raw sample may be.
-    pub sensor: SensorLimits,
-    /// What an ellipsoid fit accepts.
-    pub fit: FitOptions,
-    /// The method with gyroscope and gravity.
-    pub aided: AidedConfig,
-    /// The method with the magnetometer alone.
-    pub adaptive: AdaptiveConfig,
-    /// How events of several sensors are brought together.
-    pub pairing: PairingConfig,
-    /// The paper's method.
-    pub windowed: WindowedConfig,
-    /// How headings are reported.
-    pub heading: HeadingConfig,
-}
-
-/// What a raw sample may be; anything else is rejected with a reason.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SensorLimits {
-    /// Largest component, uT, 1 to 100 000. Default 2000: phones carry offsets up to several hundred uT, and a magnetic cover can add
-    /// a thousand. Larger accepts stronger magnets.
+    /// Largest component of a raw sample, uT, 1 to 100 000; a larger one is rejected. Default 2000: phones carry offsets up to several
+    /// hundred uT, and a magnetic cover can add a thousand. Larger accepts stronger magnets.
     pub range_ut: f64,
-    /// The sensor's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
+    /// The magnetometer's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
     /// saturated. 1 to 100 000. Default none: not known.
     pub rail_ut: Option<f64>,
-    /// So many equal samples in a row mean that the sensor hangs. Default 50, half a second at 100 Hz: the noise of every phone magnetometer
-    /// changes the last digit sooner. 0 switches the check off. At most
-    /// 1 000 000.
-    pub stuck_samples: usize,
-    /// Largest step ahead in time, s. Default 604800, a week: longer pauses than any app's, shorter than the
-    /// jump of a time in the wrong unit. Pauses up to it are accepted. 0.001 to 2e10, which is
-    /// more than there are nanoseconds in 64 bits.
-    pub max_gap_s: f64,
+    /// |h| in uT, 1 to 1000, where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
+    /// sensor's scale. Every method listens to it. None (the default): the strength is found, and M has a gauge of its own, det M = 1;
+    /// for the aided method tr M = 3.
+    pub field_strength_ut: Option<f64>,
+    /// How headings are reported.
+    pub heading: HeadingConfig,
+    /// The paper's method.
+    pub windowed: WindowedConfig,
 }
 
-impl Default for SensorLimits {
-    fn default() -> Self {
-        Self { range_ut: 2000.0, rail_ut: None, stuck_samples: 50, max_gap_s: 604_800.0 }
-    }
-}
-
-/// The paper's method (section IV, fig. 3).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct WindowedConfig {
-    /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows changes sooner with more noise.
-    pub n_min: usize,
-    /// N_max, samples, at most 100 000 (32 bytes each): the longest window. Default 2000 (the paper's). Larger is steadier under poor motion and slower to forget.
-    pub n_max: usize,
-    /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1. It stops updates at rest (not near azimuth
-    /// 180), but not in all planar motion.
-    pub sigma_th: f64,
-    /// How the standard deviations in sigma_T are normalised. Default `HalfRange`, which comes closest to the transient in the paper's fig. 4.
-    pub normalisation: Normalisation,
-    /// Samples from one fit to the next, 1 to 100 000. Default 1 (the paper's). Larger costs less and follows in steps.
-    pub refit_stride: usize,
-}
-
-impl Default for WindowedConfig {
-    fn default() -> Self {
-        Self { n_min: 100, n_max: 2000, sigma_th: 0.1, normalisation: Normalisation::HalfRange, refit_stride: 1 }
-    }
-}
-
-/// How headings are reported.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct HeadingConfig {
-    /// The axis whose heading it is. Default the top edge.
-    pub axis: ReferenceAxis,
-    /// How the screen's content is turned. Default not at all.
-    pub screen_rotation: ScreenRotation,
-    /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
-    pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top (little
-    /// where a gyroscope carries `up`). Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
-    pub tilt_sigma_deg: f64,
-    /// What no calibration knows, uT per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3, measured against
-    /// optical orientation references in two laboratories; 0 for simulated data. The estimators and `Reading::field_sigma_ut`
-    /// keep the value that the compensator was made with; one that is set later counts in `heading_sigma_deg` alone.
-    pub field_sigma_ut: f64,
-}
-
-impl Default for HeadingConfig {
+impl Default for Config {
     fn default() -> Self {
         Self {
-            axis: ReferenceAxis::TopEdge,
-            screen_rotation: ScreenRotation::Deg0,
-            declination_deg: None,
-
-            tilt_sigma_deg: 0.5,
-            field_sigma_ut: 1.3,
+            method: Method::Auto,
+            initial: None,
+            range_ut: 2000.0,
+            rail_ut: None,
+            field_strength_ut: None,
+            heading: HeadingConfig::default(),
+            windowed: WindowedConfig::default(),
         }
     }
 }
@@ -133,6 +75,7 @@ impl Default for HeadingConfig {
 /// A field of the config is outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("config: {field} is {value}, expected {expected}")]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct ConfigError {
     /// Path of the field, for instance `windowed.n_min`.
     pub field: &'static str,
@@ -168,29 +111,11 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        let (s, f, w, p) = (&self.sensor, &self.fit, &self.windowed, &self.pairing);
-        let (low, high) = f.field_range_ut;
+        let w = &self.windowed;
         first_failed(&[
-            range!("sensor.range_ut", s.range_ut, 1.0, 100000.0, "uT"),
-            range!("sensor.rail_ut", s.rail_ut, none, 1.0, 100000.0, "uT"),
-            range!("sensor.stuck_samples", s.stuck_samples, 0, 1000000, "samples"),
-            range!("sensor.max_gap_s", s.max_gap_s, 0.001, 2e10, "s"),
-            range!("pairing.stale_s", p.stale_s, 0.001, 10.0, "s"),
-            range!("pairing.max_rate_rad_s", p.max_rate_rad_s, 0.1, 100.0, "rad/s"),
-            range!("pairing.max_up_m_s2", p.max_up_m_s2, 1.0, 1000.0, "m/s^2"),
-            range!("pairing.max_lead_s", p.max_lead_s, 0.001, 3600.0, "s"),
-            range!("fit.field_strength_ut", f.field_strength_ut, none, 1.0, 1000.0, "uT"),
-            Check {
-                ok: 1.0 <= low && low < high && high <= 1000.0,
-                field: "fit.field_range_ut",
-                value: &f.field_range_ut,
-                expected: "1 <= low < high <= 1000 uT",
-            },
-            range!("fit.max_direction_sigma_deg", f.max_direction_sigma_deg, 0.001, 180.0, "deg"),
-            range!("fit.error_floor_ut", f.error_floor_ut, 0.0, 1000.0, "uT"),
-            range!("fit.max_residual_share", f.max_residual_share, 0.0001, 1000.0),
-            range!("fit.max_iterations", f.max_iterations, 1, 1000),
-            range!("fit.tolerance", f.tolerance, 1e-16, 0.1),
+            range!("range_ut", self.range_ut, 1.0, 100000.0, "uT"),
+            range!("rail_ut", self.rail_ut, none, 1.0, 100000.0, "uT"),
+            range!("field_strength_ut", self.field_strength_ut, none, 1.0, 1000.0, "uT"),
             range!("windowed.n_max", w.n_max, 9, 100000, "samples"),
             Check {
                 ok: w.n_min >= SMALLEST_SAMPLE_COUNT,
@@ -205,23 +130,18 @@ impl Config {
                 expected: "at most windowed.n_max",
             },
             range!("windowed.sigma_th", w.sigma_th, 0.0, 10.0),
-            range!("windowed.refit_stride", w.refit_stride, 1, 100000, "samples"),
+            range!("windowed.noise_floor_ut", w.noise_floor_ut, 0.0, 1000.0, "uT"),
         ])?;
-        self.heading.validate()?;
-        self.aided.validate()?;
-        self.adaptive.validate()
+        validate_heading(&self.heading)
     }
 }
 
-impl HeadingConfig {
-    /// Whether every field is inside its range.
-    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        first_failed(&[
-            range!("heading.declination_deg", self.declination_deg, none, -180.0, 180.0, "deg"),
-            range!("heading.tilt_sigma_deg", self.tilt_sigma_deg, 0.0, 90.0, "deg"),
-            range!("heading.field_sigma_ut", self.field_sigma_ut, 0.0, 1000.0, "uT"),
-        ])
-    }
+/// Whether every field of the heading's is inside its range.
+pub(crate) fn validate_heading(heading: &HeadingConfig) -> Result<(), ConfigError> {
+    first_failed(&[
+        range!("heading.declination_deg", heading.declination_deg, none, -180.0, 180.0, "deg"),
+        range!("heading.tilt_sigma_deg", heading.tilt_sigma_deg, 0.0, 90.0, "deg"),
+    ])
 }
 
 /// Whether a field is inside its range, its path, its value, and the range.

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 /// Which axis of the device the heading is that of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum ReferenceAxis {
     /// Top edge of the screen.
     #[default]
@@ -56,8 +57,36 @@ impl ScreenRotation {
     }
 }
 
+/// How headings are reported.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub struct HeadingConfig {
+    /// The axis whose heading it is. Default the top edge.
+    pub axis: ReferenceAxis,
+    /// How the screen's content is turned. Default not at all.
+    pub screen_rotation: ScreenRotation,
+    /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
+    pub declination_deg: Option<f64>,
+    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top
+    /// (little where a gyroscope carries `up`). Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
+    pub tilt_sigma_deg: f64,
+}
+
+impl Default for HeadingConfig {
+    fn default() -> Self {
+        Self {
+            axis: ReferenceAxis::TopEdge,
+            screen_rotation: ScreenRotation::Deg0,
+            declination_deg: None,
+            tilt_sigma_deg: 0.5,
+        }
+    }
+}
+
 /// A heading and what belongs to it. All angles in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Heading {
     /// Clockwise from magnetic north, 0 to 360.
     pub heading_deg: f64,

@@ -7,11 +7,36 @@
 //! F. Picariello, S. Rapuano, C. Sementa, "A method for real-time compensation of magnetometers embedded on smartphones";
 //! equation numbers in this crate are that paper's. README's limits say where the standard deviation is too small.
 //!
-//! Where to find what: error model (1) to (8) and correction (11) in `calibration`; the ellipsoid (9), (10) in
-//! `ellipsoid`; sigma_T (12) to (15) in `uniformity`; the window (16) in `window`; fig. 3 in `estimator/windowed`; what is
-//! ours in `estimator/aided` (with a gyroscope) and `estimator/adaptive` (without).
+//! # Where each equation lives
+//!
+//! Files are those of `src/`. Each opens with its equations and their source; `docs/METHOD.md` derives them.
+//!
+//! | equation, idea | item | file |
+//! |---|---|---|
+//! | (1) to (8) factory errors and disturbance: M = S C A, b = S C b_m + b_0 | [`FactoryErrors::compose`] | `calibration.rs` |
+//! | h_m = M h + b | [`Calibration::distort`] | `calibration.rs` |
+//! | (9), (10) the least-squares ellipsoid | [`fit_ellipsoid`], [`FitOptions`] | `quadric/iteration.rs` |
+//! | its sums, exact, of constant cost | [`Moments`] | `quadric/moments.rs` |
+//! | its closed-form start | [`Moments::fit`] | `quadric/start.rs` |
+//! | its covariance; what is refused | [`EllipsoidFit`], [`direction_sigma_deg`] | `quadric/report.rs` |
+//! | (11) h = M^-1 (h_m - b) | [`Calibration::correct`] | `calibration.rs` |
+//! | (12) to (15) sigma_T | [`uniformity`] | `estimator/paper/uniformity.rs` |
+//! | (16) the window N | [`window_length`] | `estimator/paper/window.rs` |
+//! | fig. 3, the real-time loop | [`Method::Windowed`], [`WindowedConfig`] | `estimator/paper/windowed.rs` |
+//! | section III, a constant field | [`ConstantField`], [`Method::Constant`] | `estimator/paper/constant.rs` |
+//! | the gauge: M symmetric, M = P R | [`Calibration::from_any`] | `calibration.rs` |
+//! | ours, with a gyroscope: state, propagation, measurement, hypotheses | [`Method::Aided`] | `estimator/aided/` |
+//! | ours, the magnetometer alone: a bank of hypotheses over exact moments | [`Method::Adaptive`] | `estimator/adaptive/` |
+//! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
+//! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
+//! | which directions were seen | [`Coverage`] | `coverage.rs` |
+//! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
+//! | the settings; the state as text | [`Config`], [`Compensator::snapshot`] | `config.rs`, `snapshot.rs` |
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
+//!
+//! The core needs `std`: without it f64 has no `sqrt`, `sin` or `atan2`, and with `libm` in their place every file of mathematics
+//! would change, for targets that no phone is.
 
 pub use nalgebra;
 
@@ -19,37 +44,33 @@ mod answer;
 mod calibration;
 mod compensator;
 mod config;
-mod constant;
 mod coverage;
-mod ellipsoid;
 mod estimator;
 mod heading;
-mod pairing;
+mod quadric;
 mod reading;
 mod sample;
+mod sensing;
 mod snapshot;
-mod tilt;
-mod uniformity;
-mod window;
+#[doc(hidden)]
+pub mod tuning;
 
 pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
 pub use compensator::Compensator;
-pub use config::{Config, ConfigError, HeadingConfig, Method, SensorLimits, WindowedConfig};
-pub use constant::ConstantField;
+pub use config::{Config, ConfigError, Method};
 pub use coverage::{CELLS, Coverage};
-pub use ellipsoid::{
+pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
+pub use heading::{
+    Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
+};
+pub use quadric::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
 };
-pub use estimator::adaptive::AdaptiveConfig;
-pub use estimator::aided::AidedConfig;
-pub use heading::{Heading, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg};
-pub use pairing::{EventRejection, PairingConfig};
 pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
+pub use sensing::pairing::EventRejection;
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
-pub use uniformity::{Normalisation, uniformity};
-pub use window::window_length;
 
 /// README's code runs as a test.
 #[cfg(doctest)]

@@ -21,6 +21,7 @@ pub const SNAPSHOT_VERSION: u32 = 1;
 
 /// What was taken over from a snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
@@ -31,6 +32,7 @@ pub enum Restored {
 
 /// Why a snapshot can't be used. The compensator it was given to has not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum SnapshotError {
     /// Not a whole snapshot, changed since it was written, or none that a compensator writes.
     #[error("snapshot is damaged; start without it")]

@@ -2398,7 +2398,7 @@ public object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration> {
 
 
 /**
- * Everything a compensator can be told. A field left out is the library's default; `default_config()` shows them all.
+ * Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
  */
 data class Config (
     /**
@@ -2418,40 +2418,32 @@ data class Config (
     val `useReportedHardIron`: kotlin.Boolean? = null
     ,
     /**
-     * What a raw sample may be.
+     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
+     * magnets.
      */
-    val `sensor`: SensorLimits? = null
+    val `rangeUt`: kotlin.Double? = null
     ,
     /**
-     * What an ellipsoid fit accepts.
+     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
+     * as saturated. 1 to 100 000. Default none: not known.
      */
-    val `fit`: FitOptions? = null
+    val `railUt`: kotlin.Double? = null
     ,
     /**
-     * The paper's method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
+     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
-    val `windowed`: WindowedConfig? = null
-    ,
-    /**
-     * Settings of the method with gyroscope and gravity, by the name of a field of `AidedConfig` in the Rust library,
-     * which documents them with their units and ranges. A setting left out is the default.
-     */
-    val `aided`: Map<kotlin.String, kotlin.Double>? = null
-    ,
-    /**
-     * Magnetometer noise that the adaptive method starts from, microtesla per axis, 0.01 to 20; it is learned. Default 0.5.
-     */
-    val `adaptiveNoiseUt`: kotlin.Double? = null
-    ,
-    /**
-     * How events of several sensors are brought together.
-     */
-    val `pairing`: PairingConfig? = null
+    val `fieldStrengthUt`: kotlin.Double? = null
     ,
     /**
      * How headings are reported.
      */
     val `heading`: HeadingConfig? = null
+    ,
+    /**
+     * The paper's method.
+     */
+    val `windowed`: WindowedConfig? = null
 
 ){
 
@@ -2471,13 +2463,11 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeMethod.read(buf),
             FfiConverterOptionalTypeCalibration.read(buf),
             FfiConverterOptionalBoolean.read(buf),
-            FfiConverterOptionalTypeSensorLimits.read(buf),
-            FfiConverterOptionalTypeFitOptions.read(buf),
-            FfiConverterOptionalTypeWindowedConfig.read(buf),
-            FfiConverterOptionalMapStringDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalTypePairingConfig.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeHeadingConfig.read(buf),
+            FfiConverterOptionalTypeWindowedConfig.read(buf),
         )
     }
 
@@ -2485,26 +2475,22 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeMethod.allocationSize(value.`method`) +
             FfiConverterOptionalTypeCalibration.allocationSize(value.`initial`) +
             FfiConverterOptionalBoolean.allocationSize(value.`useReportedHardIron`) +
-            FfiConverterOptionalTypeSensorLimits.allocationSize(value.`sensor`) +
-            FfiConverterOptionalTypeFitOptions.allocationSize(value.`fit`) +
-            FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`) +
-            FfiConverterOptionalMapStringDouble.allocationSize(value.`aided`) +
-            FfiConverterOptionalDouble.allocationSize(value.`adaptiveNoiseUt`) +
-            FfiConverterOptionalTypePairingConfig.allocationSize(value.`pairing`) +
-            FfiConverterOptionalTypeHeadingConfig.allocationSize(value.`heading`)
+            FfiConverterOptionalDouble.allocationSize(value.`rangeUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`railUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`fieldStrengthUt`) +
+            FfiConverterOptionalTypeHeadingConfig.allocationSize(value.`heading`) +
+            FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`)
     )
 
     override fun write(value: Config, buf: ByteBuffer) {
             FfiConverterOptionalTypeMethod.write(value.`method`, buf)
             FfiConverterOptionalTypeCalibration.write(value.`initial`, buf)
             FfiConverterOptionalBoolean.write(value.`useReportedHardIron`, buf)
-            FfiConverterOptionalTypeSensorLimits.write(value.`sensor`, buf)
-            FfiConverterOptionalTypeFitOptions.write(value.`fit`, buf)
-            FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
-            FfiConverterOptionalMapStringDouble.write(value.`aided`, buf)
-            FfiConverterOptionalDouble.write(value.`adaptiveNoiseUt`, buf)
-            FfiConverterOptionalTypePairingConfig.write(value.`pairing`, buf)
+            FfiConverterOptionalDouble.write(value.`rangeUt`, buf)
+            FfiConverterOptionalDouble.write(value.`railUt`, buf)
+            FfiConverterOptionalDouble.write(value.`fieldStrengthUt`, buf)
             FfiConverterOptionalTypeHeadingConfig.write(value.`heading`, buf)
+            FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
     }
 }
 
@@ -2738,9 +2724,9 @@ data class FitOptions (
     val `maxDirectionSigmaDeg`: kotlin.Double? = null
     ,
     /**
-     * White noise, microtesla, 0 to 1000, that does as much harm as the errors which are not white. Default 5.
+     * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
      */
-    val `errorFloorUt`: kotlin.Double? = null
+    val `noiseFloorUt`: kotlin.Double? = null
     ,
     /**
      * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
@@ -2791,7 +2777,7 @@ public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
             FfiConverterOptionalDouble.allocationSize(value.`fieldLowUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldHighUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`maxDirectionSigmaDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`errorFloorUt`) +
+            FfiConverterOptionalDouble.allocationSize(value.`noiseFloorUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`maxResidualShare`) +
             FfiConverterOptionalInt.allocationSize(value.`maxIterations`) +
             FfiConverterOptionalDouble.allocationSize(value.`tolerance`)
@@ -2803,7 +2789,7 @@ public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
             FfiConverterOptionalDouble.write(value.`fieldLowUt`, buf)
             FfiConverterOptionalDouble.write(value.`fieldHighUt`, buf)
             FfiConverterOptionalDouble.write(value.`maxDirectionSigmaDeg`, buf)
-            FfiConverterOptionalDouble.write(value.`errorFloorUt`, buf)
+            FfiConverterOptionalDouble.write(value.`noiseFloorUt`, buf)
             FfiConverterOptionalDouble.write(value.`maxResidualShare`, buf)
             FfiConverterOptionalInt.write(value.`maxIterations`, buf)
             FfiConverterOptionalDouble.write(value.`tolerance`, buf)
@@ -2832,7 +2818,7 @@ data class GeomagneticField (
     val `inclinationDeg`: kotlin.Double
     ,
     /**
-     * Strength, microtesla: what `FitOptions.field_strength_ut` takes.
+     * Strength, microtesla: what `Config.field_strength_ut` takes.
      */
     val `totalFieldUt`: kotlin.Double
 
@@ -2961,11 +2947,6 @@ data class HeadingConfig (
      * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
      */
     val `tiltSigmaDeg`: kotlin.Double? = null
-    ,
-    /**
-     * What no calibration knows, microtesla per axis, 0 to 1000: the field of rooms is not uniform. Default 1.3.
-     */
-    val `fieldSigmaUt`: kotlin.Double? = null
 
 ){
 
@@ -2986,7 +2967,6 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalTypeScreenRotation.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
         )
     }
 
@@ -2994,8 +2974,7 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalTypeReferenceAxis.allocationSize(value.`axis`) +
             FfiConverterOptionalTypeScreenRotation.allocationSize(value.`screenRotation`) +
             FfiConverterOptionalDouble.allocationSize(value.`declinationDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`tiltSigmaDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`fieldSigmaUt`)
+            FfiConverterOptionalDouble.allocationSize(value.`tiltSigmaDeg`)
     )
 
     override fun write(value: HeadingConfig, buf: ByteBuffer) {
@@ -3003,7 +2982,6 @@ public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfi
             FfiConverterOptionalTypeScreenRotation.write(value.`screenRotation`, buf)
             FfiConverterOptionalDouble.write(value.`declinationDeg`, buf)
             FfiConverterOptionalDouble.write(value.`tiltSigmaDeg`, buf)
-            FfiConverterOptionalDouble.write(value.`fieldSigmaUt`, buf)
     }
 }
 
@@ -3116,71 +3094,6 @@ public object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSam
             FfiConverterLong.write(value.`timeNs`, buf)
             FfiConverterTypeVector3.write(value.`fieldUt`, buf)
             FfiConverterOptionalTypeVector3.write(value.`reportedHardIronUt`, buf)
-    }
-}
-
-
-
-/**
- * How events of several sensors are brought together. A field left out is the default.
- */
-data class PairingConfig (
-    /**
-     * A sensor whose newest event is older than this at a magnetometer sample counts as absent, seconds, 0.001 to 10. Default
-     * 0.25.
-     */
-    val `staleS`: kotlin.Double? = null
-    ,
-    /**
-     * Largest rotation rate believed, rad/s, 0.1 to 100. Default 60.
-     */
-    val `maxRateRadS`: kotlin.Double? = null
-    ,
-    /**
-     * Largest acceleration believed, m/s^2, 1 to 1000. Default 200.
-     */
-    val `maxUpMS2`: kotlin.Double? = null
-    ,
-    /**
-     * An event further ahead of the newest magnetometer sample is from another clock, seconds, 0.001 to 3600. Default
-     * 10.
-     */
-    val `maxLeadS`: kotlin.Double? = null
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-public object FfiConverterTypePairingConfig: FfiConverterRustBuffer<PairingConfig> {
-    override fun read(buf: ByteBuffer): PairingConfig {
-        return PairingConfig(
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: PairingConfig) = (
-            FfiConverterOptionalDouble.allocationSize(value.`staleS`) +
-            FfiConverterOptionalDouble.allocationSize(value.`maxRateRadS`) +
-            FfiConverterOptionalDouble.allocationSize(value.`maxUpMS2`) +
-            FfiConverterOptionalDouble.allocationSize(value.`maxLeadS`)
-    )
-
-    override fun write(value: PairingConfig, buf: ByteBuffer) {
-            FfiConverterOptionalDouble.write(value.`staleS`, buf)
-            FfiConverterOptionalDouble.write(value.`maxRateRadS`, buf)
-            FfiConverterOptionalDouble.write(value.`maxUpMS2`, buf)
-            FfiConverterOptionalDouble.write(value.`maxLeadS`, buf)
     }
 }
 
@@ -3396,70 +3309,6 @@ public object FfiConverterTypeRotationRateSample: FfiConverterRustBuffer<Rotatio
 
 
 /**
- * What a raw sample may be; anything else is rejected with a reason. A field left out is the default.
- */
-data class SensorLimits (
-    /**
-     * Largest component, microtesla, 1 to 100 000. Default 2000.
-     */
-    val `rangeUt`: kotlin.Double? = null
-    ,
-    /**
-     * The sensor's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default none: not known.
-     */
-    val `railUt`: kotlin.Double? = null
-    ,
-    /**
-     * So many equal samples in a row mean that the sensor hangs. 0 switches the check off. At most 1 000 000. Default 50.
-     */
-    val `stuckSamples`: kotlin.Int? = null
-    ,
-    /**
-     * Largest step ahead in time, seconds, 0.001 to 2e10. Default 604800, a week.
-     */
-    val `maxGapS`: kotlin.Double? = null
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-public object FfiConverterTypeSensorLimits: FfiConverterRustBuffer<SensorLimits> {
-    override fun read(buf: ByteBuffer): SensorLimits {
-        return SensorLimits(
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalInt.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: SensorLimits) = (
-            FfiConverterOptionalDouble.allocationSize(value.`rangeUt`) +
-            FfiConverterOptionalDouble.allocationSize(value.`railUt`) +
-            FfiConverterOptionalInt.allocationSize(value.`stuckSamples`) +
-            FfiConverterOptionalDouble.allocationSize(value.`maxGapS`)
-    )
-
-    override fun write(value: SensorLimits, buf: ByteBuffer) {
-            FfiConverterOptionalDouble.write(value.`rangeUt`, buf)
-            FfiConverterOptionalDouble.write(value.`railUt`, buf)
-            FfiConverterOptionalInt.write(value.`stuckSamples`, buf)
-            FfiConverterOptionalDouble.write(value.`maxGapS`, buf)
-    }
-}
-
-
-
-/**
  * Soft iron M: symmetric positive definite, dimensionless.
  */
 data class SoftIron (
@@ -3665,9 +3514,16 @@ data class WindowedConfig (
     val `normalisation`: Normalisation? = null
     ,
     /**
-     * Samples from one fit to the next, 1 to 100 000. Default 1.
+     * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
+     * however far its samples lie from one ellipsoid.
      */
-    val `refitStride`: kotlin.Int? = null
+    val `residual`: Residual? = null
+    ,
+    /**
+     * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
+     * where the residual is small.
+     */
+    val `noiseFloorUt`: kotlin.Double? = null
 
 ){
 
@@ -3688,7 +3544,8 @@ public object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedCon
             FfiConverterOptionalInt.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeNormalisation.read(buf),
-            FfiConverterOptionalInt.read(buf),
+            FfiConverterOptionalTypeResidual.read(buf),
+            FfiConverterOptionalDouble.read(buf),
         )
     }
 
@@ -3697,7 +3554,8 @@ public object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedCon
             FfiConverterOptionalInt.allocationSize(value.`nMax`) +
             FfiConverterOptionalDouble.allocationSize(value.`sigmaTh`) +
             FfiConverterOptionalTypeNormalisation.allocationSize(value.`normalisation`) +
-            FfiConverterOptionalInt.allocationSize(value.`refitStride`)
+            FfiConverterOptionalTypeResidual.allocationSize(value.`residual`) +
+            FfiConverterOptionalDouble.allocationSize(value.`noiseFloorUt`)
     )
 
     override fun write(value: WindowedConfig, buf: ByteBuffer) {
@@ -3705,7 +3563,8 @@ public object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedCon
             FfiConverterOptionalInt.write(value.`nMax`, buf)
             FfiConverterOptionalDouble.write(value.`sigmaTh`, buf)
             FfiConverterOptionalTypeNormalisation.write(value.`normalisation`, buf)
-            FfiConverterOptionalInt.write(value.`refitStride`, buf)
+            FfiConverterOptionalTypeResidual.write(value.`residual`, buf)
+            FfiConverterOptionalDouble.write(value.`noiseFloorUt`, buf)
     }
 }
 
@@ -6026,70 +5885,6 @@ public object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<Head
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypePairingConfig: FfiConverterRustBuffer<PairingConfig?> {
-    override fun read(buf: ByteBuffer): PairingConfig? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypePairingConfig.read(buf)
-    }
-
-    override fun allocationSize(value: PairingConfig?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypePairingConfig.allocationSize(value)
-        }
-    }
-
-    override fun write(value: PairingConfig?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypePairingConfig.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
-public object FfiConverterOptionalTypeSensorLimits: FfiConverterRustBuffer<SensorLimits?> {
-    override fun read(buf: ByteBuffer): SensorLimits? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeSensorLimits.read(buf)
-    }
-
-    override fun allocationSize(value: SensorLimits?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeSensorLimits.allocationSize(value)
-        }
-    }
-
-    override fun write(value: SensorLimits?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeSensorLimits.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
 public object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?> {
     override fun read(buf: ByteBuffer): Vector3? {
         if (buf.get().toInt() == 0) {
@@ -6378,38 +6173,6 @@ public object FfiConverterOptionalSequenceDouble: FfiConverterRustBuffer<List<ko
 /**
  * @suppress
  */
-public object FfiConverterOptionalMapStringDouble: FfiConverterRustBuffer<Map<kotlin.String, kotlin.Double>?> {
-    override fun read(buf: ByteBuffer): Map<kotlin.String, kotlin.Double>? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterMapStringDouble.read(buf)
-    }
-
-    override fun allocationSize(value: Map<kotlin.String, kotlin.Double>?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterMapStringDouble.allocationSize(value)
-        }
-    }
-
-    override fun write(value: Map<kotlin.String, kotlin.Double>?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterMapStringDouble.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
 public object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>> {
     override fun read(buf: ByteBuffer): List<kotlin.Double> {
         val len = buf.getInt()
@@ -6456,45 +6219,6 @@ public object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vecto
         buf.putInt(value.size)
         value.iterator().forEach {
             FfiConverterTypeVector3.write(it, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
-public object FfiConverterMapStringDouble: FfiConverterRustBuffer<Map<kotlin.String, kotlin.Double>> {
-    override fun read(buf: ByteBuffer): Map<kotlin.String, kotlin.Double> {
-        val len = buf.getInt()
-        return buildMap<kotlin.String, kotlin.Double>(len) {
-            repeat(len) {
-                val k = FfiConverterString.read(buf)
-                val v = FfiConverterDouble.read(buf)
-                this[k] = v
-            }
-        }
-    }
-
-    override fun allocationSize(value: Map<kotlin.String, kotlin.Double>): ULong {
-        val spaceForMapSize = 4UL
-        val spaceForChildren = value.map { (k, v) ->
-            FfiConverterString.allocationSize(k) +
-            FfiConverterDouble.allocationSize(v)
-        }.sum()
-        return spaceForMapSize + spaceForChildren
-    }
-
-    override fun write(value: Map<kotlin.String, kotlin.Double>, buf: ByteBuffer) {
-        buf.putInt(value.size)
-        // The parens on `(k, v)` here ensure we're calling the right method,
-        // which is important for compatibility with older android devices.
-        // Ref https://blog.danlew.net/2017/03/16/kotlin-puzzler-whose-line-is-it-anyways/
-        value.forEach { (k, v) ->
-            FfiConverterString.write(k, buf)
-            FfiConverterDouble.write(v, buf)
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
 };
-use crate::record::{count, same_names};
+use crate::convert::{count, same_names};
 
 impl From<magcomp::Status> for Status {
     fn from(s: magcomp::Status) -> Self {

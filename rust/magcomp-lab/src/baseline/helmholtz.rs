@@ -1,7 +1,7 @@
 //! Zeroing in a Helmholtz coil, as a procedure before the stream: with the Earth's field cancelled the sensor reads b; with
 //! known fields along each axis, both ways, it reads the columns of M. Then kept. P readings are averaged each time.
 
-use super::Baseline;
+use super::method::Baseline;
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
 use magcomp::nalgebra::{Matrix3, Vector3};

@@ -5,8 +5,9 @@
 //!
 //! Unscented: 19 sigma points x +- sqrt(9 + lambda) L_i, weights 1 / (2 (9 + lambda)), lambda = 0 (S. Julier, J. Uhlmann).
 
+use super::algebraic;
+use super::method::Baseline;
 use super::window::calibration_of;
-use super::{Baseline, algebraic};
 use magcomp::nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use magcomp::{Calibration, MagneticSample};
 

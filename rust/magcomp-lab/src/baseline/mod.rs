@@ -4,6 +4,7 @@ mod algebraic;
 mod enclosing;
 mod helmholtz;
 mod kalman;
+mod method;
 mod network;
 mod none;
 mod ours;
@@ -11,37 +12,15 @@ mod window;
 
 pub use helmholtz::Helmholtz;
 pub use kalman::Kalman;
+pub use method::Baseline;
 pub use network::Network;
 pub use none::Nothing;
 pub use ours::Ours;
 pub use window::{Surface, Windowed};
 
-use crate::experiment::aided::config;
-use crate::experiment::bound::fit_options;
 use crate::parameters::Parameters;
 use clap::ValueEnum;
-use magcomp::nalgebra::Vector3;
-use magcomp::{
-    Calibration, Config, ConfigError, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Residual,
-    WindowedConfig,
-};
-
-/// Something that corrects a magnetometer, sample by sample, with nothing later than its own sample.
-pub trait Baseline {
-    /// The true direction of the field at the next sample: for one that learns from it.
-    fn teach(&mut self, _direction: Vector3<f64>) {}
-
-    /// One raw sample.
-    fn push(&mut self, sample: &MagneticSample);
-
-    /// What it would make of a raw vector now, uT; None while it knows nothing.
-    fn correct(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>>;
-
-    /// Its M, b and field strength, where it has such.
-    fn calibration(&self) -> Option<Calibration> {
-        None
-    }
-}
+use magcomp::{Calibration, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -91,8 +70,6 @@ pub struct Known {
     pub initial: Option<Calibration>,
     /// True directions will be taught, of the samples before the change or of a recording's first part.
     pub reference: bool,
-    /// Not simulated: rooms are uneven.
-    pub real: bool,
 }
 
 impl Contestant {
@@ -123,21 +100,14 @@ impl Contestant {
     pub fn make(self, value: f64, known: &Known) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
         let length = value as usize;
         let ours = |config: Config| Ours::new(config).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
-        let allowances = |config: Config| {
-            let heading = if known.real { HeadingConfig::default() } else { config.heading };
-            Config { heading, initial: known.initial, ..config }
-        };
-        let windowed = |normalisation, residual: Residual| {
-            let fit = if known.real { FitOptions { residual, ..FitOptions::default() } } else { fit_options(residual) };
-            let literal = residual == Residual::Algebraic;
-            let max_residual_share = if literal { 1000.0 } else { fit.max_residual_share };
-            let fit = FitOptions { max_residual_share, field_strength_ut: None, ..fit };
-            let windowed = WindowedConfig { sigma_th: value, normalisation, ..WindowedConfig::default() };
-            allowances(Config { fit, windowed, ..config(Method::Windowed) })
+        let method = |method| Config { method, initial: known.initial, ..Config::default() };
+        let windowed = |normalisation, residual| {
+            let windowed = WindowedConfig { sigma_th: value, normalisation, residual, ..WindowedConfig::default() };
+            Config { windowed, ..method(Method::Windowed) }
         };
         Ok(match self {
-            Self::Adaptive => return ours(allowances(config(Method::Adaptive))),
-            Self::Constant => return ours(allowances(config(Method::Constant))),
+            Self::Adaptive => return ours(method(Method::Adaptive)),
+            Self::Constant => return ours(method(Method::Constant)),
             Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),
             Self::PaperEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Algebraic)),
             Self::WindowedHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Corrected)),

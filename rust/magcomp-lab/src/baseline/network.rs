@@ -3,7 +3,7 @@
 //!     y = V tanh(U x + u) + v + S x,   16 hidden units, Adam (D. Kingma, J. Ba, 2015), one step a sample
 //! 178 weights: written here, since the crates for networks bring a hundred others along.
 
-use super::Baseline;
+use super::method::Baseline;
 use crate::random::{Purpose, Random};
 use magcomp::MagneticSample;
 use magcomp::nalgebra::{SMatrix, SVector, Vector3};

@@ -1,6 +1,6 @@
 //! Nothing: the raw sample.
 
-use super::Baseline;
+use super::method::Baseline;
 use magcomp::MagneticSample;
 use magcomp::nalgebra::Vector3;
 

@@ -1,6 +1,6 @@
 //! The compensator itself, with any config.
 
-use super::Baseline;
+use super::method::Baseline;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Compensator, Config, ConfigError, MagneticSample};
 

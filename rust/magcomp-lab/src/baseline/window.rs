@@ -1,7 +1,8 @@
 //! Fits over the latest N samples, made anew every so often: the sphere, the linear ellipsoid, the smallest ellipsoid
 //! around them.
 
-use super::{Baseline, algebraic, enclosing};
+use super::method::Baseline;
+use super::{algebraic, enclosing};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{Calibration, MagneticSample};
 use std::collections::VecDeque;

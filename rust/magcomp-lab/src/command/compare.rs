@@ -1,6 +1,6 @@
 //! `magcomp compare`.
 
-use super::{Common, finite};
+use super::common::{Common, finite};
 use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_case, tune};

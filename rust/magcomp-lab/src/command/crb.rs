@@ -1,6 +1,6 @@
 //! `magcomp crb`.
 
-use super::{Common, finite};
+use super::common::{Common, finite};
 use crate::error::LabError;
 use crate::experiment::bound::{BoundOptions, SAMPLES, SNR_DB, run};
 use crate::parameters::ParameterSet;

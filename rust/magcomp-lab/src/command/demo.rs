@@ -1,6 +1,6 @@
 //! `magcomp demo`: real recordings compensated, then the aided method's steps, then the paper's, and a report of all.
 
-use super::Common;
+use super::common::Common;
 use crate::error::LabError;
 use crate::experiment::aided::{self, AidedOptions, AidedResult};
 use crate::experiment::step::{StepOptions, StepResult, run as run_step};

@@ -1,6 +1,6 @@
 //! `magcomp replay`.
 
-use super::{Common, between};
+use super::common::{Common, between};
 use crate::error::LabError;
 use crate::place::{Day, GeoPoint, declination_deg};
 use crate::progress;

@@ -1,6 +1,6 @@
 //! `magcomp simulate`.
 
-use super::{Common, between, finite};
+use super::common::{Common, between, finite};
 use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;

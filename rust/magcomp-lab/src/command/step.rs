@@ -1,6 +1,6 @@
 //! `magcomp step`.
 
-use super::{Common, between, finite};
+use super::common::{Common, between, finite};
 use crate::error::LabError;
 use crate::experiment::adaptive::{self, AdaptiveOptions};
 use crate::experiment::aided::{self, AidedOptions};
@@ -59,9 +59,6 @@ pub(super) struct Step {
     /// Adaptive: the scenario, instead of the one that belongs to the motion
     #[arg(long, value_enum, requires = "method", conflicts_with = "motion")]
     scenario: Option<Case>,
-    /// Adaptive: noise it starts from, uT
-    #[arg(long, value_name = "UT", requires = "method", value_parser = |text: &str| between(text, 0.01, 20.0))]
-    noise_start: Option<f64>,
     /// Adaptive: runs of each stream; the shortest time of each sample counts, which takes the scheduler out
     #[arg(long, default_value_t = 1, requires = "method", value_parser = value_parser!(u32).range(1..=100))]
     repeats: u32,
@@ -116,7 +113,6 @@ impl Step {
             runs: self.runs.map_or(50, |runs| runs as usize),
             seed: self.common.seed,
             snr_db: self.snr,
-            noise_ut: self.noise_start,
             repeats: self.repeats as usize,
         })?;
         self.common.finish(&result.tables(), &result, || {

@@ -6,8 +6,8 @@
 //! * false alarms: device steps declared before the change, and afterwards more than there were;
 //! * cost: the least over repeated runs of the same stream, sample by sample, so that it is ours and not the scheduler's.
 
-use super::aided::config;
 use super::compare::{MethodScore, Run, follow};
+use super::config;
 use super::nees::Nees;
 use crate::error::LabError;
 use crate::progress;
@@ -35,8 +35,6 @@ pub struct AdaptiveOptions {
     pub seed: u64,
     /// Signal-to-noise ratio, dB; the scenario's own when none.
     pub snr_db: Option<f64>,
-    /// Noise to start from, uT; the default when none.
-    pub noise_ut: Option<f64>,
     /// Runs of each stream for the cost.
     pub repeats: usize,
 }
@@ -91,10 +89,6 @@ struct Tally {
 /// # Errors
 /// [`LabError::Config`].
 pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
-    let mut config = config(Method::Adaptive);
-    if let Some(noise_ut) = options.noise_ut {
-        config.adaptive.noise_ut = noise_ut;
-    }
     let bar = progress::bar(options.runs, "adaptive");
     let (mut runs, mut tally, mut before, mut samples) = (Vec::new(), Tally::default(), 0, 0);
     for k in 0..options.runs {
@@ -102,7 +96,7 @@ pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
         let stream = plan.scenario.run();
         let field_ut = plan.scenario.world_ut.start.norm();
         let initial = options.case.initial(&plan);
-        let config = Config { initial, ..config.clone() };
+        let config = Config { initial, ..config(Method::Adaptive) };
         before = plan.before;
         samples += stream.magnetic.len();
         let mut best: Option<Run> = None;

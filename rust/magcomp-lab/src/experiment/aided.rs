@@ -3,9 +3,9 @@
 //!
 //! Tumbling, all nine parameters step by 50 %; walking, b steps by (20, -15, 10) uT. 60 s, the step after 30 s.
 
-use super::Spread;
-use super::aided_change::Noticed;
-use super::aided_score::{Answer, Outcome, score};
+use super::aided_change::{ChangeResult, Noticed};
+use super::aided_score::{Answer, MethodResult, Outcome, score};
+use super::config;
 use super::nees::Nees;
 use crate::error::LabError;
 use crate::motion::Motion;
@@ -14,7 +14,7 @@ use crate::progress;
 use crate::recording::Recording;
 use crate::replay::{Ignore, Step, replay_with};
 use crate::simulate::Simulation;
-use magcomp::{Compensator, Config, HeadingConfig, Method};
+use magcomp::{Compensator, Method};
 use serde::Serialize;
 
 /// What to run.
@@ -39,51 +39,6 @@ impl AidedOptions {
     }
 }
 
-/// Over the runs: half of them stay at or below the median; none where that many never get there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Settling {
-    /// Median, samples.
-    pub median: Option<usize>,
-    /// Worst, samples.
-    pub worst: Option<usize>,
-}
-
-/// What the aided method made of the change itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ChangeResult {
-    /// From the change to the first status that is not `Tracking`, s: median and worst; none where that many never say so.
-    pub noticed_s: [Option<f64>; 2],
-    /// Largest direction error of f from the change on, in the field of the undisturbed place, degrees: median and worst.
-    pub carried_worst_deg: [f64; 2],
-    /// Furthest that b moved from where it was at the change, uT: median and worst. Only where b should not move.
-    pub hard_iron_moved_ut: Option<[f64; 2]>,
-    /// Share of the samples of a changed place called `Disturbed`: median and worst.
-    pub called_disturbed: Option<[f64; 2]>,
-}
-
-/// One answer of one method.
-#[derive(Clone, Debug, Serialize)]
-pub struct MethodResult {
-    /// Method and answer.
-    pub name: &'static str,
-    /// Direction error over the last 10 s before the step, rms, degrees; none without an answer.
-    pub before_rms_deg: Option<Spread>,
-    /// Samples after the step until the 95th percentile of the trailing 100 stays below 5 deg for good.
-    pub below_5_deg: Settling,
-    /// The same for 2 deg.
-    pub below_2_deg: Settling,
-    /// |b - true b|, 300 samples after the step, uT.
-    pub hard_iron_error_ut: Option<Spread>,
-    /// Share of heading errors within one and two of their sigmas, from 20 s on.
-    pub within_sigma: Option<[f64; 2]>,
-    /// NEES of b per axis over the last 10 s before the step: 1 where its covariance is right. For f not given.
-    pub nees: Option<f64>,
-    /// Device steps declared in a run, mean.
-    pub device_events: f64,
-    /// Other events declared in a run, mean.
-    pub other_events: f64,
-}
-
 /// The experiment as numbers.
 #[derive(Clone, Debug, Serialize)]
 pub struct AidedResult {
@@ -100,14 +55,6 @@ pub struct AidedResult {
     /// The first run, for the picture.
     #[serde(skip)]
     pub first: Option<(Recording, Vec<Step>)>,
-}
-
-/// The config of every run: the default. Only the allowances for a real hand and a real room are zero, because
-/// the simulation has neither and sigma is to be tested.
-#[must_use]
-pub fn config(method: Method) -> Config {
-    let heading = HeadingConfig { tilt_sigma_deg: 0.0, field_sigma_ut: 0.0, ..HeadingConfig::default() };
-    Config { method, heading, ..Config::default() }
 }
 
 /// A simulation through a method: what came out, and NEES of b after each sample where it is known.

@@ -1,11 +1,25 @@
 //! What is read off the change itself: when it is noticed, what the carried heading suffers, what is learned from it.
 
-use super::aided::ChangeResult;
 use crate::phone::{CHANGE_S, PLACE_S, PhoneChange};
 use crate::replay::Step;
-use crate::simulate::{Simulation, time_ns};
+use crate::simulate::Simulation;
+use crate::time::time_ns;
 use magcomp::Status;
 use magcomp::nalgebra::Vector3;
+use serde::Serialize;
+
+/// What the aided method made of the change itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChangeResult {
+    /// From the change to the first status that is not `Tracking`, s: median and worst; none where that many never say so.
+    pub noticed_s: [Option<f64>; 2],
+    /// Largest direction error of f from the change on, in the field of the undisturbed place, degrees: median and worst.
+    pub carried_worst_deg: [f64; 2],
+    /// Furthest that b moved from where it was at the change, uT: median and worst. Only where b should not move.
+    pub hard_iron_moved_ut: Option<[f64; 2]>,
+    /// Share of the samples of a changed place called `Disturbed`: median and worst.
+    pub called_disturbed: Option<[f64; 2]>,
+}
 
 /// One run.
 #[derive(Clone, Copy, Debug)]

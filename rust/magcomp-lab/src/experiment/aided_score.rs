@@ -8,12 +8,13 @@
 //! * sigma: the azimuth of the answer by the true attitude, against the sigma that was given with it.
 
 use super::Spread;
-use super::aided::{MethodResult, Settling};
 use crate::phone::CHANGE_S;
 use crate::replay::Step;
-use crate::simulate::{Simulation, Truth, time_ns};
+use crate::simulate::{Simulation, Truth};
+use crate::time::time_ns;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Event, EventKind};
+use serde::Serialize;
 
 /// Samples over which the percentile is taken.
 const TRAILING: usize = 100;
@@ -27,6 +28,38 @@ const WARM_UP_S: f64 = 20.0;
 const COMPARED_AT: usize = 300;
 /// The error of no answer, degrees.
 const NO_ANSWER_DEG: f64 = 180.0;
+
+/// Over the runs: half of them stay at or below the median; none where that many never get there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Settling {
+    /// Median, samples.
+    pub median: Option<usize>,
+    /// Worst, samples.
+    pub worst: Option<usize>,
+}
+
+/// One answer of one method.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodResult {
+    /// Method and answer.
+    pub name: &'static str,
+    /// Direction error over the last 10 s before the step, rms, degrees; none without an answer.
+    pub before_rms_deg: Option<Spread>,
+    /// Samples after the step until the 95th percentile of the trailing 100 stays below 5 deg for good.
+    pub below_5_deg: Settling,
+    /// The same for 2 deg.
+    pub below_2_deg: Settling,
+    /// |b - true b|, 300 samples after the step, uT.
+    pub hard_iron_error_ut: Option<Spread>,
+    /// Share of heading errors within one and two of their sigmas, from 20 s on.
+    pub within_sigma: Option<[f64; 2]>,
+    /// NEES of b per axis over the last 10 s before the step: 1 where its covariance is right. For f not given.
+    pub nees: Option<f64>,
+    /// Device steps declared in a run, mean.
+    pub device_events: f64,
+    /// Other events declared in a run, mean.
+    pub other_events: f64,
+}
 
 /// Which of a reading's vectors is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

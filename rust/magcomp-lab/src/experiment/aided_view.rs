@@ -1,7 +1,8 @@
 //! The aided experiment as a table and as a picture of its first run.
 
 use super::Spread;
-use super::aided::{AidedResult, MethodResult, Settling};
+use super::aided::AidedResult;
+use super::aided_score::{MethodResult, Settling};
 use crate::error::LabError;
 use crate::replay::figures;
 use crate::report::Report;

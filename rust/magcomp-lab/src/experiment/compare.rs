@@ -151,7 +151,6 @@ fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Kno
         parameters: Some(plan.scenario.parameters.start),
         reference: plan.before > 0,
         initial: case.initial(&plan),
-        real: false,
     };
     (stream, plan, known)
 }

@@ -52,8 +52,7 @@ pub fn compare_recording(
     let (down, north) = DIP_DEG.to_radians().sin_cos();
     let field = Vector3::new(0.0, north, -down);
     let reference = extent.first_reference.is_some_and(|first| first < taught);
-    let known =
-        Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference, real: true };
+    let known = Known { seed, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference };
     let mut running = Vec::new();
     for contestant in methods {
         if let Some(method) = contestant.make(middle(*contestant), &known)? {

@@ -14,7 +14,16 @@ pub mod step;
 mod step_score;
 mod step_view;
 
+use magcomp::{Config, HeadingConfig, Method};
 use serde::Serialize;
+
+/// The config of every run: the default, but that headings are judged by the true attitude, so that sigma must not count what `up`
+/// may lean.
+#[must_use]
+pub fn config(method: Method) -> Config {
+    let heading = HeadingConfig { tilt_sigma_deg: 0.0, ..HeadingConfig::default() };
+    Config { method, heading, ..Config::default() }
+}
 
 /// Mean and spread over runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

@@ -24,7 +24,7 @@ impl Nees {
     #[must_use]
     pub fn of(compensator: &Compensator, truth: &Truth) -> Option<Self> {
         let (found, covariance) = (compensator.calibration()?, compensator.covariance()?);
-        let known = compensator.config().fit.field_strength_ut.is_some();
+        let known = compensator.config().field_strength_ut.is_some();
         let scale = if known { 1.0 } else { truth.soft_iron.determinant().cbrt() };
         let b = found.hard_iron_ut() - truth.hard_iron_ut;
         let m = found.soft_iron() - truth.soft_iron / scale;

@@ -3,9 +3,8 @@
 //! Each run: a constant-field compensation of 4000 even orientations gives M_0, b_0 (section III); then a stream whose
 //! parameters step after 2500 samples goes through the compensator, once for each normalisation of sigma_T.
 
-use super::Spread;
 use super::bound::fit_options;
-use super::step_score::{Score, Trace};
+use super::step_score::{AFTER, BEFORE, FIELD_UT, NormalisationResult, Score, Trace};
 use crate::error::LabError;
 use crate::motion::Motion;
 use crate::parameters::{ParameterSet, Parameters};
@@ -14,23 +13,13 @@ use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
 use crate::simulate::{Noise, Scenario, Simulation, world_field_ut};
 use clap::ValueEnum;
-use magcomp::{
-    Calibration, Compensator, Config, FitOptions, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid,
-};
+use magcomp::{Calibration, Compensator, Config, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid};
 use serde::Serialize;
 
-/// Field of the simulation, uT: so that 1.5 M is still a plausible sensor.
-pub const FIELD_UT: f64 = 40.0;
 /// Dip of that field, degrees.
 const DIP_DEG: f64 = 60.0;
 /// Samples a second.
 pub const RATE_HZ: f64 = 100.0;
-/// Samples before the step.
-pub const BEFORE: usize = 2500;
-/// Samples after it.
-pub const AFTER: usize = 4000;
-/// The last samples, which count as steady state.
-pub const STEADY: usize = 1000;
 /// Orientations of the constant-field compensation (the paper's, P = 1).
 const CONSTANT_FIELD_SAMPLES: usize = 4000;
 /// All parameters times this.
@@ -83,54 +72,6 @@ impl Default for StepOptions {
             seed: 1,
         }
     }
-}
-
-/// Peak errors over some samples, degrees; mean and spread over runs.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Peaks {
-    /// Largest azimuth error where sin(theta) >= 0.5.
-    pub azimuth_deg: Spread,
-    /// Largest elevation error.
-    pub elevation_deg: Spread,
-}
-
-/// One parameter through the step.
-#[derive(Clone, Debug, Serialize)]
-pub struct ParameterResult {
-    /// Its name.
-    pub name: &'static str,
-    /// Samples after the step until the rms over runs of the relative error stays below 5 % for good; none when never.
-    pub transient_samples: Option<usize>,
-    /// Standard deviation of that over resampled runs (bootstrap), samples.
-    pub transient_sd: f64,
-    /// Relative error over the last 1000 samples, rms, percent: mean and spread over runs.
-    pub steady_percent: Spread,
-}
-
-/// One normalisation of sigma_T.
-#[derive(Clone, Debug, Serialize)]
-pub struct NormalisationResult {
-    /// `HalfRange` or `EvenSphere`.
-    pub normalisation: Normalisation,
-    /// sigma_T over the last 1000 samples.
-    pub sigma_t: Spread,
-    /// Window N over the last 1000 samples.
-    pub window: Spread,
-    /// The nine parameters.
-    pub parameters: Vec<ParameterResult>,
-    /// Longest transient of the nine, samples; none when one never settles.
-    pub transient_samples: Option<usize>,
-    /// The constant-field parameters kept, after the step.
-    pub kept: Peaks,
-    /// The method, from the step until the longest transient ends.
-    pub during: Peaks,
-    /// The method, after it.
-    pub after: Peaks,
-    /// The same without the sensor's noise: the calibration's own error.
-    pub after_clean: Peaks,
-    /// The first run, for the figures.
-    #[serde(skip)]
-    pub trace: Trace,
 }
 
 /// Figs. 4 and 5 as numbers.
@@ -212,14 +153,12 @@ fn constant_field(options: &StepOptions, seed: u64) -> Result<Calibration, LabEr
 
 /// The paper's method with its numbers: N_min 100, N_max 2000, |h| known.
 fn config(options: &StepOptions, constant: Calibration, normalisation: Normalisation) -> Config {
-    let fit = fit_options(options.residual.into());
-    // with the paper's residual its method is followed as written: whatever the window holds is fitted
-    let max_residual_share = if fit.residual == Residual::Algebraic { 1000.0 } else { fit.max_residual_share };
+    let residual = options.residual.into();
     Config {
         method: Method::Windowed,
         initial: Some(constant),
-        fit: FitOptions { max_residual_share, ..fit },
-        windowed: WindowedConfig { n_min: 100, n_max: 2000, normalisation, ..WindowedConfig::default() },
+        field_strength_ut: Some(FIELD_UT),
+        windowed: WindowedConfig { n_min: 100, n_max: 2000, normalisation, residual, ..WindowedConfig::default() },
         ..Config::default()
     }
 }

@@ -8,19 +8,75 @@
 //!   any estimator.
 
 use super::Spread;
-use super::step::{AFTER, BEFORE, FIELD_UT, NormalisationResult, ParameterResult, Peaks, STEADY};
 use crate::parameters::{NAMES, Parameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::Truth;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, MagneticSample, Normalisation, Reading};
+use serde::Serialize;
 
+/// Field of the simulation, uT: so that 1.5 M is still a plausible sensor.
+pub const FIELD_UT: f64 = 40.0;
+/// Samples before the step.
+pub const BEFORE: usize = 2500;
+/// Samples after it.
+pub const AFTER: usize = 4000;
+/// The last samples, which count as steady state.
+pub const STEADY: usize = 1000;
 /// A parameter has settled below this relative error.
 const SETTLED: f64 = 0.05;
 /// sin(theta) from which azimuth errors count.
 const OFF_THE_POLES: f64 = 0.5;
 /// Resamplings of the runs for the spread of a transient.
 const RESAMPLINGS: usize = 30;
+
+/// Peak errors over some samples, degrees; mean and spread over runs.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Peaks {
+    /// Largest azimuth error where sin(theta) >= 0.5.
+    pub azimuth_deg: Spread,
+    /// Largest elevation error.
+    pub elevation_deg: Spread,
+}
+
+/// One parameter through the step.
+#[derive(Clone, Debug, Serialize)]
+pub struct ParameterResult {
+    /// Its name.
+    pub name: &'static str,
+    /// Samples after the step until the rms over runs of the relative error stays below 5 % for good; none when never.
+    pub transient_samples: Option<usize>,
+    /// Standard deviation of that over resampled runs (bootstrap), samples.
+    pub transient_sd: f64,
+    /// Relative error over the last 1000 samples, rms, percent: mean and spread over runs.
+    pub steady_percent: Spread,
+}
+
+/// One normalisation of sigma_T.
+#[derive(Clone, Debug, Serialize)]
+pub struct NormalisationResult {
+    /// `HalfRange` or `EvenSphere`.
+    pub normalisation: Normalisation,
+    /// sigma_T over the last 1000 samples.
+    pub sigma_t: Spread,
+    /// Window N over the last 1000 samples.
+    pub window: Spread,
+    /// The nine parameters.
+    pub parameters: Vec<ParameterResult>,
+    /// Longest transient of the nine, samples; none when one never settles.
+    pub transient_samples: Option<usize>,
+    /// The constant-field parameters kept, after the step.
+    pub kept: Peaks,
+    /// The method, from the step until the longest transient ends.
+    pub during: Peaks,
+    /// The method, after it.
+    pub after: Peaks,
+    /// The same without the sensor's noise: the calibration's own error.
+    pub after_clean: Peaks,
+    /// The first run, for the figures.
+    #[serde(skip)]
+    pub trace: Trace,
+}
 
 /// One run, sample by sample.
 #[derive(Clone, Debug, Default)]

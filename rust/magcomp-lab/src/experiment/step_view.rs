@@ -1,6 +1,7 @@
 //! The step experiment as tables and as figs. 4 and 5.
 
-use super::step::{BEFORE, NormalisationResult, Peaks, StepResult};
+use super::step::StepResult;
+use super::step_score::{BEFORE, NormalisationResult, Peaks};
 use crate::error::LabError;
 use crate::parameters::NAMES;
 use crate::plot::{Colour, Panel, Series, draw};

@@ -1,6 +1,6 @@
 //! What lies behind the lines of a panel: a band about a line, lanes of coloured spans, marks at moments.
 
-use super::{Colour, INK};
+use super::colour::{Colour, INK};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 

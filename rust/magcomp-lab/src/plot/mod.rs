@@ -1,53 +1,17 @@
 //! Line plots as SVG: panels on a grid, each with a few series. One file works on light and dark pages: the ink and the
 //! paper are exchanged by a style rule of the SVG itself.
 
+mod colour;
 mod layers;
 mod thin;
 
+pub use colour::Colour;
 pub use layers::{Layers, Span};
 pub use thin::Thin;
 
 use crate::error::LabError;
+use colour::{DARK, INK, MESH, PAPER};
 use plotters::prelude::*;
-
-/// Text and axes; exchanged on dark pages.
-const INK: RGBColor = RGBColor(0x22, 0x26, 0x2b);
-/// Lines of the mesh; exchanged on dark pages.
-const MESH: RGBColor = RGBColor(0xdd, 0xe1, 0xe6);
-/// Background; exchanged on dark pages.
-const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
-/// What the three become on dark pages, in CSS.
-const DARK: [(&str, &str); 3] = [("#22262B", "#e4e7eb"), ("#DDE1E6", "#343a42"), ("#FFFFFF", "#181b20")];
-
-/// Colours of series, legible on light and dark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Colour {
-    /// What this project does.
-    Blue,
-    /// What it is compared with.
-    Orange,
-    /// A second result.
-    Green,
-    /// A third.
-    Purple,
-    /// Truth, raw data, limits.
-    Grey,
-    /// What is wrong.
-    Red,
-}
-
-impl Colour {
-    fn rgb(self) -> RGBColor {
-        match self {
-            Self::Blue => RGBColor(0x2f, 0x7f, 0xd6),
-            Self::Orange => RGBColor(0xe0, 0x7a, 0x2c),
-            Self::Green => RGBColor(0x2c, 0x9c, 0x69),
-            Self::Purple => RGBColor(0x95, 0x68, 0xcf),
-            Self::Grey => RGBColor(0x88, 0x8f, 0x99),
-            Self::Red => RGBColor(0xd0, 0x44, 0x44),
-        }
-    }
-}
 
 /// A line; points that are not finite interrupt it.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Reading a recording row by row, with an error that names file, line, column and what was expected there.
 
-use super::{Extent, Recording, Row};
+use super::rows::{Extent, Recording, Row};
 use crate::error::{LabError, Place};
-use crate::simulate::time_ns;
+use crate::time::time_ns;
 use csv::{ByteRecord, ReaderBuilder};
 use flate2::read::MultiGzDecoder;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};

@@ -4,7 +4,7 @@
 //! Share within sigma: |a - centre| <= s sigma holds where the arc from a - s sigma to a + s sigma covers the centre. So only the
 //! beginnings and ends of arcs are counted, and the centre may become known afterwards.
 
-use super::judge::HeadingError;
+use serde::Serialize;
 
 /// Bins of a degree.
 const BINS_PER_DEG: f64 = 1000.0;
@@ -12,8 +12,19 @@ const BINS_PER_DEG: f64 = 1000.0;
 const BINS: usize = 360_000;
 /// Sigmas whose shares are told.
 const SIGMAS: [f64; 2] = [1.0, 2.0];
-/// Fewest azimuths a figure is formed from.
-const FEWEST: u64 = super::judge::FEWEST as u64;
+/// Fewest rows a figure is formed from.
+pub(super) const FEWEST: usize = 50;
+
+/// Error of the heading against the reference, up to one constant, degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeadingError {
+    /// Root mean square.
+    pub rms_deg: f64,
+    /// 95th percentile of its size.
+    pub p95_deg: f64,
+    /// Share of the errors within one and within two of their sigmas; none where no sigma was given.
+    pub within_sigma: Option<[f64; 2]>,
+}
 
 /// Counted azimuths.
 #[derive(Clone, Debug)]
@@ -82,10 +93,10 @@ impl Circle {
         let count = errors.count();
         let squares: f64 = errors.0.iter().map(|(error, count)| error * error * f64::from(*count)).sum();
         let share = |arcs: &Arcs| arcs.over(centre_deg) as f64 / self.with_sigma as f64;
-        (count >= FEWEST).then(|| HeadingError {
+        (count >= FEWEST as u64).then(|| HeadingError {
             rms_deg: (squares / count as f64).sqrt(),
             p95_deg: errors.at((count * 95 / 100).min(count - 1)).unwrap_or(0.0),
-            within_sigma: (self.with_sigma >= FEWEST).then(|| self.arcs.each_ref().map(share)),
+            within_sigma: (self.with_sigma >= FEWEST as u64).then(|| self.arcs.each_ref().map(share)),
         })
     }
 }

@@ -1,8 +1,8 @@
 //! A replay as a picture over time: total field, heading error with the sigma that was given with it, hard iron, status.
 
-use super::Step;
 use super::circle::{Circle, off_deg};
 use super::judge::azimuth_deg;
+use super::player::Step;
 use super::sizes::Sizes;
 use crate::error::LabError;
 use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw};

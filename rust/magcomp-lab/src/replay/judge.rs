@@ -10,8 +10,9 @@
 //! called disturbed that were, recall the share of those that were which were called so. c can only tell this where the
 //! calibration is right.
 
-use super::Step;
-use super::circle::{Circle, off_deg};
+use super::circle::{Circle, FEWEST, HeadingError, off_deg};
+use super::legs::LegJudgement;
+use super::player::Step;
 use super::sizes::Sizes;
 use crate::recording::{Extent, Recording, Row};
 use magcomp::nalgebra::Vector3;
@@ -22,8 +23,6 @@ use std::ops::Range;
 
 /// Seconds at the start that do not count, but never more than half of a recording.
 const WARM_UP_S: f64 = 20.0;
-/// Fewest rows a figure is formed from.
-pub(super) const FEWEST: usize = 50;
 /// Least difference of total fields that is told, uT: far below the noise of every sensor.
 const FIELD_STEP_UT: f64 = 0.001;
 /// Length of a span of the heading's course, s, and the most spans of one.
@@ -33,17 +32,6 @@ const MOST_SPANS: f64 = 2000.0;
 const STEEP: f64 = 0.866;
 /// Deviation of the total field from the usual one that makes a row disturbed.
 const DISTURBED: f64 = 0.15;
-
-/// Error of the heading against the reference, up to one constant, degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct HeadingError {
-    /// Root mean square.
-    pub rms_deg: f64,
-    /// 95th percentile of its size.
-    pub p95_deg: f64,
-    /// Share of the errors within one and within two of their sigmas; none where no sigma was given.
-    pub within_sigma: Option<[f64; 2]>,
-}
 
 /// How well a disturbed field was called so.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -91,7 +79,7 @@ pub struct Judgement {
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
     /// The heading against the legs of the way; none without waypoints.
-    pub legs: Option<super::LegJudgement>,
+    pub legs: Option<LegJudgement>,
     /// How well a disturbed field was called so.
     pub disturbance: Option<Disturbance>,
     /// What was declared, in the whole recording.

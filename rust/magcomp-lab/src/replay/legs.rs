@@ -4,7 +4,7 @@
 //! middle 60 % of its time less its azimuth on the map; the map's own rotation and how the phone was held are one constant, so
 //! that the figure is the circular standard deviation over the legs: sqrt(-2 ln |mean of exp(i error)|).
 
-use super::Step;
+use super::player::Step;
 use crate::error::{LabError, Place};
 use crate::recording::{Row, unzipped};
 use magcomp::nalgebra::Vector3;

@@ -1,6 +1,6 @@
 //! The output of `replay`: one row for every input row, in order.
 
-use super::Step;
+use super::player::Step;
 use crate::error::LabError;
 use crate::recording::{AtomicFile, Row};
 use magcomp::Calibration;

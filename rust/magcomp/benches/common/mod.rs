@@ -1,9 +1,7 @@
 //! Samples and the direct fit that both the benchmark and the instruction count use.
 
 use magcomp::nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
-use magcomp::{
-    Compensator, Config, FitOptions, MagneticSample, Moments, Residual, RotationRateSample, UpSample, WindowedConfig,
-};
+use magcomp::{Compensator, Config, FitOptions, MagneticSample, Moments, Residual, RotationRateSample, UpSample};
 
 /// Centre and field strength of the samples, uT.
 pub const OFFSET_UT: Vector3<f64> = Vector3::new(60.0, -75.0, 410.0);
@@ -100,13 +98,16 @@ pub fn direct_fit(points: &[Vector3<f64>], start: (Matrix3<f64>, Vector3<f64>)) 
 /// A compensator whose window is held at `window` samples of even orientations (their sigma_T is 0.72).
 pub fn compensator(window: usize) -> Compensator {
     let n_max = if window <= 100 { 100 } else { (100.0 + (window as f64 - 100.0) / (1.0 - 0.7232)) as usize };
-    let windowed = WindowedConfig { n_min: 100, n_max, ..WindowedConfig::default() };
-    Compensator::new(Config { windowed, ..Config::default() }).expect("a valid config")
+    let mut config = Config::default();
+    (config.windowed.n_min, config.windowed.n_max) = (100, n_max);
+    Compensator::new(config).expect("a valid config")
 }
 
 /// Options of a fit in a stream.
 pub fn stream_options(residual: Residual) -> FitOptions {
-    FitOptions { residual, tolerance: 1e-6, ..FitOptions::default() }
+    let mut options = FitOptions::default();
+    (options.residual, options.tolerance) = (residual, 1e-6);
+    options
 }
 
 /// The start a warm direct fit of `points` has: the fit of the window one sample earlier.

@@ -4,9 +4,10 @@ use super::{Compensator, Inputs};
 use crate::calibration::Calibration;
 use crate::config::Config;
 use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::Aided;
-use crate::estimator::windowed::{Windowed, WindowedState};
-use crate::pairing::InertialPairing;
+use crate::estimator::aided::{Aided, AidedConfig};
+use crate::estimator::paper::WindowedState;
+use crate::heading::HeadingConfig;
+use crate::sensing::pairing::InertialPairing;
 use crate::snapshot::{Restored, SnapshotError, open, seal};
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,7 @@ struct State {
     inputs: Inputs,
     pairing: InertialPairing,
     aided: Aided,
-    adaptive: Adaptive,
+    adaptive: Box<Adaptive>,
     windowed: WindowedState,
 }
 
@@ -25,14 +26,19 @@ impl State {
     /// Whether its parts belong together and to a config; each is sound by itself, or it would not be here.
     fn is_sound(&self, config: &Config) -> bool {
         let latest = self.inputs.latest;
-        latest.is_none_or(|latest| latest.field_ut.amax() <= config.sensor.range_ut)
-            && self.pairing.belongs_to(&config.pairing, latest.map(|latest| latest.time_ns))
-            && self.aided.belongs_to(&Aided::new(config.aided, config.fit.field_strength_ut))
-            && self.adaptive.belongs_to(config)
+        latest.is_none_or(|latest| latest.field_ut.amax() <= config.range_ut)
+            && self.pairing.belongs_to(latest.map(|latest| latest.time_ns))
+            && self.aided.belongs_to(&Aided::new(AidedConfig::default(), config.field_strength_ut))
+            && self.adaptive.belongs_to(config.field_strength_ut)
     }
 }
 
 impl Compensator {
+    /// The config without how headings are reported, which is no part of what was learned.
+    fn made_with(&self) -> Config {
+        Config { heading: HeadingConfig::default(), ..self.config.clone() }
+    }
+
     /// The whole state as text with a version and a checksum. A compensator with the same config that restores it gives
     /// bit-identical readings from there on.
     #[must_use]
@@ -56,7 +62,7 @@ impl Compensator {
     }
 
     /// Takes over a snapshot: everything when it was made by the same build of this library with the same config,
-    /// the heading settings aside but for `field_sigma_ut` as it was at `new`; else as [`Self::restore_calibration`].
+    /// the heading settings aside; else as [`Self::restore_calibration`].
     ///
     /// # Errors
     /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
@@ -65,7 +71,7 @@ impl Compensator {
         let config = self.made_with();
         if let Some(state) = kept.state::<State>()?.filter(|state| state.config == config) {
             let sound = state.is_sound(&config);
-            let windowed = Windowed::from_state(&config, state.windowed).filter(|_| sound);
+            let windowed = Self::windowed(&config).resume(state.windowed, config.range_ut).filter(|_| sound);
             self.windowed = windowed.ok_or(SnapshotError::Damaged)?;
             (self.aided, self.adaptive, self.pairing, self.inputs) =
                 (state.aided, state.adaptive, state.pairing, state.inputs);

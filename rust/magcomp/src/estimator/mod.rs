@@ -2,4 +2,4 @@
 
 pub(crate) mod adaptive;
 pub(crate) mod aided;
-pub(crate) mod windowed;
+pub(crate) mod paper;

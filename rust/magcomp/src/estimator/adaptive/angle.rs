@@ -2,22 +2,20 @@
 //! G = d(T (u - beta))/dtau; over a set of directions its mean square is dtau^T W dtau, and its expectation tr(W P), with
 //!     W = mean of G^T (1 - n n^T) G / r^2      (radians^2)
 
-use super::CLOSE_DEG;
-use super::hypothesis::Gaussian;
-use super::parameters::{Matrix9, Vector9, centre, radius_gradient, see, shape, vector_gradient};
-use crate::ellipsoid::ldl::add;
+use super::parameters::{Gaussian, Tau, TauMatrix, centre, radius_gradient, see, shape, vector_gradient};
+use crate::quadric::ldl::add;
 use nalgebra::Vector3;
 
 /// W over some directions.
 #[derive(Clone, Debug)]
 pub(super) struct AngularWeight {
-    sum: Matrix9,
+    sum: TauMatrix,
     count: f64,
 }
 
-/// Whether the error expected all around is less than CLOSE_DEG.
-pub(super) fn is_close(known: &Gaussian) -> bool {
-    AngularWeight::sphere(&known.mean).expected(&known.covariance) < CLOSE_DEG.to_radians().powi(2)
+/// Mean square direction error all around, rad^2.
+pub(super) fn expected(known: &Gaussian) -> f64 {
+    AngularWeight::sphere(&known.mean).expected(&known.covariance)
 }
 
 /// Half of an icosahedron's corners: their mean is that of the sphere for everything even up to the fifth degree.
@@ -35,11 +33,11 @@ fn corners() -> [Vector3<f64>; 6] {
 
 impl AngularWeight {
     pub fn new() -> Self {
-        Self { sum: Matrix9::zeros(), count: 0.0 }
+        Self { sum: TauMatrix::zeros(), count: 0.0 }
     }
 
     /// Over the whole sphere.
-    pub fn sphere(tau: &Vector9) -> Self {
+    pub fn sphere(tau: &Tau) -> Self {
         let mut weight = Self::new();
         if let Some(inverse) = shape(tau).try_inverse() {
             for n in corners() {
@@ -53,7 +51,7 @@ impl AngularWeight {
     }
 
     /// One more sample u whose direction counts.
-    pub fn add(&mut self, tau: &Vector9, u: &Vector3<f64>) {
+    pub fn add(&mut self, tau: &Tau, u: &Vector3<f64>) {
         let Some(seen) = see(tau, u) else { return };
         let along = radius_gradient(tau, &seen);
         let g = vector_gradient(tau, &seen.offset).transpose();
@@ -66,14 +64,8 @@ impl AngularWeight {
         self.count += 1.0;
     }
 
-    /// Both, each for half.
-    pub fn and(&self, other: &Self) -> Self {
-        let half = |one: &Self| one.sum / one.count.max(1.0);
-        Self { sum: half(self) + half(other), count: 2.0 }
-    }
-
     /// Expected mean square of the angle, radians^2.
-    pub fn expected(&self, covariance: &Matrix9) -> f64 {
+    pub fn expected(&self, covariance: &TauMatrix) -> f64 {
         self.sum.dot(covariance).max(0.0) / self.count.max(1.0)
     }
 }
@@ -82,20 +74,20 @@ impl AngularWeight {
 mod tests {
     use super::*;
     use crate::calibration::Calibration;
-    use crate::ellipsoid::direction_sigma_deg;
-    use nalgebra::Matrix3;
+    use crate::quadric::direction_sigma_deg;
+    use nalgebra::{Matrix3, SMatrix};
 
     /// With T = I, dM = -dT, and the sphere's mean of the ellipsoid's report must come out.
     #[test]
     fn the_sphere_agrees_with_the_closed_form() {
         let tau = super::super::parameters::tau_of(&Matrix3::identity(), &Vector3::new(0.3, -0.2, 0.1));
-        let root = Matrix9::from_fn(|i, j| ((i * 5 + j * 3) as f64).sin() * 0.01);
+        let root = TauMatrix::from_fn(|i, j| ((i * 5 + j * 3) as f64).sin() * 0.01);
         let p = root * root.transpose();
         // order b, M of the report
         let swap = [6, 7, 8, 0, 1, 2, 3, 4, 5];
         let sign = |i: usize| if i < 6 { -1.0 } else { 1.0 };
-        let other = Matrix9::from_fn(|i, j| p[(swap[i], swap[j])] * sign(swap[i]) * sign(swap[j]));
-        let closed = direction_sigma_deg(&Calibration::identity(1.0).unwrap(), &other);
+        let other = SMatrix::<f64, 9, 9>::from_fn(|i, j| p[(swap[i], swap[j])] * sign(swap[i]) * sign(swap[j]));
+        let closed = direction_sigma_deg(&Calibration::identity(1.0).expect("in range"), &other);
         let found = AngularWeight::sphere(&tau).expected(&p).sqrt().to_degrees();
         assert!((found / closed - 1.0).abs() < 1e-12, "{found} against {closed}");
     }

@@ -1,251 +1,506 @@
-//! A hypothesis: what was known of tau before the samples of the segment, a Gaussian N(tau_0, Lambda^-1), and the estimate it
-//! leads to. First towards the minimum of
-//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)      by Levenberg-Marquardt
-//! Noise alone moves it along what the motion does not see: half the score g of L has the variance R = w/D J^T S J, but the
-//! curvature there is only H = w/D J^T (S - s^2 N) J. The score that counts is therefore H R^-1 g, its information
-//! G = H R^-1 H (Godambe 1960), and from where F has led
-//!     tau <- tau - (G + Lambda)^-1 (H R^-1 g + Lambda (tau - tau_0)),     P = (G + Lambda)^-1
-//!     log evidence = -F/2 + (log det Lambda - log det (G + Lambda)) / 2 + log prior     (Laplace)
-//! Where the samples say all, G = H = R.
+//! A hypothesis: since its onset all samples share one tau, and what was known before is a Gaussian N(tau_0, Lambda^-1).
+//! The estimate is the minimum of
+//!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)                  by Levenberg-Marquardt,
+//! and from there one step by the sandwich of Godambe (1960). Noise makes half the score g of L have the variance
+//! R = w/D J^T S J, but part of the curvature, V = w/D v J^T G J, is noise too, along what the motion does not show:
+//!     X = (R + V)^-1 R,   information R X^3,   score (X^3)^T g
+//!     log evidence = -F/2 + (log det Lambda - log det (information + Lambda)) / 2             (Laplace)
+//! Between fits each sample adds its predictive probability, so that hypotheses are comparable at every sample and need no
+//! common schedule:  log joint = base + evidence of the moments + predictive terms since the latest fit - price of samples left out.
+//!
+//! When tau is known well the moments are absorbed into the Gaussian, and b walks on:
+//!     b <- b + rate T + walk,   for a b that moves also rate = rate_0 + K (tau - tau_0) + e, e ~ N(0, D)
 
-use super::likelihood::{Likelihood, Point};
-use super::parameters::{Matrix9, Seen, Vector9, is_bounded, radius_gradient, see};
-use crate::ellipsoid::ldl::{self, Ldl, times};
-use crate::reading::ModelOrder;
+use super::likelihood::{Expansion, Likelihood, Point};
+use super::noise::Level;
+use super::parameters::{COUNT, Gaussian, Tau, TauMatrix, distance, is_bounded};
+use super::setting::{Sample, Setting};
+use super::vertical::{VerticalLikelihood, VerticalMoments, miss};
+use crate::quadric::Moments;
+use crate::quadric::ldl::{self, Ldl};
 use crate::snapshot::{checked, is_covariance};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// A Gaussian over tau.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
-pub(super) struct Gaussian {
-    pub mean: Vector9,
-    pub covariance: Matrix9,
+/// What a hypothesis says has changed at its onset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Kind {
+    /// Nothing was known before.
+    Cold,
+    HardIron,
+    All,
+    /// The strength and the dip of the field of the place.
+    Place,
+    /// Back to a former calibration.
+    Former,
 }
 
-checked!(Gaussian, |it| is_covariance(&it.covariance));
-
-/// A prior and what the samples of the segment make of it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// See the module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
 pub(super) struct Hypothesis {
-    /// What the hypothesis lets change.
-    pub order: ModelOrder,
-    prior_mean: Vector9,
-    prior_information: Matrix9,
-    log_prior: f64,
-    /// Its prior for what is told, over that for what is released.
-    pub told: f64,
-    log_det_prior: f64,
-    /// (log det Lambda - log det (G + Lambda)) / 2.
-    log_volume: f64,
-    /// The estimate and its covariance P.
-    pub posterior: Gaussian,
-    /// C / D there, units^2.
-    pub distance_squared: f64,
-    /// L and F there.
-    pub samples_cost: f64,
-    pub cost: f64,
-    /// Logarithm of the evidence, comparable between hypotheses on the same samples.
-    pub log_evidence: f64,
+    pub kind: Kind,
+    /// The change before this one.
+    pub parent: u32,
+    /// Which of the sizes of its kind, or which former calibration.
+    pub size: u8,
+    /// Names the change: twins, which explain the samples from two places, share it.
+    pub id: u32,
+    pub onset_ns: i64,
+    pub moves: bool,
+    rate: Vector3<f64>,
+    gain: SMatrix<f64, 3, COUNT>,
+    rate_covariance: Matrix3<f64>,
+    prior: Tau,
+    information: TauMatrix,
+    log_det: f64,
+    centre: Vector3<f64>,
+    moments: Moments,
+    vertical: VerticalMoments,
+    /// Means of neighbours among the moments.
+    groups: f64,
+    pub known: Gaussian,
+    base: f64,
+    fitted: f64,
+    pending: f64,
+    /// Price of the samples that were left out since the moments began.
+    paid: f64,
+    next_fit: f64,
+    /// Samples since the onset, and those among them that were left out.
+    pub age: f64,
+    pub missed: f64,
     damping: f64,
+    /// What was known before the change, until the change is certain.
+    pub former: Option<Gaussian>,
+    /// Expected direction error all around, rad^2.
+    pub error: f64,
+    next_twin: f64,
 }
 
-checked!(Hypothesis, |it| {
-    is_covariance(&it.prior_information)
-        && it.damping > 0.0
-        && [it.told, it.distance_squared, it.samples_cost, it.cost].iter().all(|v| *v >= 0.0)
-});
+checked!(Hypothesis, |it| is_covariance(&it.information)
+    && is_covariance(&it.rate_covariance)
+    && [it.groups, it.age, it.missed, it.damping, it.error, it.next_fit, it.next_twin]
+        .iter()
+        .all(|value| *value >= 0.0));
 
-impl Gaussian {
-    /// The coordinates move by `by`: beta with them.
-    pub fn shift(&mut self, by: &Vector3<f64>) {
-        (0..3).for_each(|i| self.mean[6 + i] += by[i]);
-    }
-}
-
-/// Not known yet, and nowhere near the samples: finite, since snapshots are JSON.
-const NO_COST: f64 = f64::MAX;
-pub(super) const NO_EVIDENCE: f64 = f64::MIN;
-const FIRST_DAMPING: f64 = 1e-6;
-const DAMPINGS: usize = 4;
-/// Most of it that is kept for the next samples: they make another F.
-const KEPT_DAMPING: f64 = 0.01;
+/// Reference for the level of the noise, units^2: only keeps numbers small.
+const LEVEL: f64 = 1e-4;
+/// Parameters of a fit: that many samples are not judged by it.
+pub(super) const PARAMETERS: f64 = 9.0;
+/// Samples further from the ellipsoid than any field reaches, units.
+const FARTHEST: f64 = 4.0;
+/// A prediction's variance may be so many times as large: it is linearised.
+const DOUBT: f64 = 9.0;
+/// Iterations of a fit with few samples (the minimum moves far), with some, and later.
+const ITERATIONS: [(f64, usize); 3] = [(32.0, 15), (128.0, 6), (f64::INFINITY, 3)];
 /// A step that lowers F by less is the last.
-const SETTLED: f64 = 1.0;
-const ITERATIONS_ELSEWHERE: usize = 2;
-/// Step of a finite difference, units.
-const BESIDE: f64 = 1e-4;
-/// Share of Lambda that is added to R, which few samples leave singular.
-pub(super) const SOFTENING: f64 = 0.01;
-/// The step from there is tried in so many sizes, each SHORTER than the one before, until L rises by no more than a half
-/// over what its curvature predicts, and LEAST_RISE: beyond that it is not linear.
-pub(super) const PARTS: i32 = 3;
-pub(super) const SHORTER: f64 = 0.4;
-const LEAST_RISE: f64 = 1.0;
+const SETTLED: f64 = 0.2;
+const DAMPINGS: usize = 6;
+/// A second start is tried where F exceeds its expectation by so much.
+const STUCK: f64 = 30.0;
+/// Two tau nearer than this (units) are one place.
+const SAME_PLACE: f64 = 0.1;
+/// A twin's F may exceed its sibling's by so much.
+const TWIN_WORSE: f64 = 20.0;
+const NO_EVIDENCE: f64 = -1e3;
+/// The dip of a place differs along the way: per root second, field strengths.
+const DIP_WALK: f64 = 0.003;
 
-/// Whether a step by which L rises so much where its curvature says `expected` is a linear one.
-pub(super) fn is_linear(rise: f64, expected: f64) -> bool {
-    rise < expected.max(0.0) * 1.5 + LEAST_RISE
+/// L + L_v.
+struct Both {
+    strength: Likelihood,
+    vertical: VerticalLikelihood,
+}
+
+impl Both {
+    fn at(&self, tau: &Tau) -> Option<(f64, Point)> {
+        let point = self.strength.at(tau)?;
+        Some((point.cost + self.vertical.cost(tau), point))
+    }
+
+    fn derivatives(&self, tau: &Tau, point: &Point) -> (Tau, TauMatrix) {
+        let ((a, b), (c, d)) = (self.strength.derivatives(tau, point), self.vertical.derivatives(tau));
+        (a + c, b + d)
+    }
+
+    fn expansion(&self, tau: &Tau, point: &Point) -> Expansion {
+        let (Expansion { gradient, hessian, noise }, (g, h)) =
+            (self.strength.expansion(tau, point), self.vertical.derivatives(tau));
+        Expansion { gradient: gradient + g, hessian: hessian + h, noise }
+    }
 }
 
 impl Hypothesis {
-    /// None when the prior is no Gaussian (numerically).
-    pub fn new(order: ModelOrder, prior: &Gaussian, log_prior: f64) -> Option<Self> {
+    /// At rest, with the prior's Gaussian; coordinates about `centre`.
+    pub fn new(kind: Kind, prior: &Gaussian, centre: &Vector3<f64>, base: f64, at: &Setting) -> Option<Self> {
         let factors = Ldl::new(&prior.covariance)?;
-        let log_det_prior = -factors.log_det;
         Some(Self {
-            order,
-            prior_mean: prior.mean,
-            prior_information: factors.inverse(),
-            log_prior,
-            told: 1.0,
-            log_det_prior,
-            log_volume: 0.0,
-            posterior: *prior,
-            distance_squared: 0.0,
-            samples_cost: 0.0,
-            cost: NO_COST,
-            log_evidence: log_prior,
-            damping: FIRST_DAMPING,
+            kind,
+            parent: 0,
+            size: 0,
+            id: 0,
+            onset_ns: 0,
+            moves: false,
+            rate: Vector3::zeros(),
+            gain: SMatrix::zeros(),
+            rate_covariance: Matrix3::zeros(),
+            prior: prior.mean,
+            information: factors.inverse(),
+            log_det: -factors.log_det,
+            centre: *centre,
+            moments: Moments::new(centre * at.unit_ut, at.unit_ut),
+            vertical: VerticalMoments::new(),
+            groups: 0.0,
+            known: *prior,
+            base,
+            fitted: 0.0,
+            pending: 0.0,
+            paid: 0.0,
+            next_fit: 1.0,
+            age: 0.0,
+            missed: 0.0,
+            damping: 0.0,
+            former: None,
+            error: f64::MAX,
+            next_twin: 8.0,
         })
     }
 
-    /// Lambda and tau_0.
-    pub fn prior(&self) -> (&Matrix9, &Vector9) {
-        (&self.prior_information, &self.prior_mean)
+    /// Log of the joint probability of the hypothesis and all samples.
+    pub fn log_joint(&self) -> f64 {
+        self.base + self.fitted + self.pending
     }
 
-    /// -log det Lambda: how much its prior leaves open.
-    pub fn openness(&self) -> f64 {
-        -self.log_det_prior
+    pub fn centre(&self) -> &Vector3<f64> {
+        &self.centre
     }
 
-    /// Whether it has seen the samples at all.
-    pub fn is_fitted(&self) -> bool {
-        self.cost < NO_COST
+    /// Whether its moments are about its centre in this unit.
+    pub fn is_in_units_of(&self, unit_ut: f64) -> bool {
+        self.moments.is_about(&Moments::new(self.centre * unit_ut, unit_ut))
     }
 
-    fn total(&self, likelihood: &Likelihood, tau: &Vector9) -> Option<(f64, Point)> {
-        if !is_bounded(tau) {
-            return None;
+    pub fn samples(&self) -> f64 {
+        self.moments.count() as f64
+    }
+
+    pub fn has_news(&self) -> bool {
+        self.pending != 0.0
+    }
+
+    /// What b does from now on: with a rate that lasts, or hardly anything.
+    pub fn set_motion(&mut self, moves: bool, rate: Vector3<f64>, at: &Setting) {
+        (self.moves, self.rate) = (moves, rate);
+        self.gain = SMatrix::zeros();
+        self.rate_covariance = Matrix3::identity() * (at.tuning.rate_ut_s / at.unit_ut).powi(2);
+    }
+
+    pub fn rate(&self) -> Vector3<f64> {
+        self.rate
+    }
+
+    /// What sets a fork from this hypothesis apart is only how b moves: it tells the same change, and is as old.
+    pub fn continues(&mut self, other: &Self) {
+        (self.id, self.size, self.parent) = (other.id, other.size, other.parent);
+        (self.age, self.former, self.error, self.onset_ns) = (other.age, other.former, other.error, other.onset_ns);
+        self.next_fit = 8.0;
+    }
+
+    /// Whether it knows enough to tell that a sample is wrong.
+    pub fn judges(&self, at: &Setting) -> bool {
+        self.age > PARAMETERS && self.error < at.tuning.unsure_deg.to_radians().powi(2) * at.level.kappa
+    }
+
+    /// A sample's distance, units, from what is predicted, in squared standard deviations; where it is judged.
+    pub fn surprise(&self, u: &Vector3<f64>, count: f64, level: &Level) -> Option<(f64, f64)> {
+        let (e, g) = distance(&self.known.mean, u)?;
+        let rho = g.dot(&(self.known.covariance * g)).max(0.0);
+        Some((e, e * e / (level.white / count + level.uneven + DOUBT * rho / level.kappa)))
+    }
+
+    /// A mean of samples enters, or pays the price of a disturbed one.
+    pub fn add(&mut self, sample: &Sample, at: &Setting) {
+        let level = &at.level;
+        let n = sample.count as f64;
+        let Some((e, g)) = distance(&self.known.mean, &sample.u) else { return };
+        let rho = g.dot(&(self.known.covariance * g)).max(0.0);
+        let per_sample = |variance: f64, kappa: f64| (0.5 - 0.5 * (variance / LEVEL).ln()) / kappa;
+        let vertical = sample.up.map_or(0.0, |_| n * per_sample(level.vertical.0, level.vertical.1));
+        let baseline = per_sample(level.white, level.kappa) + vertical;
+        let z2 = e * e / (level.white / n + level.uneven + DOUBT * rho / level.kappa);
+        self.age += n;
+        if sample.stale {
+            return;
         }
-        let point = likelihood.at(tau)?;
-        let off = tau - self.prior_mean;
-        Some((point.cost + off.dot(&times(&self.prior_information, &off)), point))
-    }
-
-    /// Moves to `start` where F is lower by more than `margin`.
-    pub fn consider(&mut self, likelihood: &Likelihood, start: &Vector9, margin: f64) {
-        let here = self.total(likelihood, &self.posterior.mean).map_or(f64::INFINITY, |(cost, _)| cost);
-        if let Some((cost, _)) = self.total(likelihood, start)
-            && cost < here - margin
-        {
-            self.posterior.mean = *start;
-            self.damping = FIRST_DAMPING;
+        if self.judges(at) && 0.5 * z2 > at.half_square * n || e.abs() > FARTHEST {
+            let cost = at.price * n - baseline;
+            self.pending -= cost;
+            self.paid += cost;
+            self.missed += n;
+            return;
         }
-    }
-
-    /// Iterates from elsewhere.
-    pub fn move_to(&mut self, likelihood: &Likelihood, tau: &Vector9) {
-        self.posterior.mean = *tau;
-        self.damping = FIRST_DAMPING;
-        self.refine(likelihood, ITERATIONS_ELSEWHERE);
-    }
-
-    /// F on more samples, where it stands: keeps the evidence comparable between iterations.
-    pub fn rescore(&mut self, likelihood: &Likelihood) {
-        if let Some((cost, point)) = self.total(likelihood, &self.posterior.mean) {
-            (self.cost, self.samples_cost, self.distance_squared) = (cost, point.cost, point.distance_squared);
-            self.log_evidence = self.log_prior + self.log_volume - 0.5 * cost;
-        }
-    }
-
-    /// Variance of the radius of a sample through the parameters; what the sample's own noise adds by turning the gradient
-    /// is taken off.
-    pub fn variance_at(&self, u: &Vector3<f64>, seen: &Seen, noise: f64) -> f64 {
-        let (tau, p) = (&self.posterior.mean, &self.posterior.covariance);
-        let g = radius_gradient(tau, seen);
-        let mut turned = 0.0;
-        for axis in 0..3 {
-            if let Some(beside) = see(tau, &(u + Vector3::ith(axis, BESIDE))) {
-                let d = (radius_gradient(tau, &beside) - g) / BESIDE;
-                turned += d.dot(&(p * d));
-            }
-        }
-        (g.dot(&(p * g)) - noise * turned).max(0.0)
-    }
-
-    /// The coordinates move by `by`: beta with them.
-    pub fn shift(&mut self, by: &Vector3<f64>) {
-        self.posterior.shift(by);
-        (0..3).for_each(|i| self.prior_mean[6 + i] += by[i]);
-    }
-
-    /// At most so many iterations, then the estimate, its covariance and the evidence. Returns how many.
-    pub fn refine(&mut self, likelihood: &Likelihood, iterations: usize) -> usize {
-        let mut tau = self.posterior.mean;
-        let Some((mut cost, mut point)) = self.total(likelihood, &tau) else {
-            self.posterior.mean = self.prior_mean;
-            self.log_evidence = NO_EVIDENCE;
-            return 0;
+        let own = level.kappa * level.white / n;
+        self.pending += baseline;
+        self.moments.add_mean(&sample.raw_ut, sample.count);
+        self.groups += 1.0;
+        let Some(up) = sample.up else {
+            self.pending -= 0.5 * (e * e / (own + rho)).min(2.0 * at.half_square * n) + 0.5 * (1.0 + rho / own).ln();
+            return;
         };
+        // both constraints at once: what is not known moves them together
+        let (v, by_v) = miss(&self.known.mean, &sample.u, &up);
+        let p = self.known.covariance * by_v;
+        let own_v = level.vertical.0 * level.vertical.1 / n;
+        let (cross, rho_v) = (g.dot(&p), by_v.dot(&p).max(0.0));
+        let (a, d) = (own + rho, own_v + rho_v);
+        let determinant = (a * d - cross * cross).max(own * own_v);
+        let square = (e * e * d - 2.0 * e * v * cross + v * v * a) / determinant;
+        self.pending -= 0.5 * square.min(2.0 * at.half_square * n) + 0.5 * (determinant / (own * own_v)).ln();
+        self.vertical.add(&(sample.u - self.centre), &up, sample.count);
+    }
+
+    fn likelihood(&self, level: &Level) -> Both {
+        let count = self.moments.count() as f64;
+        let variance = level.white * self.groups / count;
+        Both {
+            strength: Likelihood::new(&self.moments, self.centre, level.white, variance, level.kappa),
+            vertical: self.vertical.likelihood(&self.centre, level.vertical.0, level.vertical.1),
+        }
+    }
+
+    /// F.
+    fn total(&self, likelihood: &Both, tau: &Tau) -> Option<f64> {
+        let d = tau - self.prior;
+        Some(likelihood.at(tau)?.0 + d.dot(&(self.information * d)))
+    }
+
+    /// At most so many iterations towards the minimum of F; where to, F there, and how many it took.
+    fn descend(&self, likelihood: &Both, from: &Tau, most: usize, damping: &mut f64) -> Option<(Tau, f64, usize)> {
+        let mut tau = *from;
+        let mut f = self.total(likelihood, &tau)?;
         let mut done = 0;
-        while done < iterations {
+        while done < most {
             done += 1;
+            let (_, point) = likelihood.at(&tau)?;
             let (gradient, hessian) = likelihood.derivatives(&tau, &point);
-            let gradient = gradient + self.prior_information * (tau - self.prior_mean);
-            let hessian = hessian + self.prior_information;
-            let (before, mut taken) = (cost, false);
+            let gradient = gradient + self.information * (tau - self.prior);
+            let hessian = hessian + self.information;
+            let mut better = None;
             for _ in 0..DAMPINGS {
                 let mut damped = hessian;
-                (0..9).for_each(|i| damped[(i, i)] *= 1.0 + self.damping);
+                (0..COUNT).for_each(|i| damped[(i, i)] *= 1.0 + *damping);
                 let next = ldl::solve(&damped, &-gradient).map(|step| tau + step);
                 if let Some(next) = next
-                    && let Some((lower, at)) = self.total(likelihood, &next)
-                    && lower <= cost
+                    && let Some(lower) = self.total(likelihood, &next).filter(|lower| *lower <= f)
                 {
-                    (tau, cost, point) = (next, lower, at);
-                    self.damping = (self.damping * 0.1).max(FIRST_DAMPING);
-                    taken = true;
+                    better = Some((next, lower));
+                    *damping = if *damping < 1e-3 { 0.0 } else { *damping * 0.1 };
                     break;
                 }
-                self.damping = (self.damping * 30.0).max(1e-3);
+                *damping = (*damping * 30.0).max(1e-3);
             }
-            if !taken || before - cost < SETTLED {
+            let Some((next, lower)) = better else { break };
+            let gain = f - lower;
+            (tau, f) = (next, lower);
+            if gain < SETTLED {
                 break;
             }
         }
-        self.damping = self.damping.min(KEPT_DAMPING);
-        self.settle(likelihood, &tau, cost, &point);
-        done
+        *damping = damping.min(1.0);
+        Some((tau, f, done))
     }
 
-    /// From where F has led to the estimate: see the module.
-    fn settle(&mut self, likelihood: &Likelihood, tau: &Vector9, cost: f64, point: &Point) {
-        (self.posterior.mean, self.cost) = (*tau, cost);
-        (self.samples_cost, self.distance_squared) = (point.cost, point.distance_squared);
-        let (gradient, raw, curvature) = likelihood.expansion(tau, point);
-        let Some(weights) = Ldl::new(&(raw + self.prior_information * SOFTENING)) else { return };
-        let (information, score) = weights.weigh(&curvature, &gradient);
-        let Some(factors) = Ldl::new(&(information + self.prior_information)) else { return };
-        let towards = -factors.solve(&(score + self.prior_information * (tau - self.prior_mean)));
-        let mut part = 1.0;
-        for _ in 0..PARTS {
+    /// Whether the samples have become more by enough for another fit.
+    pub fn wants_fit(&self) -> bool {
+        self.samples() >= self.next_fit
+    }
+
+    /// The estimate, its covariance and the evidence of the samples so far. Returns the iterations that it took.
+    pub fn fit(&mut self, at: &Setting) -> usize {
+        let (count, level) = (self.samples(), &at.level);
+        self.next_fit = count * at.tuning.growth + 0.5;
+        if count <= 0.0 {
+            return 0;
+        }
+        let likelihood = self.likelihood(level);
+        let most = ITERATIONS.iter().find(|(below, _)| count < *below).map_or(3, |(_, most)| *most);
+        let mut damping = self.damping;
+        let mut best = self.descend(&likelihood, &self.known.mean, most, &mut damping);
+        let mut iterations = best.map_or(1, |(.., done)| done);
+        if best.is_none_or(|(_, f, _)| f > 2.0 * self.groups + STUCK) {
+            let again = self.descend(&likelihood, &self.prior, ITERATIONS[0].1, &mut 1e-2);
+            iterations += again.map_or(1, |(.., done)| done);
+            if again.is_some_and(|(_, lower, _)| best.is_none_or(|(_, f, _)| lower < f)) {
+                best = again;
+            }
+        }
+        self.damping = damping;
+        match best {
+            Some((tau, f, _)) => self.settle(&likelihood, &tau, f, level),
+            None => self.fitted = NO_EVIDENCE,
+        }
+        iterations
+    }
+
+    /// From the minimum to the estimate: see the module.
+    fn settle(&mut self, likelihood: &Both, tau: &Tau, f: f64, level: &Level) {
+        let Some((cost, point)) = likelihood.at(tau) else { return };
+        let at = likelihood.expansion(tau, &point);
+        let softened = at.hessian + at.noise + TauMatrix::identity() * 1e-9;
+        let Some(factors) = Ldl::new(&softened) else { return };
+        let x = factors.solve_matrix(&at.hessian);
+        let cubed = x * x * x;
+        let information = at.hessian * cubed;
+        let score = cubed.tr_mul(&at.gradient);
+        let posterior = (information + information.transpose()) * 0.5 + self.information;
+        let Some(factors) = Ldl::new(&posterior) else { return };
+        let towards = -factors.solve(&(score + self.information * (tau - self.prior)));
+        let curvature = at.hessian - at.noise;
+        let (mut mean, mut total, mut part) = (*tau, f, 1.0);
+        for _ in 0..3 {
             let step = towards * part;
-            let rise = 2.0 * gradient.dot(&step) + step.dot(&(curvature * step));
-            if let Some((higher, at)) = self.total(likelihood, &(tau + step))
-                && is_linear(at.cost - point.cost, rise)
+            let rise = 2.0 * at.gradient.dot(&step) + step.dot(&(curvature * step));
+            if let Some((there, _)) = likelihood.at(&(tau + step))
+                && let Some(higher) = self.total(likelihood, &(tau + step))
+                && (there - cost - rise).abs() < 1.0 + 0.5 * rise.abs()
+                && higher < f + 9.0
             {
-                (self.posterior.mean, self.cost) = (tau + step, higher);
-                (self.samples_cost, self.distance_squared) = (at.cost, at.distance_squared);
+                (mean, total) = (tau + step, higher);
                 break;
             }
-            part *= SHORTER;
+            part *= 0.3;
         }
-        self.log_volume = 0.5 * (self.log_det_prior - factors.log_det);
-        self.log_evidence = self.log_prior + self.log_volume - 0.5 * self.cost;
-        self.posterior.covariance = factors.inverse();
+        self.known = Gaussian { mean, covariance: factors.inverse() };
+        // relative to what samples of this level cost, so that the level itself does not matter to first order
+        let (groups, verticals) = (self.groups / level.kappa, self.vertical.count() / level.vertical.1);
+        self.fitted = -self.paid
+            - 0.5 * (total - groups - verticals)
+            - 0.5 * groups * (level.white / LEVEL).ln()
+            - 0.5 * verticals * (level.vertical.0 / LEVEL).ln()
+            + 0.5 * (self.log_det - factors.log_det);
+        if !self.fitted.is_finite() {
+            self.fitted = NO_EVIDENCE;
+        }
+        self.pending = 0.0;
+        self.error = super::angle::expected(&self.known);
+    }
+
+    /// Whether another place may explain the same samples: asked ever more rarely.
+    pub fn looks_for_twin(&mut self, wider_than: f64) -> bool {
+        let looks =
+            self.samples() >= self.next_twin && self.error > wider_than && (self.kind == Kind::Cold || self.size == 1);
+        if looks {
+            self.next_twin = self.samples() * 1.5;
+        }
+        looks
+    }
+
+    /// The same samples explained nearly as well from `start`.
+    pub fn twin(&self, at: &Setting, start: &Tau) -> Option<Self> {
+        let likelihood = self.likelihood(&at.level);
+        let (tau, f, _) = self.descend(&likelihood, start, 12, &mut 1e-2)?;
+        let own = self.total(&likelihood, &self.known.mean)?;
+        if (tau - self.known.mean).norm() < SAME_PLACE || f > own + TWIN_WORSE {
+            return None;
+        }
+        let mut twin = self.clone();
+        twin.known.mean = tau;
+        twin.fit(at);
+        ((twin.known.mean - self.known.mean).norm() > SAME_PLACE).then_some(twin)
+    }
+
+    /// b on the other side of the samples' plane.
+    pub fn mirrored(&self) -> Tau {
+        let (mean, covariance) = self.moments.cloud();
+        let mean = mean + self.centre;
+        let eigen = covariance.symmetric_eigen();
+        let normal: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
+        let mut tau = self.known.mean;
+        let off = normal * (2.0 * normal.dot(&(super::parameters::centre(&tau) - mean)));
+        (0..3).for_each(|i| tau[6 + i] -= off[i]);
+        tau
+    }
+
+    /// A start along one of the axes from the samples' mean, before much is known.
+    pub fn beside(&self, axis: usize, sign: f64) -> Tau {
+        let (mean, _) = self.moments.cloud();
+        let mean = mean + self.centre;
+        let mut tau = self.prior;
+        (0..3).for_each(|i| tau[6 + i] = mean[i]);
+        tau[6 + axis] += sign;
+        tau
+    }
+
+    /// Whether both are of the same change and in the same place.
+    pub fn is_twin(&self, other: &Self) -> bool {
+        self.id == other.id && self.moves == other.moves && (self.known.mean - other.known.mean).norm() < SAME_PLACE
+    }
+
+    /// Whether both say the same of nearly the same time: onsets are kept on a grid that doubles with their age.
+    pub fn is_neighbour(&self, other: &Self, time_ns: i64) -> bool {
+        let age = |h: &Self| time_ns.saturating_sub(h.onset_ns) as f64;
+        let says = |h: &Self| (h.kind, h.size, h.moves, h.parent);
+        let same = says(self) == says(other) && self.id != other.id;
+        same && self.kind != Kind::Cold && age(self).max(age(other)) < 2.0 * age(self).min(age(other))
+    }
+
+    /// Moments become prior where that is near enough to Gaussian, and b walks on.
+    pub fn absorb_if_known(&mut self, at: &Setting) {
+        let (seconds, tuning) = (self.samples() * at.period_s, at.tuning);
+        let below = if self.moves { tuning.absorb_moving_deg } else { tuning.absorb_deg };
+        if seconds >= tuning.absorb_s && self.samples() >= PARAMETERS && self.error.sqrt() < below.to_radians() {
+            self.absorb(seconds, at);
+        }
+    }
+
+    fn absorb(&mut self, seconds: f64, at: &Setting) {
+        let tuning = at.tuning;
+        let Gaussian { mut mean, mut covariance } = self.known;
+        let walk = if self.moves { tuning.moving_walk_ut } else { tuning.walk_ut } / at.unit_ut;
+        (6..9).for_each(|i| covariance[(i, i)] += walk * walk * seconds);
+        covariance[(9, 9)] += DIP_WALK * DIP_WALK * seconds;
+        if self.moves {
+            let mut rate = self.rate + self.gain * (mean - self.prior);
+            let mut cross = self.gain * self.known.covariance;
+            let mut variance = cross * self.gain.transpose() + self.rate_covariance;
+            let mut moved = TauMatrix::zeros();
+            for i in 0..COUNT {
+                for j in 0..3 {
+                    moved[(i, 6 + j)] = cross[(j, i)] * seconds;
+                }
+            }
+            covariance += moved + moved.transpose();
+            for i in 0..3 {
+                mean[6 + i] += rate[i] * seconds;
+                for j in 0..3 {
+                    covariance[(6 + i, 6 + j)] += variance[(i, j)] * seconds * seconds;
+                    cross[(i, 6 + j)] += variance[(i, j)] * seconds;
+                }
+            }
+            let lasts = (-seconds / tuning.rate_s).exp();
+            let fresh = (1.0 - lasts * lasts) * (tuning.rate_ut_s / at.unit_ut).powi(2);
+            rate *= lasts;
+            cross *= lasts;
+            variance = variance * (lasts * lasts) + Matrix3::identity() * fresh;
+            let Some(factors) = Ldl::new(&covariance) else { return };
+            let inverse = factors.inverse();
+            self.rate = rate;
+            self.gain = cross * inverse;
+            self.rate_covariance = variance - self.gain * cross.transpose();
+        }
+        let Some(factors) = Ldl::new(&covariance) else { return };
+        if !is_bounded(&mean) {
+            return;
+        }
+        self.base += self.fitted;
+        (self.fitted, self.paid) = (0.0, 0.0);
+        self.prior = mean;
+        self.known = Gaussian { mean, covariance };
+        self.information = factors.inverse();
+        self.log_det = -factors.log_det;
+        self.moments.clear();
+        self.vertical.clear();
+        self.groups = 0.0;
+        self.next_fit = 32.0;
     }
 }

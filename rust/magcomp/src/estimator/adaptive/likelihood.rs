@@ -1,22 +1,29 @@
 //! The likelihood of a set of samples, from their moments alone, in constant time:
-//!     L(tau) = w C / D,   C = p^T S p,  D = p^T N p  (means over the samples),   w = n / (kappa s^2)
-//! twice the negative logarithm, up to a constant, for white noise of variance s^2 (kappa: see `noise`). C / D is the mean
-//! square of the residual over its own gradient: a distance, free of the noise bias up to s^4 (`ellipsoid/fit`).
-//! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J; curvature w/D J^T (S - s^2 N) J, the noise's own
-//! share taken off, so that poor coverage is not taken for knowledge.
+//!     L(tau) = w C / D,   C = p^T S p,  D = p^T N p  (means over the samples),   w = n / (kappa v)
+//! twice the negative logarithm, up to a constant, for white noise of variance v of which kappa samples are worth one. C / D
+//! is the mean square of the residual over its own gradient: a distance, free of the noise's bias (`quadric/fit`).
+//! N = G + (d c^T + c d^T), G from the gradients alone (Taubin 1991). N is not positive well inside the ellipsoid, so that D is
+//! at least half of p^T G p.
+//! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J.
 
-use super::parameters::{Jacobian, Matrix9, Matrix10, Vector9, Vector10, jacobian, quadric};
-use crate::ellipsoid::Moments;
-use crate::ellipsoid::ldl::{add, times};
+use super::parameters::{Jacobian, Matrix10, Tau, TauMatrix, Vector10, is_bounded, jacobian, quadric};
+use crate::quadric::Moments;
+use crate::quadric::ldl::{add, times};
+use nalgebra::Vector3;
+
+/// Smallest D: a tau whose quadric is flat at the samples is none of theirs.
+const LEAST_GRADIENT: f64 = 1e-6;
 
 /// L of a set of samples.
 #[derive(Clone, Debug)]
 pub(super) struct Likelihood {
-    pub s: Matrix10,
-    pub n: Matrix10,
-    pub weight: f64,
-    /// Of the noise, units^2.
-    pub variance: f64,
+    s: Matrix10,
+    n: Matrix10,
+    gradients: Matrix10,
+    weight: f64,
+    /// Variance of what was added, units^2: means of neighbours have less than samples.
+    variance: f64,
+    centre: Vector3<f64>,
 }
 
 /// L at one tau.
@@ -24,79 +31,87 @@ pub(super) struct Likelihood {
 pub(super) struct Point {
     /// L.
     pub cost: f64,
-    /// C / D, units^2.
-    pub distance_squared: f64,
+    distance_squared: f64,
     d: f64,
     sp: Vector10,
     np: Vector10,
 }
 
+/// L to second order at one tau.
+pub(super) struct Expansion {
+    /// Half the gradient.
+    pub gradient: Tau,
+    /// Half the Gauss-Newton Hessian.
+    pub hessian: TauMatrix,
+    /// The share of it that noise makes: poor coverage must not be taken for knowledge.
+    pub noise: TauMatrix,
+}
+
 impl Likelihood {
-    /// Of samples with noise of `variance` (units^2); `samples` of them count, n / kappa.
-    pub fn new(moments: &Moments, variance: f64, samples: f64) -> Self {
+    /// Of samples about `centre` (units), with noise of `white` (units^2) a sample and `variance` as they were added, of which
+    /// `kappa` are worth one.
+    pub fn new(moments: &Moments, centre: Vector3<f64>, white: f64, variance: f64, kappa: f64) -> Self {
         let (s, n) = moments.scatter();
-        Self { s, n, weight: samples / variance, variance }
+        let mut gradients = n;
+        let d = s.column(9).into_owned();
+        for i in 0..3 {
+            for j in 0..10 {
+                gradients[(i, j)] -= d[j];
+                gradients[(j, i)] -= d[j];
+            }
+        }
+        Self { s, n, gradients, weight: moments.count() as f64 / (kappa * white), variance, centre }
     }
 
-    /// A quarter of the variance that the noise alone gives the difference of L between two tau: n (1 - rho^2), rho the
-    /// correlation of their residuals, that of their gradients.
-    pub fn disagreement(&self, a: &Vector9, b: &Vector9) -> f64 {
-        let (a, b) = (quadric(a), quadric(b));
-        let (na, nb) = (times(&self.n, &a), times(&self.n, &b));
-        let agreement = a.dot(&nb).powi(2) / (a.dot(&na) * b.dot(&nb));
-        self.weight * self.variance * (1.0 - agreement).clamp(0.0, 1.0)
+    fn local(&self, tau: &Tau) -> Tau {
+        let mut local = *tau;
+        (0..3).for_each(|i| local[6 + i] -= self.centre[i]);
+        local
     }
 
     /// None where tau is no ellipsoid near the samples.
-    pub fn at(&self, tau: &Vector9) -> Option<Point> {
-        let p = quadric(tau);
-        let (sp, np) = (times(&self.s, &p), times(&self.n, &p));
-        let d = p.dot(&np);
+    pub fn at(&self, tau: &Tau) -> Option<Point> {
+        if !is_bounded(tau) {
+            return None;
+        }
+        let p = quadric(&self.local(tau));
+        let (sp, mut np) = (times(&self.s, &p), times(&self.n, &p));
+        let mut d = p.dot(&np);
+        let least = times(&self.gradients, &p) * 0.5;
+        if d < p.dot(&least) {
+            (d, np) = (p.dot(&least), least);
+        }
         let distance_squared = p.dot(&sp).max(0.0) / d;
-        (d > 1e-6 && distance_squared.is_finite()).then_some(Point {
-            cost: self.weight * distance_squared,
-            distance_squared,
-            d,
-            sp,
-            np,
-        })
+        let cost = self.weight * distance_squared;
+        (d > LEAST_GRADIENT && cost.is_finite()).then_some(Point { cost, distance_squared, d, sp, np })
     }
 
-    /// Half the gradient of L, and the Gauss-Newton Hessian.
-    pub fn derivatives(&self, tau: &Vector9, point: &Point) -> (Vector9, Matrix9) {
-        let j = jacobian(tau);
+    /// Half the gradient of L, and half the Gauss-Newton Hessian.
+    pub fn derivatives(&self, tau: &Tau, point: &Point) -> (Tau, TauMatrix) {
+        let j = jacobian(&self.local(tau));
+        (self.gradient(&j, point), form(&j, &self.s, self.weight / point.d))
+    }
+
+    /// L to second order.
+    pub fn expansion(&self, tau: &Tau, point: &Point) -> Expansion {
+        let j = jacobian(&self.local(tau));
         let scale = self.weight / point.d;
-        (self.gradient(&j, point, scale), form(&j, &self.s, scale))
+        Expansion {
+            gradient: self.gradient(&j, point),
+            hessian: form(&j, &self.s, scale),
+            noise: form(&j, &self.gradients, scale * self.variance),
+        }
     }
 
-    /// The same, and the curvature.
-    pub fn expansion(&self, tau: &Vector9, point: &Point) -> (Vector9, Matrix9, Matrix9) {
-        let j = jacobian(tau);
-        let scale = self.weight / point.d;
-        let raw = form(&j, &self.s, scale);
-        let curvature = raw - form(&j, &self.n, scale * self.variance);
-        (self.gradient(&j, point, scale), raw, curvature)
-    }
-
-    fn gradient(&self, j: &Jacobian, point: &Point, scale: f64) -> Vector9 {
-        j.tr_mul(&(point.sp - point.np * point.distance_squared)) * scale
-    }
-
-    /// Half the score of white noise of the known variance: w/D J^T (S - s^2 N) p; zero on average at the truth.
-    pub fn score(&self, tau: &Vector9, point: &Point) -> Vector9 {
-        jacobian(tau).tr_mul(&(point.sp - point.np * self.variance)) * (self.weight / point.d)
-    }
-
-    /// What these samples say about tau.
-    pub fn information(&self, tau: &Vector9, point: &Point) -> Matrix9 {
-        self.expansion(tau, point).2
+    fn gradient(&self, j: &Jacobian, point: &Point) -> Tau {
+        j.tr_mul(&(point.sp - point.np * point.distance_squared)) * (self.weight / point.d)
     }
 }
 
 /// J^T Q J times `scale`, Q symmetric. Columns of J for beta are zero in the first six rows.
-pub(super) fn form(j: &Jacobian, q: &Matrix10, scale: f64) -> Matrix9 {
+fn form(j: &Jacobian, q: &Matrix10, scale: f64) -> TauMatrix {
     let (j, q) = (&j.data.0, &q.data.0);
-    let mut out = Matrix9::zeros();
+    let mut out = TauMatrix::zeros();
     for b in 0..6 {
         let mut column = [0.0; 10];
         for (factor, q) in j[b].iter().zip(q) {

@@ -1,435 +1,294 @@
 //! The adaptive estimator: M and b from the magnetometer alone, at the speed the information in the samples allows.
 //!
-//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; what was known before is a Gaussian prior.
-//! The estimate is the maximum a posteriori, in constant time from the moments of the samples. A change is noticed from
-//! innovations that do not fit (large) or from evidence over spans (small); then hypotheses of what it freed compete, and
-//! what they lead to is released when it is predicted to be better than what is in force.
-//! One file an idea: `parameters` (tau and derivatives) · `likelihood` (from moments) · `hypothesis` (prior, fit, evidence) ·
-//! `ladder` (which priors) · `rivals` (hypotheses against each other) · `starts` · `spread` (a first answer) · `samples` (segment and spans) · `neighbours` (averaged) · `noise` ·
-//! `notice` (changes) · `change` (small ones) · `drift`, `rate`, `line` (slow ones) · `witness` (the place, not the device) · `angle` (errors as angles) ·
-//! `publish` (the gate) · `answer` (what is in force) · `output`.
+//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; when that change was, and what it changed, is
+//! not known. A bank of hypotheses says each what it may be; the samples weigh them; the mixture is published.
+//! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
+//! `hypothesis` (prior, fit, evidence) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
+//! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `angle` (errors as angles) · `decision` (what is
+//! told of changes) · `published` (what is in force).
 //! The derivation is in docs/METHOD.md.
 
 mod angle;
-mod answer;
-mod change;
-mod drift;
+mod bank;
+mod decision;
+mod grouping;
 mod hypothesis;
-mod ladder;
 mod likelihood;
-mod line;
-mod neighbours;
 mod noise;
-mod notice;
-mod output;
 mod parameters;
-mod publish;
-mod rate;
-mod rivals;
-mod samples;
-mod spread;
-mod starts;
-mod steadiness;
-#[cfg(test)]
-mod tests;
-mod witness;
+mod published;
+mod setting;
+mod tuning;
+mod vertical;
 
-use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError};
-use crate::ellipsoid::Moments;
-use crate::reading::{Event, ModelOrder};
-use crate::snapshot::{LARGEST_COUNT, checked};
-use drift::Drift;
-use hypothesis::{Gaussian, Hypothesis};
-use ladder::{JUMPS, LOG_PRIOR_FORMER, LOG_PRIOR_IGNORED, TWINNED, TWINNED_COLD};
-use likelihood::Likelihood;
-use nalgebra::{Matrix3, Vector3};
-use neighbours::Neighbours;
-use noise::Noise;
-use notice::{LARGE_CHANGE, RETURNED};
-pub(crate) use output::AdaptiveOutput;
-use parameters::Vector9;
-use publish::Published;
-use rate::Motion;
-use rivals::Rivals;
-use samples::Samples;
+use crate::calibration::{Calibration, typical_field_ut};
+use crate::reading::{Event, HoldReason, Missing, ModelOrder, Status};
+use bank::Bank;
+use decision::Decision;
+use grouping::{Group, Grouping};
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use noise::{Level, Noise};
+use parameters::{Gaussian, is_bounded};
+use published::Published;
 use serde::{Deserialize, Serialize};
-use steadiness::Steadiness;
-use witness::Witness;
+use setting::{Sample, Setting};
+use tuning::Tuning;
 
-/// The few numbers of the adaptive estimator.
+/// Standard gravity, and the share of it by which a vertical may be accelerated to be one.
+const GRAVITY_M_S2: f64 = 9.806_65;
+const CALM: f64 = 0.1;
+/// What the field differs by from one place where the device rests to another, uT: measured against optical references in two
+/// laboratories.
+const PLACE_UT: f64 = 1.3;
+/// Samples before there can be an estimate: as many as nine parameters need, and some.
+const FEWEST: usize = 16;
+
+/// One answer of the adaptive estimator.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AdaptiveOutput {
+    /// Corrected sample, uT, and its covariance, uT^2.
+    pub corrected_ut: Option<(Vector3<f64>, Matrix3<f64>)>,
+    pub direction_sigma_deg: Option<f64>,
+    pub worst_sigma_deg: Option<f64>,
+    pub order: ModelOrder,
+    pub event: Option<Event>,
+    pub status: Status,
+}
+
+/// Where the device stays, and for how long, samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct AdaptiveConfig {
-    /// Magnetometer noise to start from, uT per axis. Default 0.5 (a Nexus 5: 0.48; iPhones 0.7 to 1.1). It is learned: a
-    /// factor of 3 wrong does not matter after 300 samples.
-    pub noise_ut: f64,
-}
-
-impl Default for AdaptiveConfig {
-    fn default() -> Self {
-        Self { noise_ut: 0.5 }
-    }
-}
-
-impl AdaptiveConfig {
-    /// Checks every field against its range.
-    pub(crate) fn validate(&self) -> Result<(), ConfigError> {
-        if (0.01..=20.0).contains(&self.noise_ut) {
-            return Ok(());
-        }
-        Err(ConfigError { field: "adaptive.noise_ut", value: self.noise_ut.to_string(), expected: "0.01 to 20" })
-    }
-}
-
-/// Least noise that is believed, uT: quantisation of phones' magnetometers is 0.05 to 0.15.
-const LEAST_NOISE_UT: f64 = 0.03;
-/// A sample that fits worse than this many standard deviations is not used: 1 in 150 000 by chance.
-const GATE: f64 = 4.5;
-/// The first samples of a segment fit many ellipsoids: gated is what lies further from the first of them than any field
-/// strength reaches (units); the review drops what else was wrong.
-const UNGATED: usize = 9;
-const FARTHEST: f64 = 4.0;
-/// So many of the latest samples decide about a large change.
-const RECENT: usize = 24;
-/// Samples of a segment before small changes in it are looked for.
-const SCANNED_FROM: usize = 32;
-/// Former calibrations that are remembered.
-const FORMER: usize = 4;
-/// Samples in a block that is absorbed into the prior: the span of that length stays.
-const BLOCK_SPAN: usize = 3;
-/// Expected direction error (degrees) above which nothing is absorbed: its linearisation would not hold.
-const ABSORBED_BELOW_DEG: f64 = 1.5;
-/// Noise is no more than so many times the variance by which neighbours differ, and so many standard deviations of the
-/// room's unevenness.
-const MORE_THAN_DIFFERING: f64 = 3.0;
-const MORE_THAN_UNEVEN: f64 = 2.0;
-/// Ages of a segment at which its samples are gated anew and other starts are tried.
-const REVIEWS: [usize; 6] = [24, 48, 64, 96, 128, 192];
-/// Hypotheses besides the best that iterate with a sample: in the first 12 of a segment, the first 32, and later.
-const FIRST_TURNS: usize = 12;
-const MOST_TURNS: usize = 8;
-const FEWER_TURNS: usize = 4;
-const YOUNG: usize = 32;
-/// Most iterations of each with one of the first samples, where they come from all around: each moves the minimum far.
-const ITERATIONS_YOUNG: usize = 3;
-
-/// Above this expected error (degrees) the linearised covariance is not taken at its word.
-const CLOSE_DEG: f64 = 5.0;
-
-/// What competes since the latest change.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Trial {
-    since_ns: i64,
-    /// What was known before; None at the start.
-    base: Option<Gaussian>,
-    /// What was in force before.
-    held: Option<Published>,
-    /// Its result has been released.
-    released: bool,
-    /// The samples fit no ellipsoid.
-    misfit: bool,
-}
-
-/// A sample of late, and whether it was gated.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Late {
-    time_ns: i64,
-    raw_ut: Vector3<f64>,
-    gated: bool,
-    alone: bool,
+struct Stay {
+    at: Vector3<f64>,
+    samples: f64,
 }
 
 /// The estimator. All state is plain numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
 pub(crate) struct Adaptive {
+    #[serde(skip)]
+    tuning: Tuning,
     unit_ut: f64,
     strength_ut: Option<f64>,
-    release_below_deg: f64,
-    centre_ut: Vector3<f64>,
-    started: bool,
     given: Option<Calibration>,
-    samples: Samples,
-    rivals: Rivals,
-    trial: Option<Trial>,
-    former: [Option<Gaussian>; FORMER],
+    bank: Bank,
     noise: Noise,
-    steadiness: Steadiness,
-    witness: Witness,
-    drift: Drift,
-    motion: Motion,
-    late: [Option<Late>; RECENT],
-    /// A second look at the latest samples has not helped: a change is called with the next one, which spreads the cost.
-    called: bool,
+    up: Option<Vector3<f64>>,
+    grouping: Grouping,
+    stay: Stay,
+    latest_ns: Option<i64>,
+    group_ns: Option<i64>,
     published: Option<Published>,
-    order: ModelOrder,
-    event: Option<Event>,
+    surprised: bool,
+    worst: f64,
+    decision: Decision,
     count: u64,
-    absorbed_ns: i64,
-    direction_sigma_deg: f64,
-    worst_sigma_deg: f64,
-}
-
-checked!(Adaptive, |it| {
-    let centre = Moments::new(it.centre_ut, it.unit_ut);
-    it.samples.segment().is_about(&centre)
-        && it.count <= LARGEST_COUNT
-        && [it.direction_sigma_deg, it.worst_sigma_deg].iter().all(|v| *v >= 0.0)
-});
-
-/// The field strength that coordinates are scaled by: the known one, or the middle of those accepted, uT.
-fn unit_ut(config: &Config) -> f64 {
-    let (low, high) = config.fit.field_range_ut;
-    config.fit.field_strength_ut.unwrap_or((low * high).sqrt())
 }
 
 impl Adaptive {
-    /// Knows nothing but, perhaps, a calibration to begin with.
-    pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
-        Self::with(config, initial, Samples::new(Vector3::zeros(), unit_ut(config)))
-    }
-
-    /// Whether it was made with this config.
-    pub fn belongs_to(&self, config: &Config) -> bool {
-        let fit = &config.fit;
-        let own = (self.unit_ut, self.strength_ut, self.release_below_deg);
-        own == (unit_ut(config), fit.field_strength_ut, fit.max_direction_sigma_deg)
-    }
-
-    /// As new, in the memory that is there.
-    pub fn restart(&mut self, config: &Config, initial: Option<Calibration>) {
-        let samples = self.samples.restart(Vector3::zeros(), unit_ut(config));
-        *self = Self::with(config, initial, samples);
-    }
-
-    fn with(config: &Config, initial: Option<Calibration>, samples: Samples) -> Self {
-        let (fit, unit_ut) = (&config.fit, unit_ut(config));
-        Self {
-            unit_ut,
-            strength_ut: fit.field_strength_ut,
-            release_below_deg: fit.max_direction_sigma_deg,
-            centre_ut: Vector3::zeros(),
-            started: false,
-            given: initial,
-            samples,
-            rivals: Rivals::new([], &[]),
-            trial: None,
-            former: [None; FORMER],
-            noise: Noise::new(
-                config.adaptive.noise_ut / unit_ut,
-                LEAST_NOISE_UT / unit_ut,
-                config.heading.field_sigma_ut / unit_ut,
-            ),
-            steadiness: Steadiness::new(),
-            witness: Witness::new(),
-            drift: Drift::default(),
-            motion: Motion::default(),
-            late: [None; RECENT],
-            called: false,
-            published: None,
-            order: ModelOrder::Nothing,
-            event: None,
-            count: 0,
-            absorbed_ns: 0,
-            direction_sigma_deg: 180.0,
-            worst_sigma_deg: 180.0,
+    /// Knows nothing but, perhaps, the field's strength, uT, and a calibration to begin with.
+    pub fn new(strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
+        let unit_ut = typical_field_ut(strength_ut);
+        let mut tuning = Tuning::PHONE;
+        for (k, v) in std::env::vars() {
+            if let Some(name) = k.strip_prefix("T_") {
+                assert!(tuning.set(name, v.parse().unwrap()), "{name}");
+            }
         }
+        Self {
+            tuning,
+            unit_ut,
+            strength_ut,
+            given: initial,
+            bank: Bank::new(),
+            noise: Noise::new(&tuning, unit_ut),
+            up: None,
+            grouping: Grouping::default(),
+            stay: Stay { at: Vector3::zeros(), samples: 0.0 },
+            latest_ns: None,
+            group_ns: None,
+            published: None,
+            surprised: false,
+            worst: 0.0,
+            decision: Decision::default(),
+            count: 0,
+        }
+    }
+
+    /// Whether an estimator that knows this field strength, uT, can go on from it.
+    pub fn belongs_to(&self, strength_ut: Option<f64>) -> bool {
+        (self.unit_ut, self.strength_ut) == (typical_field_ut(strength_ut), strength_ut)
+            && self.bank.is_in_units_of(self.unit_ut)
+            && self.published.is_none_or(|it| (it.unit_ut, it.strength_ut) == (self.unit_ut, self.strength_ut))
+    }
+
+    /// What gravity says with the next sample, m/s^2.
+    pub fn level(&mut self, up_m_s2: Option<Vector3<f64>>) {
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < CALM;
+        self.up = up_m_s2.filter(calm).map(|up| up.normalize());
     }
 
     /// A raw sample, finite, times in order.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
-        let unseen = self.steadiness.is_resting(self.noise.uneven_samples());
-        let raw_ut = &(raw_ut - self.motion.go(time_ns, self.unit_ut, unseen));
-        let leaps = self.steadiness.leaps(&(raw_ut / self.unit_ut));
-        if !self.started {
-            if self.given.is_none() && (leaps || !self.steadiness.is_known()) {
-                return self.output(raw_ut);
-            }
-            self.begin(time_ns, raw_ut);
-        }
+        let u = raw_ut / self.unit_ut;
+        let seconds = self.latest_ns.map(|latest| time_ns.saturating_sub(latest) as f64 * 1e-9);
+        self.latest_ns = Some(time_ns);
+        self.noise.raw(&u, seconds);
         self.count += 1;
-        let gated = leaps || self.is_gated(raw_ut);
-        if let Some(before) = self.late[RECENT - 1] {
-            self.noise.learn_period(time_ns.saturating_sub(before.time_ns) as f64 * 1e-9);
+        if self.bank.is_empty() {
+            self.begin(time_ns, &u);
         }
-        self.late.rotate_left(1);
-        self.late[RECENT - 1] = Some(Late { time_ns, raw_ut: *raw_ut, gated, alone: self.steadiness.is_alone() });
-        self.samples.noise = self.noise.variance.sqrt();
-        let rests = !gated && self.rests(raw_ut);
-        let onset = self.onset();
-        if self.called || onset.odds >= LARGE_CHANGE {
-            self.large_change(onset.first);
-        } else if self.former_is_back() {
-            self.large_change(RECENT - RETURNED);
-        } else if !gated && !rests {
-            self.samples.add(raw_ut);
-            self.fit();
-            if self.trial.is_some() && REVIEWS.contains(&self.samples.age) {
-                self.review();
-            } else if self.count.is_multiple_of(2) {
-                self.look_for_small_change(time_ns);
-            } else {
-                self.absorb(time_ns);
+        let radius = self.tuning.group_ut / self.unit_ut + 4.5 * self.noise.white().sqrt();
+        let longest = ((self.tuning.group_s - self.noise.period_s()).max(0.0) * 1e9) as i64;
+        for group in self.grouping.push((time_ns, u, self.up), radius, longest).into_iter().flatten() {
+            self.take(&group);
+        }
+        self.output(&u)
+    }
+
+    fn setting<'a>(&self, tuning: &'a Tuning) -> Setting<'a> {
+        Setting::new(tuning, self.unit_ut, self.strength_ut, self.noise.period_s(), self.noise.level())
+    }
+
+    fn begin(&mut self, time_ns: i64, u: &Vector3<f64>) {
+        let tuning = self.tuning;
+        let at = self.setting(&tuning);
+        let given = self.given.map(|calibration| {
+            let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
+            bank::given(&parameters::tau_of(&t, &(calibration.hard_iron_ut() / self.unit_ut)), &at)
+        });
+        self.published = given.map(|known| Published::new(known, self.unit_ut, self.strength_ut));
+        self.bank.begin(time_ns, u, given, &at);
+    }
+
+    /// A complete group of neighbours.
+    fn take(&mut self, group: &Group) {
+        let tuning = self.tuning;
+        let at = self.setting(&tuning);
+        let (u, count) = (group.mean(), group.samples().len());
+        let seconds = self.group_ns.map_or(0.0, |before| group.began_ns().saturating_sub(before) as f64 * 1e-9);
+        self.group_ns = Some(group.began_ns());
+        let stale = self.stays(&u, count as f64, &at.level);
+        let sample = Sample { u, raw_ut: u * self.unit_ut, up: group.up(), count, stale };
+        if !stale {
+            self.learn_noise(group, &at);
+        }
+        self.surprised = self.bank.push(group.began_ns(), &sample, seconds.min(1.0), &at);
+        self.publish(group.began_ns());
+    }
+
+    /// What the best hypothesis misses tells of the noise, where it is known well enough.
+    fn learn_noise(&mut self, group: &Group, at: &Setting) {
+        let level = &at.level;
+        let Some(best) = self.bank.best() else { return };
+        let white = best.error / level.kappa;
+        let count = group.samples().len() as f64;
+        let surprised = best.judges(at)
+            && best.surprise(&group.mean(), count, level).is_some_and(|(_, z2)| 0.5 * z2 > at.half_square * count);
+        if best.age * self.noise.period_s() <= 0.5 || white.sqrt() >= 5.0_f64.to_radians() || surprised {
+            self.noise.interrupt();
+            return;
+        }
+        let known = best.known;
+        if let Some(up) = group.up() {
+            let (e, g) = vertical::miss(&known.mean, &group.mean(), &up);
+            let rho = g.dot(&(known.covariance * g)).max(0.0);
+            let lasting = rho < self.noise.tilt();
+            for _ in 0..group.samples().len() {
+                self.noise.vertical(e, rho / level.kappa, lasting);
             }
-            self.look_for_a_rate(time_ns);
         }
-        if !rests && !self.called {
-            self.judge();
+        for u in group.samples() {
+            if let Some((e, g)) = parameters::distance(&known.mean, u) {
+                let rho = g.dot(&(known.covariance * g)).max(0.0);
+                self.noise.distance(e, rho / level.kappa, rho < level.white + level.uneven);
+            }
         }
-        self.attest(time_ns, raw_ut, rests);
-        if !self.called {
-            self.publish(time_ns);
-        }
-        self.output(raw_ut)
     }
 
-    /// Whether a sample tells nothing new: unevenness of the field lasts as long as the device does not move.
-    fn rests(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let (within, samples) = (self.noise.unevenness(), self.noise.uneven_samples());
-        self.steadiness.rests(&(raw_ut / self.unit_ut), within, samples)
-    }
-
-    fn unit(&self, raw_ut: &Vector3<f64>) -> Vector3<f64> {
-        (raw_ut - self.centre_ut) / self.unit_ut
-    }
-
-    /// The first sample.
-    fn begin(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) {
-        self.started = true;
-        self.absorbed_ns = time_ns;
-        self.move_centre(raw_ut);
-        let given = self.given.map(|calibration| ladder::given(&self.tau_of(&calibration), self.unit_ut));
-        self.published = given.map(|known| Published { tau: known.mean, covariance: known.covariance, expected: 0.0 });
-        self.compete(time_ns, given);
-    }
-
-    /// Coordinates about another sample; the segment starts anew there.
-    fn move_centre(&mut self, raw_ut: &Vector3<f64>) {
-        let by = (self.centre_ut - raw_ut) / self.unit_ut;
-        self.centre_ut = *raw_ut;
-        self.rivals.shift(&by);
-        self.witness.shift(&by);
-        self.motion.shift(&by);
-        self.drift.shift(&by);
-        self.former.iter_mut().flatten().for_each(|former| former.shift(&by));
-        if let Some(base) = self.trial.as_mut().and_then(|trial| trial.base.as_mut()) {
-            base.shift(&by);
+    /// A device that stays sees one place of an uneven field again and again: whether it has told of it already.
+    fn stays(&mut self, u: &Vector3<f64>, count: f64, level: &Level) -> bool {
+        if (u - self.stay.at).norm() > self.tuning.group_ut / self.unit_ut {
+            self.stay = Stay { at: *u, samples: 0.0 };
         }
-        let held = self.trial.as_mut().and_then(|trial| trial.held.as_mut());
-        for published in self.published.iter_mut().chain(held) {
-            (0..3).for_each(|i| published.tau[6 + i] += by[i]);
-        }
-        self.samples.clear(self.centre_ut);
+        self.stay.samples += count;
+        let place = level.uneven.max((PLACE_UT / self.unit_ut).powi(2));
+        let worth = if level.kappa > 2.0 { level.kappa * level.white / place } else { 1.0 / self.noise.period_s() };
+        self.stay.samples > worth.max(count)
     }
 
-    /// Hypotheses of what may have happened since what was known, `base`.
-    fn compete(&mut self, since_ns: i64, base: Option<Gaussian>) {
-        let jumps = JUMPS.iter().filter_map(|jump| {
-            let mut hypothesis = Hypothesis::new(jump.order, &jump.after(&base?), jump.log_prior)?;
-            hypothesis.told = (jump.log_told - jump.log_prior).exp();
-            Some(hypothesis)
+    /// The mixture, where it is known well enough or much better than what is in force; else that, as sure as the mixture says.
+    fn publish(&mut self, time_ns: i64) {
+        let Some(mixture) = self.bank.mixture() else { return };
+        let mixture = Published::new(mixture, self.unit_ut, self.strength_ut);
+        let narrow = self.tuning.publish_deg.to_radians().powi(2);
+        let held = self.published.filter(|_| mixture.error >= narrow).map(|published| {
+            let off = mixture.known.mean - published.known.mean;
+            let covariance = mixture.known.covariance + off * off.transpose();
+            Published::new(Gaussian { mean: published.known.mean, covariance }, self.unit_ut, self.strength_ut)
         });
-        let former = self.former.iter().flatten().filter_map(|former| {
-            let prior = JUMPS[0].after(former);
-            base.and_then(|_| Hypothesis::new(ModelOrder::Former, &prior, LOG_PRIOR_FORMER))
-        });
-        let ignored = if base.is_some() { LOG_PRIOR_IGNORED } else { 0.0 };
-        let cold = ladder::cold(&self.centre_ut, self.unit_ut, self.strength_ut.is_some());
-        let cold = cold.iter().filter(|_| base.is_none() || self.count == 0);
-        let cold = cold.filter_map(|(order, prior, log)| Hypothesis::new(*order, prior, *log + ignored));
-        self.rivals =
-            Rivals::new(jumps.chain(former).chain(cold), if base.is_some() { &TWINNED } else { &TWINNED_COLD });
-        // a trial that begins anew before anything was released still holds what the first one held
-        let held = self.trial.filter(|trial| !trial.released).map_or(self.published, |trial| trial.held);
-        self.trial = Some(Trial { since_ns, base, held, released: false, misfit: false });
-        self.called = false;
-        self.noise.forget_block();
-        self.drift.reset();
-        self.motion.stop();
-        self.late.iter_mut().for_each(|late| *late = None);
-        self.steadiness.accept();
-    }
-
-    /// Whether a sample is too far from where it is expected; the noise learns from it.
-    fn is_gated(&mut self, raw_ut: &Vector3<f64>) -> bool {
-        let Some(expected) = self.rivals.predict(&self.unit(raw_ut), &self.noise) else { return false };
-        let slope_squared = expected.slope * expected.slope;
-        let variance = self.noise.total() * slope_squared + expected.variance;
-        let z = expected.excess / variance.sqrt();
-        if !self.is_cold() {
-            let most = if self.noise.is_known() { self.most_noise() } else { f64::INFINITY };
-            self.noise.learn(expected.excess / expected.slope, expected.variance / slope_squared, most);
+        let better = mixture.error < narrow || held.is_some_and(|held| mixture.error < 0.25 * held.error);
+        if better && is_bounded(&mixture.known.mean) {
+            self.published = Some(mixture);
+            self.decision.review(&self.bank, time_ns, &self.tuning);
+        } else if held.is_some() {
+            self.published = held;
         }
-        if self.samples.age >= SCANNED_FROM && z.abs() < GATE && self.trial.is_none_or(|trial| trial.released) {
-            self.noise.learn_colour(z);
-        }
-        if self.trial.is_some() && self.samples.age < UNGATED {
-            return self.unit(raw_ut).norm() > FARTHEST;
-        }
-        expected.likely < (-0.5 * GATE * GATE).exp()
-    }
-
-    /// The most that noise may be, units^2: what misses the fit by more is of two ellipsoids, or of one that moves.
-    fn most_noise(&self) -> f64 {
-        let uneven = MORE_THAN_UNEVEN * self.noise.unevenness();
-        MORE_THAN_DIFFERING * self.steadiness.variance() + uneven * uneven
-    }
-
-    /// Whether nothing was known before this segment.
-    fn is_cold(&self) -> bool {
-        self.trial.is_some_and(|trial| trial.base.is_none())
-    }
-
-    fn likelihood_of(&self, moments: &Moments) -> Likelihood {
-        Likelihood::new(moments, self.noise.variance, moments.count() as f64 / self.noise.correlation())
-    }
-
-    /// The samples of the segment, neighbours averaged: where what they miss by is white noise of a known level.
-    fn neighbours(&self) -> Option<&Neighbours> {
-        self.samples.neighbours().filter(|_| !self.is_cold() && self.noise.correlation() <= 1.0)
-    }
-
-    /// Of the segment.
-    fn likelihood(&self) -> Likelihood {
-        let Some(neighbours) = self.neighbours() else { return self.likelihood_of(self.samples.segment()) };
-        let (moments, means) = (neighbours.all(), neighbours.means() as f64);
-        let share = means / moments.count().max(1) as f64;
-        Likelihood::new(&moments, self.noise.variance * share, means)
-    }
-
-    /// The hypotheses take in what has come.
-    fn fit(&mut self) {
-        self.fit_some(match self.samples.age {
-            0..12 => FIRST_TURNS,
-            12..YOUNG => MOST_TURNS,
-            _ => FEWER_TURNS,
-        });
-    }
-
-    /// The same, so many hypotheses besides the best.
-    fn fit_some(&mut self, turns: usize) {
-        let likelihood = self.likelihood();
-        let age = self.samples.age;
-        let in_trial = self.trial.is_some();
-        if in_trial && (age < 64 || age.is_multiple_of(8)) {
-            self.rivals.look_elsewhere(&likelihood, self.samples.segment(), if age < 64 { age } else { age / 8 });
-        }
-        let turns = if in_trial { turns } else { 0 };
-        let iterations = if in_trial && age < YOUNG && spread::is_around(&self.samples) { ITERATIONS_YOUNG } else { 1 };
-        self.rivals.refine(&likelihood, age, turns, iterations);
-        if let Some(best) = self.rivals.best().filter(|_| self.is_cold()) {
-            self.noise
-                .learn_from_fit(best.distance_squared.min(self.most_noise()), self.samples.segment().count() as f64);
+        if self.count.is_multiple_of(16)
+            && let Some(published) = &self.published
+        {
+            self.worst = published.worst();
         }
     }
 
-    fn tau_of(&self, calibration: &Calibration) -> Vector9 {
-        let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
-        parameters::tau_of(&t, &self.unit(calibration.hard_iron_ut()))
+    fn output(&self, u: &Vector3<f64>) -> AdaptiveOutput {
+        let level = self.noise.level();
+        let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
+        AdaptiveOutput {
+            corrected_ut: self.published.and_then(|published| published.correct(u, &level, self.surprised)),
+            direction_sigma_deg: self.published.map(|published| degrees(published.error)),
+            worst_sigma_deg: self.published.map(|_| degrees(self.worst)),
+            order: self.decision.order,
+            event: self.decision.event,
+            status: self.status(),
+        }
     }
 
-    fn strength_of(&self, t: &Matrix3<f64>) -> f64 {
-        self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
+    fn status(&self) -> Status {
+        let Some(published) = &self.published else {
+            let have = self.count as usize;
+            return Status::Collecting(if have < FEWEST {
+                Missing::Samples { have, need: FEWEST }
+            } else {
+                Missing::Directions
+            });
+        };
+        if let Some(since_ns) = self.decision.suspects(&self.bank) {
+            return Status::Suspect { since_ns };
+        }
+        if let Some(since_ns) = self.decision.elsewhere_ns() {
+            return Status::Disturbed { since_ns };
+        }
+        if published.error > self.tuning.publish_deg.to_radians().powi(2) {
+            return Status::Held(HoldReason::TooLittleRotation);
+        }
+        Status::Tracking
+    }
+
+    /// M, b and the field strength in force; before the first sample those that were given.
+    pub fn calibration(&self) -> Option<Calibration> {
+        match self.published {
+            Some(published) => published.calibration(),
+            None => self.given.filter(|_| self.bank.is_empty()),
+        }
+    }
+
+    /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz].
+    pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
+        self.published?.covariance()
+    }
+
+    /// Samples since the latest change.
+    pub fn window(&self) -> usize {
+        self.bank.best().map_or(0, |best| best.age as usize)
     }
 }

@@ -1,16 +1,20 @@
-//! The nine parameters tau = [T_xx T_yy T_zz T_xy T_xz T_yz beta_x beta_y beta_z] of an ellipsoid in coordinates
-//! u = (h_m - centre) / unit:
-//!     r = |T (u - beta)| = 1,   T = M^-1 unit / |h|, symmetric.
+//! The ten parameters tau = [T_xx T_yy T_zz T_xy T_xz T_yz beta_x beta_y beta_z s] in coordinates u = h_m / unit:
+//!     r = |T (u - beta)| = 1,   T = M^-1 unit / |h|, symmetric: an ellipsoid, and with gravity
+//!     up.T (u - beta) = s,      s = -sin(dip): what the field has along the vertical.
 //! Its quadric is d.p(tau) = r^2 - 1 with p = [A11 A22 A33 A12 A13 A23, -2 A beta, beta.A beta - 1], A = T^2, and d as in
-//! `ellipsoid/moments`. Derivatives: dA = T dT + dT T.
+//! `quadric/moments`. Derivatives: dA = T dT + dT T.
 
+use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use serde::{Deserialize, Serialize};
 
-pub(super) type Vector9 = SVector<f64, 9>;
+/// Parameters of a hypothesis.
+pub(super) const COUNT: usize = 10;
+pub(super) type Tau = SVector<f64, COUNT>;
 pub(super) type Vector10 = SVector<f64, 10>;
-pub(super) type Matrix9 = SMatrix<f64, 9, 9>;
+pub(super) type TauMatrix = SMatrix<f64, COUNT, COUNT>;
 pub(super) type Matrix10 = SMatrix<f64, 10, 10>;
-pub(super) type Jacobian = SMatrix<f64, 10, 9>;
+pub(super) type Jacobian = SMatrix<f64, 10, COUNT>;
 
 /// Half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
@@ -18,13 +22,23 @@ const BOUNDS: (f64, f64) = (0.25, 3.5);
 /// Row and column of each element of a symmetric matrix, in the order xx yy zz xy xz yz.
 const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
+/// A Gaussian over tau.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(super) struct Gaussian {
+    pub mean: Tau,
+    pub covariance: TauMatrix,
+}
+
+checked!(Gaussian, |it| is_covariance(&it.covariance));
+
 /// T.
-pub(super) fn shape(tau: &Vector9) -> Matrix3<f64> {
+pub(super) fn shape(tau: &Tau) -> Matrix3<f64> {
     Matrix3::new(tau[0], tau[3], tau[4], tau[3], tau[1], tau[5], tau[4], tau[5], tau[2])
 }
 
 /// beta.
-pub(super) fn centre(tau: &Vector9) -> Vector3<f64> {
+pub(super) fn centre(tau: &Tau) -> Vector3<f64> {
     Vector3::new(tau[6], tau[7], tau[8])
 }
 
@@ -33,10 +47,10 @@ pub(super) fn six(m: &Matrix3<f64>) -> [f64; 6] {
     [m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]
 }
 
-/// tau of T and beta.
-pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Vector9 {
+/// tau of T and beta, without a vertical part.
+pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Tau {
     let [xx, yy, zz, xy, xz, yz] = six(t);
-    Vector9::from_column_slice(&[xx, yy, zz, xy, xz, yz, beta.x, beta.y, beta.z])
+    Tau::from_column_slice(&[xx, yy, zz, xy, xz, yz, beta.x, beta.y, beta.z, 0.0])
 }
 
 /// E v for the elementary symmetric matrix E of element k.
@@ -49,14 +63,14 @@ fn elementary(k: usize, v: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Whether T is positive definite with eigenvalues inside [`BOUNDS`].
-pub(super) fn is_bounded(tau: &Vector9) -> bool {
+pub(super) fn is_bounded(tau: &Tau) -> bool {
     let positive = |m: Matrix3<f64>| m.m11 > 0.0 && m.m11 * m.m22 > m.m12 * m.m12 && m.determinant() > 0.0;
     let t = shape(tau);
     positive(t - Matrix3::from_diagonal_element(BOUNDS.0)) && positive(Matrix3::from_diagonal_element(BOUNDS.1) - t)
 }
 
 /// p(tau).
-pub(super) fn quadric(tau: &Vector9) -> Vector10 {
+pub(super) fn quadric(tau: &Tau) -> Vector10 {
     let (t, beta) = (shape(tau), centre(tau));
     let a = t * t;
     let g = a * beta;
@@ -65,7 +79,7 @@ pub(super) fn quadric(tau: &Vector9) -> Vector10 {
 }
 
 /// dp/dtau.
-pub(super) fn jacobian(tau: &Vector9) -> Jacobian {
+pub(super) fn jacobian(tau: &Tau) -> Jacobian {
     let (t, beta) = (shape(tau), centre(tau));
     let a = t * t;
     let g = a * beta;
@@ -113,7 +127,7 @@ pub(super) struct Seen {
 }
 
 /// A sample seen through tau; None at the centre itself.
-pub(super) fn see(tau: &Vector9, u: &Vector3<f64>) -> Option<Seen> {
+pub(super) fn see(tau: &Tau, u: &Vector3<f64>) -> Option<Seen> {
     let t = shape(tau);
     let offset = u - centre(tau);
     let v = t * offset;
@@ -125,11 +139,17 @@ pub(super) fn see(tau: &Vector9, u: &Vector3<f64>) -> Option<Seen> {
     Some(Seen { offset, direction, radius, slope: (t * direction).norm() })
 }
 
+/// A sample's distance from the ellipsoid of tau, units, and its derivative by tau; None at the centre itself.
+pub(super) fn distance(tau: &Tau, u: &Vector3<f64>) -> Option<(f64, Tau)> {
+    let seen = see(tau, u)?;
+    Some(((seen.radius - 1.0) / seen.slope, radius_gradient(tau, &seen) / seen.slope))
+}
+
 /// dr/dtau at a sample.
-pub(super) fn radius_gradient(tau: &Vector9, seen: &Seen) -> Vector9 {
+pub(super) fn radius_gradient(tau: &Tau, seen: &Seen) -> Tau {
     let (n, o) = (&seen.direction, &seen.offset);
     let tn = shape(tau) * n;
-    Vector9::from_column_slice(&[
+    Tau::from_column_slice(&[
         n.x * o.x,
         n.y * o.y,
         n.z * o.z,
@@ -139,13 +159,14 @@ pub(super) fn radius_gradient(tau: &Vector9, seen: &Seen) -> Vector9 {
         -tn.x,
         -tn.y,
         -tn.z,
+        0.0,
     ])
 }
 
-/// d(T (u - beta))/dtau at a sample: 3 x 9.
-pub(super) fn vector_gradient(tau: &Vector9, offset: &Vector3<f64>) -> SMatrix<f64, 3, 9> {
+/// d(T (u - beta))/dtau at a sample: 3 x 10.
+pub(super) fn vector_gradient(tau: &Tau, offset: &Vector3<f64>) -> SMatrix<f64, 3, COUNT> {
     let t = shape(tau);
-    let mut g = SMatrix::<f64, 3, 9>::zeros();
+    let mut g = SMatrix::<f64, 3, COUNT>::zeros();
     for k in 0..6 {
         g.set_column(k, &elementary(k, offset));
     }
@@ -157,8 +178,8 @@ pub(super) fn vector_gradient(tau: &Vector9, offset: &Vector3<f64>) -> SMatrix<f
 mod tests {
     use super::*;
 
-    fn example() -> (Vector9, Vector3<f64>) {
-        let tau = Vector9::from_column_slice(&[1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8]);
+    fn example() -> (Tau, Vector3<f64>) {
+        let tau = Tau::from_column_slice(&[1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2]);
         (tau, Vector3::new(0.9, -0.2, 1.3))
     }
 

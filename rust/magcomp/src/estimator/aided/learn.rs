@@ -19,8 +19,8 @@ use super::strength::{Strength, Witness};
 use super::tuning;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput};
-use crate::pairing::Rotation;
 use crate::reading::{Event, EventKind, SensorMode};
+use crate::sensing::pairing::Rotation;
 
 /// The prior on |m| is applied this often, as one measurement.
 const PRIOR_PERIOD_S: f64 = 0.1;

@@ -28,12 +28,12 @@ use crate::snapshot::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-pub use config::AidedConfig;
+pub(crate) use config::AidedConfig;
 pub(crate) use output::{AidedOutput, calibration_covariance};
 
 use crate::calibration::Calibration;
-use crate::pairing::PairedInertial;
 use crate::reading::{Event, SensorMode};
+use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use events::Trial;
 use magnitude::Magnitude;

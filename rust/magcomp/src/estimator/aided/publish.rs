@@ -7,9 +7,9 @@ use super::learn::{GAP_STRENGTH_SD_UT, NEW_PLACE_TIME_S};
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
-use crate::ellipsoid::FitError;
-use crate::pairing::Rotation;
+use crate::quadric::FitError;
 use crate::reading::{HoldReason, Missing, Status};
+use crate::sensing::pairing::Rotation;
 
 /// What is not known about the gyroscope's own time, s: this, and a share of the delay found between the sensors.
 const CLOCK_S: f64 = 5e-4;

@@ -5,8 +5,8 @@ use nalgebra::{SMatrix, Vector3};
 use super::super::state::{DELAY, FIELD, LOCAL, OFFSET, SCALE, STATES};
 use super::super::{Aided, AidedConfig};
 use super::simulator::World;
-use crate::pairing::PairedInertial;
 use crate::reading::{HoldReason, Status};
+use crate::sensing::pairing::PairedInertial;
 
 fn assert_positive_definite(aided: &Aided, at: usize) {
     let Some(filter) = &aided.filter else { return };

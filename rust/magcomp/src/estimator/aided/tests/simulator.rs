@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::pairing::{PairedInertial, Rotation};
+use crate::sensing::pairing::{PairedInertial, Rotation};
 
 /// splitmix64 and Box-Muller.
 pub(super) struct Random(pub(super) u64);

@@ -71,7 +71,7 @@ class FactsTest {
     fun `units by their limits`() {
         val limits = facts.getJSONObject("limits")
         fun pair(key: String) = limits.getJSONArray(key).let { Pair(it.getDouble(0), it.getDouble(1)) }
-        Compensator(Config(sensor = SensorLimits(maxGapS = limits.getDouble("max_gap_s")))).use { compensator ->
+        Compensator().use { compensator ->
             fun push(timeNs: Long, x: Double) = compensator.push(MagneticSample(timeNs, Vector3(x, 0.0, 0.0))).status
             val (within, beyond) = pair("magnetic_ut")
             assertTrue(push(0, within) is Status.Collecting)

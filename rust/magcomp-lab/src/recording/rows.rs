@@ -1,0 +1,117 @@
+//! A recording in memory, and its rows.
+
+use crate::simulate::Simulation;
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use std::path::{Path, PathBuf};
+
+/// One row: a magnetometer sample and what the other sensors said at that time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time as written, s.
+    pub time_s: f64,
+    /// The same in whole nanoseconds, strictly increasing.
+    pub time_ns: i64,
+    /// Raw field, uT, device frame; not finite where the file says `nan`.
+    pub field_ut: Vector3<f64>,
+    /// Accelerometer, m/s^2, Android's sign.
+    pub up_m_s2: Option<Vector3<f64>>,
+    /// Gyroscope, rad/s.
+    pub rate_rad_s: Option<Vector3<f64>>,
+    /// Reference orientation, device to east-north-up; None where the file has none or says `nan`.
+    pub attitude: Option<UnitQuaternion<f64>>,
+    /// True hard iron, uT, where it is known.
+    pub hard_iron_ut: Option<Vector3<f64>>,
+}
+
+/// How many rows a recording has, and over what time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// Rows.
+    pub rows: usize,
+    /// Time of the first row, s.
+    pub start_s: f64,
+    /// The same in nanoseconds.
+    pub start_ns: i64,
+    /// Time of the last row, s.
+    pub end_s: f64,
+    /// Index of the first row with a reference orientation.
+    pub first_reference: Option<usize>,
+}
+
+impl Extent {
+    /// Counts one more row.
+    pub fn add(&mut self, row: &Row) {
+        if self.rows == 0 {
+            (self.start_s, self.start_ns) = (row.time_s, row.time_ns);
+        }
+        if row.attitude.is_some() {
+            self.first_reference.get_or_insert(self.rows);
+        }
+        self.end_s = row.time_s;
+        self.rows += 1;
+    }
+
+    /// First to last row, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.end_s - self.start_s
+    }
+}
+
+/// A recording in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// Its rows, in order.
+    pub rows: Vec<Row>,
+}
+
+impl Recording {
+    /// A simulation as the recording that [`super::write_simulation`] makes of it: beside every magnetometer sample the latest
+    /// event of each other sensor, with the truth that a reference would give.
+    #[must_use]
+    pub fn of(simulation: &Simulation, name: &str) -> Self {
+        let (mut rate, mut up) = (None, None);
+        let (mut rates, mut ups) = (simulation.rotation_rates.iter().peekable(), simulation.ups.iter().peekable());
+        let samples = simulation.magnetic.iter().zip(&simulation.truth);
+        let rows = samples.map(|(sample, truth)| {
+            while let Some(event) = rates.next_if(|event| event.time_ns <= sample.time_ns) {
+                rate = Some(event.rate_rad_s);
+            }
+            while let Some(event) = ups.next_if(|event| event.time_ns <= sample.time_ns) {
+                up = Some(event.up_m_s2);
+            }
+            Row {
+                time_s: sample.time_ns as f64 / 1e9,
+                time_ns: sample.time_ns,
+                field_ut: sample.field_ut,
+                up_m_s2: up,
+                rate_rad_s: rate,
+                attitude: Some(truth.attitude),
+                hard_iron_ut: Some(truth.hard_iron_ut),
+            }
+        });
+        Self { path: PathBuf::from(name), rows: rows.collect() }
+    }
+
+    /// How many rows it has, and over what time.
+    #[must_use]
+    pub fn extent(&self) -> Extent {
+        let mut extent = Extent::default();
+        self.rows.iter().for_each(|row| extent.add(row));
+        extent
+    }
+
+    /// File name, for tables.
+    #[must_use]
+    pub fn name(&self) -> String {
+        name_of(&self.path)
+    }
+}
+
+/// A file's name without its folder, for tables.
+#[must_use]
+pub fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,86 @@
+//! A compensator that is given the rows of a recording, in order.
+
+use crate::error::LabError;
+use crate::recording::{Recording, Row};
+use magcomp::{Calibration, Compensator, Config, MagneticSample, Reading, RotationRateSample, UpSample};
+use std::time::Instant;
+
+/// Sensors of the recording that are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ignore {
+    /// Without rotation rates.
+    pub gyroscope: bool,
+    /// Without up.
+    pub accelerometer: bool,
+}
+
+/// What came out for one row.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The reading.
+    pub reading: Reading,
+    /// The calibration in force after the sample.
+    pub calibration: Option<Calibration>,
+    /// Time spent in `push`, nanoseconds.
+    pub push_ns: u64,
+}
+
+/// A compensator that is given the rows of a recording. Events of the other sensors that the core refuses (NaN, for instance)
+/// are left out, as an app would.
+#[derive(Debug)]
+pub struct Player {
+    compensator: Compensator,
+    ignore: Ignore,
+}
+
+impl Player {
+    /// Before the first row.
+    ///
+    /// # Errors
+    /// [`LabError::Config`] when the config is refused.
+    pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
+        Ok(Self { compensator: Compensator::new(config.clone())?, ignore })
+    }
+
+    /// Plays the next row.
+    pub fn play(&mut self, row: &Row) -> Step {
+        let (compensator, time_ns) = (&mut self.compensator, row.time_ns);
+        if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !self.ignore.gyroscope) {
+            let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
+        }
+        if let Some(up_m_s2) = row.up_m_s2.filter(|_| !self.ignore.accelerometer) {
+            let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
+        }
+        let started = Instant::now();
+        let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
+        let push_ns = started.elapsed().as_nanos() as u64;
+        Step { reading, calibration: compensator.calibration(), push_ns }
+    }
+}
+
+/// Plays a recording in memory, in order.
+///
+/// # Errors
+/// [`LabError::Config`] when the config is refused.
+pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
+    replay_with(recording, config, ignore, |_, _| ())
+}
+
+/// As [`replay`], with a look at the compensator after every row.
+///
+/// # Errors
+/// [`LabError::Config`] when the config is refused.
+pub fn replay_with(
+    recording: &Recording,
+    config: &Config,
+    ignore: Ignore,
+    mut look: impl FnMut(usize, &Compensator),
+) -> Result<Vec<Step>, LabError> {
+    let mut player = Player::new(config, ignore)?;
+    let steps = recording.rows.iter().enumerate().map(|(k, row)| {
+        let step = player.play(row);
+        look(k, &player.compensator);
+        step
+    });
+    Ok(steps.collect())
+}

@@ -1,0 +1,381 @@
+//! The bank: hypotheses about when tau changed last and what changed, weighed by their joint probability with all samples
+//! (Bayesian online change-point detection, Adams and MacKay 2007, with moments as sufficient statistics).
+//!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + log P(kind) + its own evidence
+//! A child begins where a sample surprises the best hypothesis, and now and then without one. What is published is the mean and
+//! the second moment of the mixture.
+
+use super::angle;
+use super::hypothesis::{Hypothesis, Kind};
+use super::parameters::{Gaussian, Tau, TauMatrix, shape};
+use super::setting::{Sample, Setting};
+use super::tuning::Tuning;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::LN_2;
+
+/// Cross elements of M differ by so much less than its diagonal: soft iron of phones.
+const CROSS: f64 = 0.7;
+/// A change of b that leaves M as it is: relative, so that rounding is no contradiction.
+const NO_IRON: f64 = 1e-3;
+/// Hypotheses that are kept.
+pub(super) const MOST: usize = 16;
+/// Former calibrations that are remembered.
+const FORMER: usize = 4;
+/// Two calibrations nearer than this (units) are one.
+const SAME_FORMER: f64 = 0.03;
+/// Samples of the best hypothesis before a change that no sample announces is looked for, s.
+const YOUNG_S: f64 = 0.32;
+/// Mixture weights below this do not count.
+const NO_WEIGHT: f64 = 1e-5;
+/// A former calibration is believed to hold again up to this, uT.
+const FORMER_UT: f64 = 0.3;
+/// A centre of the coordinates further from the samples than this (units) is moved: moments about it are badly conditioned.
+const FAR: f64 = 6.0;
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Bank {
+    all: [Option<Hypothesis>; MOST],
+    former: [Option<Gaussian>; FORMER],
+    next_id: u32,
+    turn: usize,
+    since_look_s: f64,
+}
+
+impl Bank {
+    pub fn new() -> Self {
+        Self { all: [const { None }; MOST], former: [None; FORMER], next_id: 0, turn: 0, since_look_s: 0.0 }
+    }
+
+    /// Whether its moments count in the same unit.
+    pub fn is_in_units_of(&self, unit_ut: f64) -> bool {
+        self.each().all(|h| h.is_in_units_of(unit_ut))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.all.iter().all(Option::is_none)
+    }
+
+    fn each(&self) -> impl Iterator<Item = &Hypothesis> {
+        self.all.iter().flatten()
+    }
+
+    fn best_place(&self) -> Option<usize> {
+        let log = |i: &usize| self.all[*i].as_ref().map_or(f64::NEG_INFINITY, Hypothesis::log_joint);
+        (0..MOST).filter(|i| self.all[*i].is_some()).max_by(|a, b| log(a).total_cmp(&log(b)))
+    }
+
+    /// The likeliest hypothesis.
+    pub fn best(&self) -> Option<&Hypothesis> {
+        self.best_place().and_then(|place| self.all[place].as_ref())
+    }
+
+    /// In a free place, or in that of the least likely one that is less likely.
+    fn insert(&mut self, hypothesis: Hypothesis) {
+        if !hypothesis.log_joint().is_finite() {
+            return;
+        }
+        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, Hypothesis::log_joint);
+        if let Some(worst) = self.all.iter_mut().min_by(|a, b| log(a).total_cmp(&log(b)))
+            && log(worst) < hypothesis.log_joint()
+        {
+            *worst = Some(hypothesis);
+        }
+    }
+
+    /// Enters a hypothesis that begins now.
+    fn begin_one(&mut self, mut hypothesis: Hypothesis, time_ns: i64) {
+        self.next_id += 1;
+        (hypothesis.id, hypothesis.onset_ns) = (self.next_id, time_ns);
+        self.insert(hypothesis);
+    }
+
+    /// Hypotheses that know nothing but the first sample, or a calibration that was given.
+    pub fn begin(&mut self, time_ns: i64, u: &Vector3<f64>, given: Option<Gaussian>, at: &Setting) {
+        self.begin_cold(time_ns, u, if given.is_some() { at.tuning.log_cold } else { 0.0 }, at);
+        if let Some(known) = given
+            && let Some(mut hypothesis) = Hypothesis::new(Kind::Former, &known, u, 0.0, at)
+        {
+            hypothesis.error = angle::expected(&known);
+            self.begin_one(hypothesis, time_ns);
+        }
+    }
+
+    fn begin_cold(&mut self, time_ns: i64, u: &Vector3<f64>, base: f64, at: &Setting) {
+        for deviation in [at.tuning.cold_little, at.tuning.cold_much] {
+            let prior = cold(u, deviation, at.strength_ut);
+            if let Some(mut hypothesis) = Hypothesis::new(Kind::Cold, &prior, u, base - LN_2, at) {
+                // a minimum is found from either side; at the sample itself there is none
+                hypothesis.known.mean[8] -= 0.9;
+                self.begin_one(hypothesis, time_ns);
+            }
+        }
+    }
+
+    /// A mean of neighbouring samples, `seconds` after the one before. Returns whether it surprised the best hypothesis.
+    pub fn push(&mut self, time_ns: i64, sample: &Sample, seconds: f64, at: &Setting) -> bool {
+        let Some(place) = self.best_place() else { return false };
+        let Some(best) = &self.all[place] else { return false };
+        let (n, tuning) = (sample.count as f64, at.tuning);
+        let judged = best.judges(at);
+        let surprise = best.surprise(&sample.u, n, &at.level).filter(|(_, z2)| judged && 0.5 * z2 > at.half_square * n);
+        self.since_look_s += seconds;
+        if best.error > tuning.unsure_deg.to_radians().powi(2) * at.level.kappa {
+            if self.since_look_s >= 8.0 * tuning.look_s {
+                let base = best.log_joint() + tuning.log_cold + expected(tuning.devices_per_h, self.since_look_s).ln();
+                self.begin_cold(time_ns, &sample.u, base, at);
+                self.since_look_s = 0.0;
+            }
+        } else if let Some((e, _)) = surprise {
+            self.spawn(place, time_ns, sample, Some(e.abs()), seconds.max(1e-3), at);
+            self.since_look_s = 0.0;
+        } else if !sample.stale && self.since_look_s >= tuning.look_s && best.age * at.period_s > YOUNG_S {
+            self.spawn(place, time_ns, sample, None, self.since_look_s, at);
+            self.since_look_s = 0.0;
+        }
+        for hypothesis in self.all.iter_mut().flatten() {
+            hypothesis.add(sample, at);
+        }
+        self.fit(at);
+        self.prune(time_ns, tuning);
+        surprise.is_some()
+    }
+
+    /// What may have changed within the latest `seconds`, from what the best hypothesis knew before.
+    fn spawn(
+        &mut self,
+        place: usize,
+        time_ns: i64,
+        sample: &Sample,
+        surprise: Option<f64>,
+        seconds: f64,
+        at: &Setting,
+    ) {
+        let tuning = at.tuning;
+        let Some(parent) = &mut self.all[place] else { return };
+        if parent.has_news() {
+            parent.fit(at);
+            parent.absorb_if_known(at);
+        }
+        let parent = parent.clone();
+        let centre = if (sample.u - parent.centre()).norm() > FAR { sample.u } else { *parent.centre() };
+        // kinds share the rate of changes
+        let log_device = parent.log_joint() + expected(tuning.devices_per_h, seconds).ln();
+        let log_place = parent.log_joint() + expected(tuning.places_per_h, seconds).ln();
+        let child = |bank: &mut Self, kind, size: usize, prior: &Gaussian, log: f64| {
+            if let Some(mut child) = Hypothesis::new(kind, prior, &centre, log, at) {
+                (child.size, child.parent) = (size as u8, parent.id);
+                child.former = Some(parent.known);
+                child.set_motion(parent.moves, parent.rate(), at);
+                bank.begin_one(child, time_ns);
+            }
+        };
+        let (small, large) = (tuning.small_ut / at.unit_ut, tuning.large_ut / at.unit_ut);
+        let changed = |bank: &mut Self, kind, size, iron: f64, b: f64, of: f64| {
+            child(bank, kind, size, &after(&parent.known, iron, b), log_device - of.ln());
+        };
+        if let Some(e) = surprise {
+            // a change is not much smaller than the miss that shows one component of it
+            let large = large.max(1.5 * e);
+            changed(self, Kind::HardIron, 0, NO_IRON, small, 4.0);
+            changed(self, Kind::HardIron, 1, NO_IRON, large, 4.0);
+            changed(self, Kind::All, 0, tuning.small_iron, small, 8.0);
+            changed(self, Kind::All, 1, tuning.large_iron, large, 8.0);
+            for (index, former) in self.former.into_iter().flatten().enumerate() {
+                child(
+                    self,
+                    Kind::Former,
+                    index,
+                    &after(&former, NO_IRON, FORMER_UT / at.unit_ut),
+                    log_device - 8.0_f64.ln(),
+                );
+            }
+        } else {
+            changed(self, Kind::HardIron, 0, NO_IRON, small, 2.0);
+            changed(self, Kind::All, 0, tuning.small_iron, small, 4.0);
+            self.consider_motion(&parent, at);
+        }
+        for (index, size) in [tuning.small_place, tuning.large_place].into_iter().enumerate() {
+            child(self, Kind::Place, index, &elsewhere(&parent.known, size), log_place - LN_2);
+        }
+    }
+
+    /// b may have begun to move, or to rest: the other of the two, where none competes yet.
+    fn consider_motion(&mut self, parent: &Hypothesis, at: &Setting) {
+        let tuning = at.tuning;
+        if parent.error.sqrt() >= 0.5 * tuning.absorb_moving_deg.to_radians() {
+            return;
+        }
+        let moves = !parent.moves;
+        let log = parent.log_joint() + if moves { tuning.log_moves } else { tuning.log_rests };
+        if self.each().any(|h| h.moves == moves && h.log_joint() > parent.log_joint() + tuning.log_moves - 2.0) {
+            return;
+        }
+        for slot in &mut self.all {
+            if slot.as_ref().is_some_and(|h| h.moves == moves) {
+                *slot = None;
+            }
+        }
+        let prior =
+            if moves { after(&parent.known, tuning.moved_iron, tuning.moved_ut / at.unit_ut) } else { parent.known };
+        if let Some(mut child) = Hypothesis::new(parent.kind, &prior, parent.centre(), log, at) {
+            child.set_motion(moves, Vector3::zeros(), at);
+            child.continues(parent);
+            self.insert(child);
+        }
+    }
+
+    /// The best hypothesis first, the others in turn, within a budget of iterations.
+    fn fit(&mut self, at: &Setting) {
+        let best = self.best_place();
+        let mut left = at.tuning.iterations as isize;
+        let mut twin = None;
+        self.turn = (self.turn + 1) % MOST;
+        let order = best.into_iter().chain((0..MOST).map(|i| (self.turn + i) % MOST).filter(|i| Some(*i) != best));
+        for place in order {
+            if left <= 0 {
+                break;
+            }
+            let Some(hypothesis) = &mut self.all[place] else { continue };
+            if !hypothesis.wants_fit() {
+                continue;
+            }
+            left -= hypothesis.fit(at) as isize;
+            hypothesis.absorb_if_known(at);
+            if twin.is_none() && hypothesis.looks_for_twin(at.tuning.twin_deg.to_radians().powi(2)) {
+                left -= 8;
+                twin = Some(place);
+            }
+        }
+        if let Some(hypothesis) = twin.and_then(|place| self.all[place].clone()) {
+            let mut starts = [None; 7];
+            starts[0] = Some(hypothesis.mirrored());
+            if hypothesis.kind == Kind::Cold && hypothesis.samples() < 100.0 {
+                for k in 0..6 {
+                    starts[1 + k] = Some(hypothesis.beside(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 }));
+                }
+            }
+            for start in starts.into_iter().flatten() {
+                if let Some(found) = hypothesis.twin(at, &start) {
+                    self.insert(found);
+                }
+            }
+        }
+    }
+
+    fn prune(&mut self, time_ns: i64, tuning: &Tuning) {
+        let Some(best) = self.best_place() else { return };
+        let top = self.all[best].as_ref().map_or(0.0, Hypothesis::log_joint);
+        for place in 0..MOST {
+            let Some(own) = &self.all[place] else { continue };
+            let log = own.log_joint();
+            let beaten = |(other, h): (usize, &Option<Hypothesis>)| {
+                h.as_ref().is_some_and(|h| {
+                    other != place
+                        && (h.is_twin(own) || h.is_neighbour(own, time_ns))
+                        && (h.log_joint() > log || h.log_joint() == log && other < place)
+                })
+            };
+            if log < top + tuning.log_hopeless || !log.is_finite() || self.all.iter().enumerate().any(beaten) {
+                self.all[place] = None;
+            }
+        }
+        // what was known before a change that is certain by now may hold again some day
+        if let Some(best) = self.best_place().and_then(|place| self.all[place].as_mut())
+            && best.error.sqrt() < tuning.absorb_deg.to_radians()
+            && let Some(former) = best.former.take()
+        {
+            let known = |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= SAME_FORMER);
+            let place = self.former.iter().position(known).unwrap_or(FORMER - 1);
+            self.former[..=place].rotate_right(1);
+            self.former[0] = Some(former);
+        }
+    }
+
+    /// Mean and second moment of all hypotheses by their probability; None while there are none.
+    pub fn mixture(&self) -> Option<Gaussian> {
+        let top = self.best()?.log_joint();
+        let weight = |h: &Hypothesis| (h.log_joint() - top).exp();
+        let sum: f64 = self.each().map(weight).sum();
+        let mean: Tau = self.each().map(|h| h.known.mean * (weight(h) / sum)).sum();
+        let mut covariance = TauMatrix::zeros();
+        for hypothesis in self.each() {
+            let share = weight(hypothesis) / sum;
+            if share > NO_WEIGHT {
+                let off = hypothesis.known.mean - mean;
+                covariance += (hypothesis.known.covariance + off * off.transpose()) * share;
+            }
+        }
+        Some(Gaussian { mean, covariance })
+    }
+
+    /// Probability of all hypotheses for which `is` holds.
+    pub fn probability(&self, is: impl Fn(&Hypothesis) -> bool) -> f64 {
+        let Some(top) = self.best().map(Hypothesis::log_joint) else { return 0.0 };
+        let of = |h: &Hypothesis| (h.log_joint() - top).exp();
+        let all: f64 = self.each().map(of).sum();
+        self.each().filter(|h| is(h)).map(of).sum::<f64>() / all
+    }
+}
+
+/// How many changes are expected within some seconds.
+fn expected(per_h: f64, seconds: f64) -> f64 {
+    per_h * seconds / 3600.0
+}
+
+/// What was known, after a change of M by a relative `iron` and of b by `b` units, as standard deviations.
+fn after(known: &Gaussian, iron: f64, b: f64) -> Gaussian {
+    let mut covariance = known.covariance;
+    // relative to the size of T: the gauge of the field strength is free
+    let scale = shape(&known.mean).trace() / 3.0;
+    for (at, sd) in [(0, iron * scale), (3, CROSS * iron * scale), (6, b)] {
+        (at..at + 3).for_each(|i| covariance[(i, i)] += sd * sd);
+    }
+    Gaussian { mean: known.mean, covariance }
+}
+
+/// What was known of the device, in a place whose field is different by `size` (strength, and the vertical part).
+fn elsewhere(known: &Gaussian, size: f64) -> Gaussian {
+    let mut covariance = known.covariance;
+    for i in 0..6 {
+        for j in 0..6 {
+            covariance[(i, j)] += size * size * known.mean[i] * known.mean[j];
+        }
+    }
+    covariance[(9, 9)] += size * size;
+    Gaussian { mean: known.mean, covariance }
+}
+
+/// Before anything is known: T = k (I + deviation) with k for any field on Earth, 22 to 67 uT, or within 5 % of one that is
+/// given; b within about a field strength of the first sample.
+fn cold(u: &Vector3<f64>, deviation: f64, strength: Option<f64>) -> Gaussian {
+    let (scale, scale_sd) = if strength.is_some() { (1.0, 0.05) } else { (1.05, 0.28) };
+    let mut mean = Tau::zeros();
+    let mut covariance = TauMatrix::zeros();
+    covariance[(9, 9)] = 1.0;
+    for i in 0..3 {
+        mean[i] = scale;
+        mean[6 + i] = u[i];
+        covariance[(i, i)] += deviation * deviation;
+        covariance[(3 + i, 3 + i)] = (CROSS * deviation).powi(2);
+        covariance[(6 + i, 6 + i)] = 0.75 * 0.75;
+        for j in 0..3 {
+            covariance[(i, j)] += scale_sd * scale_sd;
+        }
+    }
+    Gaussian { mean, covariance }
+}
+
+/// A calibration that was given, as far as it is trusted.
+pub(super) fn given(tau: &Tau, at: &Setting) -> Gaussian {
+    let known = Gaussian { mean: *tau, covariance: TauMatrix::zeros() };
+    let mut known = after(&known, at.tuning.given_iron, at.tuning.given_ut / at.unit_ut);
+    known.covariance[(9, 9)] = 1.0;
+    // the strength of this place may differ from that of the last
+    for i in 0..3 {
+        for j in 0..3 {
+            known.covariance[(i, j)] += (0.1 * tau[i]) * (0.1 * tau[j]);
+        }
+    }
+    known
+}

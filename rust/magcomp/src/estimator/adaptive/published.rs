@@ -1,0 +1,89 @@
+//! What is in force, and what it makes of a sample:
+//!     M = (unit / |h|) T^-1, b = unit beta, c = |h| T (u - beta)
+//! |h| as given, or the geometric mean of the half axes, so that det M = 1.
+
+use super::angle;
+use super::noise::Level;
+use super::parameters::{Gaussian, centre, is_bounded, see, shape, six, vector_gradient};
+use crate::calibration::Calibration;
+use crate::snapshot::checked;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use serde::{Deserialize, Serialize};
+
+type Matrix9 = SMatrix<f64, 9, 9>;
+
+/// A Gaussian over tau in coordinates of `unit_ut`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(super) struct Published {
+    pub known: Gaussian,
+    /// Expected direction error all around, rad^2.
+    pub error: f64,
+    pub unit_ut: f64,
+    pub strength_ut: Option<f64>,
+}
+
+checked!(Published, |it| is_bounded(&it.known.mean) && it.error >= 0.0 && it.unit_ut > 0.0);
+
+impl Published {
+    pub fn new(known: Gaussian, unit_ut: f64, strength_ut: Option<f64>) -> Self {
+        Self { known, error: angle::expected(&known), unit_ut, strength_ut }
+    }
+
+    /// The worst direction error, rad^2: the largest variance of tau.
+    pub fn worst(&self) -> f64 {
+        self.known.covariance.symmetric_eigenvalues().max()
+    }
+
+    /// |h| in uT: as given, or the geometric mean of the half axes.
+    fn strength_of(&self, t: &Matrix3<f64>) -> f64 {
+        self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
+    }
+
+    /// A sample corrected, uT, and its covariance, uT^2; `surprised` where no hypothesis expected it.
+    pub fn correct(&self, u: &Vector3<f64>, level: &Level, surprised: bool) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        let seen = see(&self.known.mean, u)?;
+        let t = shape(&self.known.mean);
+        let g = vector_gradient(&self.known.mean, &seen.offset);
+        // by what a sample that is left out misses the sphere it may be off across it, too
+        let missed = if surprised { (seen.radius - 1.0).powi(2) } else { 0.0 };
+        let noise = t * t * (level.white + level.uneven) + Matrix3::from_diagonal_element(missed);
+        let covariance = g * self.known.covariance * g.transpose() + noise;
+        let strength = self.strength_of(&t);
+        let field = seen.direction * (seen.radius * strength);
+        let covariance = covariance * (strength * strength);
+        field.iter().chain(covariance.iter()).all(|value| value.is_finite()).then_some((field, covariance))
+    }
+
+    /// M, b and the field strength.
+    pub fn calibration(&self) -> Option<Calibration> {
+        let t = shape(&self.known.mean);
+        let strength = self.strength_of(&t);
+        let inverse = t.try_inverse()? * (self.unit_ut / strength);
+        let soft_iron = (inverse + inverse.transpose()) * 0.5;
+        Calibration::from_symmetric(soft_iron, centre(&self.known.mean) * self.unit_ut, strength).ok()
+    }
+
+    /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz]: of tau, through
+    /// dM = -M dT T^-1 (+ M tr(T^-1 dT) / 3 where det M = 1), db = unit dbeta.
+    pub fn covariance(&self) -> Option<Matrix9> {
+        let t = shape(&self.known.mean);
+        let inverse = t.try_inverse()?;
+        let m = inverse * (self.unit_ut / self.strength_of(&t));
+        let mut jacobian = Matrix9::zeros();
+        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            let mut dt = Matrix3::zeros();
+            dt[(i, j)] = 1.0;
+            dt[(j, i)] = 1.0;
+            let mut dm = -(m * dt * inverse);
+            if self.strength_ut.is_none() {
+                dm += m * ((inverse * dt).trace() / 3.0);
+            }
+            let dm = (dm + dm.transpose()) * 0.5;
+            six(&dm).into_iter().enumerate().for_each(|(row, value)| jacobian[(3 + row, k)] = value);
+        }
+        (0..3).for_each(|i| jacobian[(i, 6 + i)] = self.unit_ut);
+        let covariance = jacobian * self.known.covariance.fixed_view::<9, 9>(0, 0) * jacobian.transpose();
+        Some((covariance + covariance.transpose()) * 0.5)
+    }
+}

@@ -1,4 +1,0 @@
-//! Tests of the adaptive estimator that look inside it.
-
-mod derivatives;
-mod rate;

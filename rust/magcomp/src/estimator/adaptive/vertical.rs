@@ -1,0 +1,193 @@
+//! Gravity's constraint: the field's part along the vertical is the same wherever the device points,
+//!     up.T (u - beta) - s = y.theta = 0,     theta = [T (6), g, s],  g = T (beta - centre),
+//!     y = [x x', y y', z z', x y' + y x', x z' + z x', y z' + z y', -up, -1]    (up = (x, y, z), u - centre = (x', y', z')).
+//! y.theta is linear in theta, so that sum y y^T (55 sums, exact) is all that the samples say:
+//!     L_v(tau) = w theta^T Y theta,   w = n / (kappa v)
+//! Derivatives: dg = dT (beta - centre) + T dbeta, all else is the identity.
+
+use super::parameters::{COUNT, Tau, TauMatrix, centre, shape};
+use crate::quadric::ExactSum;
+use crate::quadric::ldl::{add, times};
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+const SUMS: usize = COUNT * (COUNT + 1) / 2;
+
+/// Exact sums of y y^T.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct VerticalMoments {
+    count: usize,
+    #[serde(with = "sums")]
+    sums: [ExactSum; SUMS],
+}
+
+/// Arrays of more than 32 are written as two halves.
+mod sums {
+    use super::{ExactSum, SUMS};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(sums: &[ExactSum; SUMS], to: S) -> Result<S::Ok, S::Error> {
+        let (a, b) = sums.split_at(SUMS / 2);
+        (a, b).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[ExactSum; SUMS], D::Error> {
+        let (a, b) = <(Vec<ExactSum>, Vec<ExactSum>)>::deserialize(from)?;
+        let all: Vec<ExactSum> = a.into_iter().chain(b).collect();
+        all.try_into().map_err(|_| serde::de::Error::custom("55 sums expected"))
+    }
+}
+
+/// y of a sample about a centre.
+fn row(u: &Vector3<f64>, up: &Vector3<f64>) -> Tau {
+    Tau::from_column_slice(&[
+        up.x * u.x,
+        up.y * u.y,
+        up.z * u.z,
+        up.x * u.y + up.y * u.x,
+        up.x * u.z + up.z * u.x,
+        up.y * u.z + up.z * u.y,
+        -up.x,
+        -up.y,
+        -up.z,
+        -1.0,
+    ])
+}
+
+/// theta of a tau about a centre.
+fn linear(tau: &Tau, about: &Vector3<f64>) -> Tau {
+    let g = shape(tau) * (centre(tau) - about);
+    let mut theta = *tau;
+    (0..3).for_each(|i| theta[6 + i] = g[i]);
+    theta
+}
+
+/// A dtheta/dtau, in place: dg = dT off + T dbeta, off = beta - about, and all else is the identity.
+fn times_jacobian(a: &mut TauMatrix, t: &Matrix3<f64>, off: &Vector3<f64>) {
+    let g: [_; 3] = std::array::from_fn(|i| a.data.0[6 + i]);
+    let columns = &mut a.data.0;
+    for (k, (row, column)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        add(&mut columns[k], off[column], &g[row]);
+        if row != column {
+            add(&mut columns[k], off[row], &g[column]);
+        }
+    }
+    for i in 0..3 {
+        columns[6 + i] = [0.0; COUNT];
+        (0..3).for_each(|j| add(&mut columns[6 + i], t[(j, i)], &g[j]));
+    }
+}
+
+/// up.T (u - beta) - s of a sample and its derivative by tau.
+pub(super) fn miss(tau: &Tau, u: &Vector3<f64>, up: &Vector3<f64>) -> (f64, Tau) {
+    let (t, offset) = (shape(tau), u - centre(tau));
+    let mut gradient = row(&offset, up);
+    let down = -(t * up);
+    (0..3).for_each(|i| gradient[6 + i] = down[i]);
+    (up.dot(&(t * offset)) - tau[9], gradient)
+}
+
+impl VerticalMoments {
+    pub fn new() -> Self {
+        Self { count: 0, sums: [ExactSum::default(); SUMS] }
+    }
+
+    pub fn count(&self) -> f64 {
+        self.count as f64
+    }
+
+    /// The mean of `count` neighbouring samples, as seen from the centre, and their mean vertical.
+    pub fn add(&mut self, u: &Vector3<f64>, up: &Vector3<f64>, count: usize) {
+        let y = row(u, up);
+        self.count += count;
+        let mut at = 0;
+        for i in 0..COUNT {
+            for j in 0..=i {
+                self.sums[at].add_times(y[i] * y[j], count as i64);
+                at += 1;
+            }
+        }
+    }
+
+    pub fn clear(&mut self) {
+        *self = Self::new();
+    }
+
+    /// The likelihood about the same centre, for a variance of one sample (units^2) of which kappa are worth one.
+    pub fn likelihood(&self, about: &Vector3<f64>, variance: f64, kappa: f64) -> VerticalLikelihood {
+        let mut y = TauMatrix::zeros();
+        let mut at = 0;
+        for i in 0..COUNT {
+            for j in 0..=i {
+                y[(i, j)] = self.sums[at].value();
+                y[(j, i)] = y[(i, j)];
+                at += 1;
+            }
+        }
+        VerticalLikelihood { y: y / (variance * kappa), about: *about }
+    }
+}
+
+/// L_v.
+#[derive(Clone, Debug)]
+pub(super) struct VerticalLikelihood {
+    y: TauMatrix,
+    about: Vector3<f64>,
+}
+
+impl VerticalLikelihood {
+    pub fn cost(&self, tau: &Tau) -> f64 {
+        let theta = linear(tau, &self.about);
+        theta.dot(&times(&self.y, &theta)).max(0.0)
+    }
+
+    /// Half the gradient and half the Gauss-Newton Hessian.
+    pub fn derivatives(&self, tau: &Tau) -> (Tau, TauMatrix) {
+        let (t, off) = (shape(tau), centre(tau) - self.about);
+        let mut product = self.y;
+        times_jacobian(&mut product, &t, &off);
+        let gradient = product.tr_mul(&linear(tau, &self.about));
+        let mut hessian = product.transpose();
+        times_jacobian(&mut hessian, &t, &off);
+        (gradient, hessian)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cost_is_the_sum_of_squares_and_its_derivatives_are_right() {
+        let tau = Tau::from_column_slice(&[1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2]);
+        let about = Vector3::new(0.5, -0.7, 0.4);
+        let mut moments = VerticalMoments::new();
+        let samples: Vec<_> = (0..40)
+            .map(|k| {
+                let k = f64::from(k);
+                let u = Vector3::new((k * 1.3).sin(), (k * 0.7).cos(), (k * 2.1).sin());
+                (u + about, Vector3::new((k * 0.3).cos(), (k * 0.9).sin(), 0.4).normalize())
+            })
+            .collect();
+        for (u, up) in &samples {
+            moments.add(&(u - about), up, 1);
+        }
+        let direct = |tau: &Tau| samples.iter().map(|(u, up)| miss(tau, u, up).0.powi(2)).sum::<f64>() / (0.04 * 3.0);
+        let likelihood = moments.likelihood(&about, 0.04, 3.0);
+        assert!((likelihood.cost(&tau) / direct(&tau) - 1.0).abs() < 1e-9);
+        let (gradient, _) = likelihood.derivatives(&tau);
+        let (u, up) = samples[7];
+        let (_, by_tau) = miss(&tau, &u, &up);
+        for k in 0..COUNT {
+            let moved = |by: f64| {
+                let mut moved = tau;
+                moved[k] += by;
+                moved
+            };
+            let slope = (direct(&moved(1e-6)) - direct(&moved(-1e-6))) / 2e-6;
+            assert!((slope / 2.0 - gradient[k]).abs() < 1e-4 * gradient.amax(), "cost, column {k}");
+            let slope = (miss(&moved(1e-6), &u, &up).0 - miss(&moved(-1e-6), &u, &up).0) / 2e-6;
+            assert!((slope - by_tau[k]).abs() < 1e-8, "miss, column {k}");
+        }
+    }
+}

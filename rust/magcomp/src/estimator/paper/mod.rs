@@ -1,0 +1,14 @@
+//! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) in `window`; fig. 3 in `windowed`;
+//! section III, a constant external field, in `constant`.
+
+mod config;
+mod constant;
+mod uniformity;
+mod window;
+mod windowed;
+
+pub use config::WindowedConfig;
+pub use constant::ConstantField;
+pub use uniformity::{Normalisation, uniformity};
+pub use window::window_length;
+pub(crate) use windowed::{Windowed, WindowedState};

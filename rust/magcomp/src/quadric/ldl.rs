@@ -1,0 +1,154 @@
+//! Solves H x = g for a symmetric positive definite H by H = L D L^T, in place: on the path of every sample, where a
+//! general factorisation of so small a matrix costs several times as much.
+
+use nalgebra::{SMatrix, SVector};
+
+/// H = L D L^T, L with ones on its diagonal.
+pub(crate) struct Ldl<const N: usize> {
+    /// Columns of L; what stands on and above the diagonal has no meaning.
+    columns: [[f64; N]; N],
+    /// D^-1.
+    inverse: [f64; N],
+    /// log det H.
+    pub log_det: f64,
+}
+
+impl<const N: usize> Ldl<N> {
+    /// Only the lower triangle of `h` is read. None unless H is positive definite.
+    #[inline]
+    pub fn new(h: &SMatrix<f64, N, N>) -> Option<Self> {
+        let mut columns = h.data.0;
+        let (mut inverse, mut determinant) = ([0.0; N], 1.0);
+        for j in 0..N {
+            let (done, rest) = columns.split_at_mut(j + 1);
+            let column = &mut done[j];
+            let pivot = column[j];
+            // also false for NaN
+            if !(pivot > 0.0 && pivot < f64::INFINITY) {
+                return None;
+            }
+            inverse[j] = 1.0 / pivot;
+            determinant *= pivot;
+            for (i, next) in (j + 1..).zip(rest) {
+                add(next, -column[i] * inverse[j], column);
+            }
+            column.iter_mut().for_each(|value| *value *= inverse[j]);
+        }
+        Some(Self { columns, inverse, log_det: determinant.ln() })
+    }
+
+    /// x with H x = g.
+    #[inline]
+    pub fn solve(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut x = self.forward(g);
+        for i in (0..N).rev() {
+            let mut value = x[i] * self.inverse[i];
+            for k in i + 1..N {
+                value -= self.columns[i][k] * x[k];
+            }
+            x[i] = value;
+        }
+        x
+    }
+
+    /// L^-1 g.
+    #[inline]
+    fn forward(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut x = *g;
+        for i in 0..N {
+            for k in 0..i {
+                x[i] -= self.columns[k][i] * x[k];
+            }
+        }
+        x
+    }
+
+    /// H^-1 A.
+    #[inline]
+    pub fn solve_matrix(&self, a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+        let mut x = *a;
+        for mut column in x.column_iter_mut() {
+            let solved = self.solve(&column.clone_owned());
+            column.copy_from(&solved);
+        }
+        x
+    }
+
+    /// H^-1.
+    #[inline]
+    pub fn inverse(&self) -> SMatrix<f64, N, N> {
+        let mut rows = SMatrix::<f64, N, N>::identity().data.0;
+        for i in 0..N {
+            let (done, rest) = rows.split_at_mut(i);
+            for (k, row) in done.iter().enumerate() {
+                add(&mut rest[0], -self.columns[k][i], row);
+            }
+        }
+        let mut columns = [[0.0; N]; N];
+        for (k, row) in rows.iter().enumerate() {
+            for i in 0..=k {
+                add(&mut columns[i], row[i] * self.inverse[k], row);
+            }
+        }
+        SMatrix::from_data(nalgebra::ArrayStorage(columns))
+    }
+}
+
+/// H g, H symmetric.
+#[inline]
+pub(crate) fn times<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> SVector<f64, N> {
+    let mut out = [0.0; N];
+    for (k, row) in h.data.0.iter().enumerate() {
+        add(&mut out, g[k], row);
+    }
+    SVector::from(out)
+}
+
+/// sum += factor row
+#[inline(always)]
+pub(crate) fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    // written at once, so that the compiler need not ask whether `row` changes with `sum`
+    *sum = std::array::from_fn(|i| sum[i] + factor * row[i]);
+}
+
+/// x with H x = g. Only the lower triangle of `h` is read. None unless H is positive definite.
+#[inline]
+pub(crate) fn solve<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+    Some(Ldl::new(h)?.solve(g))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ldl, solve};
+    use nalgebra::{SMatrix, SVector};
+
+    #[test]
+    fn agrees_with_a_general_factorisation() {
+        let a = SMatrix::<f64, 9, 9>::from_fn(|i, j| ((i * 7 + j * 3) as f64 * 0.7).sin());
+        let h = a * a.transpose() + SMatrix::identity() * 0.1;
+        let g = SVector::<f64, 9>::from_fn(|i, _| i as f64 - 3.0);
+        let expected = h.cholesky().expect("positive definite").solve(&g);
+        assert!((solve(&h, &g).expect("positive definite") - expected).amax() < 1e-10);
+    }
+
+    #[test]
+    fn every_use_of_a_factorisation_agrees_with_the_inverse() {
+        let a = SMatrix::<f64, 9, 9>::from_fn(|i, j| ((i * 7 + j * 3) as f64 * 0.7).sin());
+        let h = a * a.transpose() + SMatrix::identity() * 0.1;
+        let b = a + a.transpose();
+        let g = SVector::<f64, 9>::from_fn(|i, _| i as f64 - 3.0);
+        let (ldl, inverse) = (Ldl::new(&h).expect("positive definite"), h.try_inverse().expect("regular"));
+        assert!((ldl.inverse() - inverse).amax() < 1e-10);
+        assert!((ldl.log_det - h.determinant().ln()).abs() < 1e-10);
+        assert!((ldl.solve_matrix(&b) - inverse * b).amax() < 1e-8 && (ldl.solve(&g) - inverse * g).amax() < 1e-8);
+    }
+
+    #[test]
+    fn refuses_what_is_not_positive_definite() {
+        let mut h = SMatrix::<f64, 3, 3>::identity();
+        h[(2, 2)] = -1.0;
+        assert_eq!(solve(&h, &SVector::repeat(1.0)), None);
+        h[(2, 2)] = f64::NAN;
+        assert_eq!(solve(&h, &SVector::repeat(1.0)), None);
+    }
+}

@@ -1,0 +1,16 @@
+//! The least-squares ellipsoid of eq. (9) and (10): moments, closed-form start, iteration, report.
+
+mod fit;
+mod iteration;
+pub(crate) mod ldl;
+mod moments;
+mod options;
+mod report;
+mod start;
+
+pub use fit::fit_ellipsoid;
+pub use iteration::Termination;
+pub(crate) use moments::ExactSum;
+pub use moments::Moments;
+pub use options::{FitError, FitOptions, Residual, SMALLEST_SAMPLE_COUNT};
+pub use report::{EllipsoidFit, direction_sigma_deg};

@@ -1,0 +1,451 @@
+//! Moments of a window of raw samples: everything eq. (10) needs, in constant time per sample.
+//!
+//! In centred and scaled coordinates u = (h_m - c) / s the residual of (10) is linear in the ten monomials
+//!     d = [x^2, y^2, z^2, 2xy, 2xz, 2yz, x, y, z, 1],
+//! so its sum of squares over a window is p^T S p with S = sum d d^T. The 55 entries of S are only 35 distinct
+//! monomials of degree 0 to 4. White noise of standard deviation s on u adds s^2 N to S on average, up to s^4, with
+//!     N = sum (grad d)(grad d)^T + d c^T + c d^T,  c = [1, 1, 1, 0, ...]: half the Laplacian of d,
+//! of degree 0 to 2 (K. Kanatani and P. Rangarajan, "Hyper least squares fitting of circles and ellipses", 2011).
+//!
+//! The sums are kept in fixed point, so that they are exact: adding a sample and removing it again leaves every
+//! bit as it was, and the moments of a window depend on its content alone, not on how it came about.
+
+use crate::snapshot::LARGEST_COUNT;
+use nalgebra::{SMatrix, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Exponents of x, y, z for each entry of d.
+const EXPONENTS: [(usize, usize, usize); 10] =
+    [(2, 0, 0), (0, 2, 0), (0, 0, 2), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)];
+/// Factor of each entry of d.
+const FACTORS: [f64; 10] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0];
+/// Monomials x^i y^j z^k with 1 <= i + j + k <= 4.
+const MONOMIALS: usize = 34;
+
+/// Place of x^i y^j z^k in the list of monomials, which runs by degree, then falling power of x, then of y.
+const fn place(i: usize, j: usize, k: usize) -> usize {
+    let degree = i + j + k;
+    let below = [0, 1, 4, 10, 20][degree]; // monomials of lower degree, the constant included
+    let rest = degree - i;
+    below + rest * (rest + 1) / 2 + k
+}
+
+/// Where each entry of S is found among the monomials (0 is the constant).
+const PLACES: [[usize; 10]; 10] = {
+    let mut places = [[0; 10]; 10];
+    let mut row = 0;
+    while row < 10 {
+        let mut column = 0;
+        while column < 10 {
+            let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
+            places[row][column] = place(a.0 + b.0, a.1 + b.1, a.2 + b.2);
+            column += 1;
+        }
+        row += 1;
+    }
+    places
+};
+
+/// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
+///
+/// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ExactSum {
+    high: i64,
+    low: i64,
+}
+
+const HIGH_UNIT: f64 = (1u64 << 20) as f64;
+const LOW_BITS: u32 = 40;
+const LOW_UNIT: f64 = (1u64 << LOW_BITS) as f64;
+const LOW_MASK: i64 = (1 << LOW_BITS) - 1;
+const LARGEST: f64 = (1u64 << 40) as f64;
+
+impl ExactSum {
+    #[inline]
+    fn split(value: f64) -> (i64, i64) {
+        // far beyond any field: only keeps absurd input from overflowing
+        let scaled = value.clamp(-LARGEST, LARGEST) * HIGH_UNIT;
+        let high = scaled as i64;
+        (high, ((scaled - high as f64) * LOW_UNIT) as i64)
+    }
+
+    #[inline]
+    fn add(&mut self, (high, low): (i64, i64)) {
+        let low = self.low + low;
+        self.high = self.high.wrapping_add(high).wrapping_add(low >> LOW_BITS);
+        self.low = low & LOW_MASK;
+    }
+
+    /// A value enters as often as `times` says.
+    #[inline]
+    pub fn add_times(&mut self, value: f64, times: i64) {
+        let (high, low) = Self::split(value);
+        self.add((high.wrapping_mul(times), low * times));
+    }
+
+    #[inline]
+    pub fn value(self) -> f64 {
+        (self.high as f64 + self.low as f64 / LOW_UNIT) / HIGH_UNIT
+    }
+}
+
+/// Exact sums of the monomials of a set of raw samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "MomentsParts", into = "MomentsParts")]
+pub struct Moments {
+    centre_ut: Vector3<f64>,
+    scale_ut: f64,
+    count: usize,
+    /// Samples among them with a NaN or infinite component: while there are any, nothing can be fitted.
+    not_finite: usize,
+    sums: [ExactSum; MONOMIALS],
+}
+
+/// What one sample adds.
+pub(crate) struct Terms {
+    finite: bool,
+    parts: [(i64, i64); MONOMIALS],
+}
+
+/// [`Moments`] as they are written down: the sums as (2^-20, 2^-60) units.
+#[derive(Serialize, Deserialize)]
+struct MomentsParts {
+    centre_ut: Vector3<f64>,
+    scale_ut: f64,
+    count: usize,
+    not_finite: usize,
+    sums: Vec<(i64, i64)>,
+}
+
+impl From<Moments> for MomentsParts {
+    fn from(m: Moments) -> Self {
+        let sums = m.sums.iter().map(|sum| (sum.high, sum.low)).collect();
+        Self { centre_ut: m.centre_ut, scale_ut: m.scale_ut, count: m.count, not_finite: m.not_finite, sums }
+    }
+}
+
+impl TryFrom<MomentsParts> for Moments {
+    type Error = &'static str;
+    fn try_from(parts: MomentsParts) -> Result<Self, Self::Error> {
+        let MomentsParts { centre_ut, scale_ut, count, not_finite, sums } = parts;
+        let sums: [(i64, i64); MONOMIALS] = sums.try_into().map_err(|_| "34 moments expected")?;
+        let sums = sums.map(|(high, low)| ExactSum { high, low: low & LOW_MASK });
+        if !(is_finite(&centre_ut) && scale_ut > 0.0 && scale_ut.is_finite()) {
+            return Err("centre and scale must be finite");
+        }
+        if not_finite > count || count as u64 > LARGEST_COUNT {
+            return Err("no such number of samples");
+        }
+        Ok(Self { centre_ut, scale_ut, count, not_finite, sums })
+    }
+}
+
+impl Moments {
+    /// No samples yet. `centre_ut` should lie within a field strength of the ellipsoid's centre and `scale_ut` near
+    /// the field strength: moments about a far centre are badly conditioned (at 500 uT off by 1e5).
+    #[must_use]
+    pub fn new(centre_ut: Vector3<f64>, scale_ut: f64) -> Self {
+        Self { centre_ut, scale_ut, count: 0, not_finite: 0, sums: [ExactSum::default(); MONOMIALS] }
+    }
+
+    /// Moments of a slice, centred on its mean and scaled by its spread.
+    #[must_use]
+    pub fn of(points_ut: &[Vector3<f64>]) -> Self {
+        let n = points_ut.len().max(1) as f64;
+        let centre = points_ut.iter().sum::<Vector3<f64>>() / n;
+        let spread = (points_ut.iter().map(|p| (p - centre).norm_squared()).sum::<f64>() / n).sqrt();
+        let mut moments = Self::new(centre, if spread > 0.0 { spread } else { 1.0 });
+        for point in points_ut {
+            moments.add(point);
+        }
+        moments
+    }
+
+    /// Whether the coordinates are the same.
+    pub(crate) fn is_about(&self, other: &Self) -> bool {
+        (self.centre_ut, self.scale_ut) == (other.centre_ut, other.scale_ut)
+    }
+
+    /// Whether every sample in the set is finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.not_finite == 0
+    }
+
+    /// Samples in the set.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Centre c of the coordinates, uT.
+    #[must_use]
+    pub fn centre_ut(&self) -> &Vector3<f64> {
+        &self.centre_ut
+    }
+
+    /// Scale s of the coordinates, uT.
+    #[must_use]
+    pub fn scale_ut(&self) -> f64 {
+        self.scale_ut
+    }
+
+    /// A sample enters the set: constant time.
+    #[inline]
+    pub fn add(&mut self, raw_ut: &Vector3<f64>) {
+        self.add_terms(&self.terms(raw_ut));
+    }
+
+    /// What a sample adds to this set, and to any other about the same centre.
+    pub(crate) fn terms(&self, raw_ut: &Vector3<f64>) -> Terms {
+        Terms { finite: is_finite(raw_ut), parts: self.monomials(raw_ut).map(ExactSum::split) }
+    }
+
+    /// The sample that these are of enters the set.
+    #[inline]
+    pub(crate) fn add_terms(&mut self, terms: &Terms) {
+        self.count += 1;
+        self.not_finite += usize::from(!terms.finite);
+        for (sum, part) in self.sums.iter_mut().zip(terms.parts) {
+            sum.add(part);
+        }
+    }
+
+    /// The mean of `count` neighbouring samples enters the set in their place: constant time.
+    pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
+        self.count += count;
+        self.not_finite += if is_finite(raw_ut) { 0 } else { count };
+        let monomials = self.monomials(raw_ut);
+        for (sum, value) in self.sums.iter_mut().zip(monomials) {
+            sum.add_times(value, count as i64);
+        }
+    }
+
+    /// No samples any more, about the same centre.
+    pub(crate) fn clear(&mut self) {
+        (self.count, self.not_finite, self.sums) = (0, 0, [ExactSum::default(); MONOMIALS]);
+    }
+
+    /// A sample that was added leaves the set: constant time, and exactly undoes [`Moments::add`].
+    #[inline]
+    pub fn remove(&mut self, raw_ut: &Vector3<f64>) {
+        self.count = self.count.saturating_sub(1);
+        self.not_finite = self.not_finite.saturating_sub(usize::from(!is_finite(raw_ut)));
+        let monomials = self.monomials(raw_ut);
+        for (sum, value) in self.sums.iter_mut().zip(monomials) {
+            let (high, low) = ExactSum::split(value);
+            sum.add((-high, -low));
+        }
+    }
+
+    /// Mean of the samples, in centred and scaled coordinates, and their covariance.
+    pub(crate) fn cloud(&self) -> (Vector3<f64>, nalgebra::Matrix3<f64>) {
+        let [_, x, y, z, ..] = *self.means().first_chunk::<10>().expect("35 means");
+        (Vector3::new(x, y, z), self.cloud_covariance_ut2() / (self.scale_ut * self.scale_ut))
+    }
+
+    /// The monomials of one sample, in the order of [`place`].
+    #[inline]
+    fn monomials(&self, raw_ut: &Vector3<f64>) -> [f64; MONOMIALS] {
+        let u = (raw_ut - self.centre_ut) / self.scale_ut;
+        let (x, y, z) = (u.x, u.y, u.z);
+        let (xx, xy, xz, yy, yz, zz) = (x * x, x * y, x * z, y * y, y * z, z * z);
+        let (xxx, yyy, yyz, yzz, zzz) = (xx * x, yy * y, yy * z, y * zz, zz * z);
+        [
+            x,
+            y,
+            z, //
+            xx,
+            xy,
+            xz,
+            yy,
+            yz,
+            zz, //
+            xxx,
+            xx * y,
+            xx * z,
+            x * yy,
+            xy * z,
+            x * zz,
+            yyy,
+            yyz,
+            yzz,
+            zzz, //
+            xx * xx,
+            xxx * y,
+            xxx * z,
+            xx * yy,
+            xx * yz,
+            xx * zz,
+            x * yyy,
+            x * yyz,
+            x * yzz,
+            x * zzz, //
+            yy * yy,
+            yyy * z,
+            yy * zz,
+            y * zzz,
+            zz * zz,
+        ]
+    }
+
+    /// Means of the monomials, the constant 1 in front.
+    fn means(&self) -> [f64; MONOMIALS + 1] {
+        let n = self.count.max(1) as f64;
+        let mut means = [1.0; MONOMIALS + 1];
+        for (mean, sum) in means[1..].iter_mut().zip(&self.sums) {
+            *mean = sum.value() / n;
+        }
+        means
+    }
+
+    /// S / n and N / n, in centred and scaled coordinates.
+    #[must_use]
+    pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
+        let means = self.means();
+        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j]] * (FACTORS[i] * FACTORS[j]));
+        let [_, x, y, z, xx, xy, xz, yy, yz, zz] = *means.first_chunk::<10>().expect("35 means");
+        let mut n = SMatrix::<f64, 10, 10>::zeros();
+        // grad d: x^2 -> (2x,0,0), 2xy -> (2y,2x,0), 2xz -> (2z,0,2x), 2yz -> (0,2z,2y), x -> (1,0,0), ...
+        let entries = [
+            (0, 0, xx),
+            (1, 1, yy),
+            (2, 2, zz),
+            (3, 3, xx + yy),
+            (4, 4, xx + zz),
+            (5, 5, yy + zz),
+            (0, 3, xy),
+            (0, 4, xz),
+            (1, 3, xy),
+            (1, 5, yz),
+            (2, 4, xz),
+            (2, 5, yz),
+            (3, 4, yz),
+            (3, 5, xz),
+            (4, 5, xy),
+        ];
+        for (i, j, value) in entries {
+            n[(i, j)] = 4.0 * value;
+        }
+        for (i, j, value) in
+            [(0, 6, x), (1, 7, y), (2, 8, z), (3, 6, y), (3, 7, x), (4, 6, z), (4, 8, x), (5, 7, z), (5, 8, y)]
+        {
+            n[(i, j)] = 2.0 * value;
+        }
+        for i in 6..9 {
+            n[(i, i)] = 1.0;
+        }
+        n.fill_lower_triangle_with_upper_triangle();
+        let d = s.column(9).into_owned();
+        for i in 0..3 {
+            for j in 0..10 {
+                n[(i, j)] += d[j];
+                n[(j, i)] += d[j];
+            }
+        }
+        (s, n)
+    }
+
+    /// Covariance of the samples, uT^2: how thick the cloud is in each direction.
+    #[must_use]
+    pub fn cloud_covariance_ut2(&self) -> nalgebra::Matrix3<f64> {
+        let [_, x, y, z, xx, xy, xz, yy, yz, zz] = *self.means().first_chunk::<10>().expect("35 means");
+        let mean = Vector3::new(x, y, z);
+        (nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) - mean * mean.transpose())
+            * (self.scale_ut * self.scale_ut)
+    }
+}
+
+fn is_finite(v: &Vector3<f64>) -> bool {
+    v.iter().all(|component| component.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quadric::{FitError, FitOptions};
+
+    #[test]
+    fn scatter_is_the_sum_of_outer_products() {
+        let points: Vec<Vector3<f64>> = (0..40)
+            .map(|k| {
+                let k = f64::from(k);
+                Vector3::new(600.0 + 50.0 * (k * 1.3).sin(), -400.0 + 45.0 * (k * 0.7).cos(), 40.0 * (k * 2.1).sin())
+            })
+            .collect();
+        let moments = Moments::of(&points);
+        let (s, n) = moments.scatter();
+        let mut s_direct = SMatrix::<f64, 10, 10>::zeros();
+        let mut n_direct = SMatrix::<f64, 10, 10>::zeros();
+        for p in &points {
+            let u = (p - moments.centre_ut()) / moments.scale_ut();
+            let (x, y, z) = (u.x, u.y, u.z);
+            let d = SMatrix::<f64, 10, 1>::from_column_slice(&[
+                x * x,
+                y * y,
+                z * z,
+                2.0 * x * y,
+                2.0 * x * z,
+                2.0 * y * z,
+                x,
+                y,
+                z,
+                1.0,
+            ]);
+            s_direct += d * d.transpose();
+            let mut g = SMatrix::<f64, 10, 3>::zeros();
+            for (i, row) in [
+                [2.0 * x, 0.0, 0.0],
+                [0.0, 2.0 * y, 0.0],
+                [0.0, 0.0, 2.0 * z],
+                [2.0 * y, 2.0 * x, 0.0],
+                [2.0 * z, 0.0, 2.0 * x],
+                [0.0, 2.0 * z, 2.0 * y],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0],
+            ]
+            .iter()
+            .enumerate()
+            {
+                g.set_row(i, &nalgebra::RowVector3::from_row_slice(row));
+            }
+            let mut c = SMatrix::<f64, 10, 1>::zeros();
+            c.fixed_rows_mut::<3>(0).fill(1.0);
+            n_direct += g * g.transpose() + d * c.transpose() + c * d.transpose();
+        }
+        let count = points.len() as f64;
+        assert!((s - s_direct / count).abs().max() < 1e-13);
+        assert!((n - n_direct / count).abs().max() < 1e-13);
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_blocks_the_fit_until_it_leaves() {
+        let mut moments = Moments::new(Vector3::zeros(), 50.0);
+        for k in 0..200 {
+            let (a, b) = (f64::from(k) * 1.1, f64::from(k) * 0.37);
+            moments.add(&(Vector3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 50.0));
+        }
+        let bad = Vector3::new(f64::NAN, 1.0, f64::INFINITY);
+        moments.add(&bad);
+        assert_eq!(moments.fit(&FitOptions::default()), Err(FitError::NotFinite));
+        moments.remove(&bad);
+        assert!(moments.fit(&FitOptions::default()).is_ok());
+    }
+
+    #[test]
+    fn adding_and_removing_is_exact() {
+        let mut moments = Moments::new(Vector3::new(600.0, -550.0, 420.0), 50.0);
+        moments.add(&Vector3::new(612.3, -561.7, 399.1));
+        let before = moments.clone();
+        for k in 0..1000 {
+            let k = f64::from(k);
+            moments.add(&Vector3::new(600.0 + k, -2000.0 + 3.7 * k, 1.0 / (k + 0.3)));
+        }
+        for k in 0..1000 {
+            let k = f64::from(k);
+            moments.remove(&Vector3::new(600.0 + k, -2000.0 + 3.7 * k, 1.0 / (k + 0.3)));
+        }
+        assert_eq!(moments, before);
+    }
+}

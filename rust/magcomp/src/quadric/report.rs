@@ -1,0 +1,232 @@
+//! From the minimum of eq. (10) to a calibration with its covariance, and the checks a fit must pass.
+//!
+//! For white noise of standard deviation s (distances), theta has the information n J^T (S - s^2 N) J / (s^2 D); the
+//! parameters x = [b, M] follow with dx/dtheta: M = T^-1 in units of the field, A = T^2, b = centre + beta, where
+//!     d beta = A^-1 (dg - dA beta),  T dT + dT T = dA,  dM = -T^-1 dT T^-1.
+
+use super::iteration::{Problem, Solution, Termination};
+use super::moments::Moments;
+use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
+use crate::calibration::Calibration;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+type Matrix9 = SMatrix<f64, 9, 9>;
+
+/// Samples thinner than this share of their width lie in a plane: 1 % is 0.5 uT in 50.
+const PLANAR_RATIO: f64 = 0.01;
+/// ... and so do those thinner than this many times the noise.
+const PLANAR_NOISES: f64 = 3.0;
+/// An ellipsoid and how far to trust it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub struct EllipsoidFit {
+    /// M, b and the field strength.
+    pub calibration: Calibration,
+    /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)], for white noise of
+    /// `residual_rms_ut`. Zero when the samples are free of noise.
+    pub covariance: Matrix9,
+    /// Iterations made.
+    pub iterations: usize,
+    /// Why they ended.
+    pub termination: Termination,
+    /// Rms distance of the samples from the ellipsoid, uT, nine degrees of freedom taken off: the noise per axis.
+    pub residual_rms_ut: f64,
+    /// Longest over shortest half axis.
+    pub axis_ratio: f64,
+    /// Predicted rms error of a corrected direction, over all directions, degrees.
+    pub direction_sigma_deg: f64,
+    /// Samples in the fit.
+    pub samples: usize,
+}
+
+impl EllipsoidFit {
+    /// Smallest eigenvalue of the information matrix of [b / |h|, M] (dimensionless): near zero when some
+    /// combination of the parameters is not seen by these samples, infinite when they are free of noise.
+    #[must_use]
+    pub fn smallest_information_eigenvalue(&self) -> f64 {
+        let mut unit = SVector::<f64, 9>::repeat(1.0);
+        unit.fixed_rows_mut::<3>(0).fill(1.0 / self.calibration.field_strength_ut());
+        let scaled = self.covariance.component_mul(&(unit * unit.transpose()));
+        1.0 / scaled.symmetric_eigenvalues().max()
+    }
+}
+
+impl Moments {
+    /// M, b and field strength at a minimum found on these moments.
+    pub(super) fn calibration_of(
+        &self,
+        solution: &Solution,
+        options: &FitOptions,
+    ) -> Result<(Calibration, Roots), FitError> {
+        let (a, beta) = solution.ellipsoid();
+        let roots = Roots::of(a).ok_or(FitError::NotAnEllipsoid)?;
+        let field = options.field_strength_ut.unwrap_or(self.scale_ut() * roots.radius);
+        let soft_iron = roots.t_inverse * (self.scale_ut() / field);
+        let centre = self.centre_ut() + beta * self.scale_ut();
+        let calibration =
+            Calibration::from_symmetric(soft_iron, centre, field).map_err(|_| FitError::NotAnEllipsoid)?;
+        Ok((calibration, roots))
+    }
+
+    /// Calibration, covariance and checks for a minimum found on these moments.
+    pub(super) fn report(
+        &self,
+        problem: &Problem,
+        solution: &Solution,
+        options: &FitOptions,
+    ) -> Result<EllipsoidFit, FitError> {
+        let (count, scale) = (self.count(), self.scale_ut());
+        let freedom = count as f64 / count.saturating_sub(SMALLEST_SAMPLE_COUNT).max(1) as f64;
+        let noise_ut = (solution.distance_squared() * freedom).sqrt() * scale;
+        let (calibration, roots) =
+            self.calibration_of(solution, options).map_err(|_| self.why_no_ellipsoid(noise_ut))?;
+        let field = calibration.field_strength_ut();
+        // covariance for noise of one uT: geometry alone
+        // nalgebra's factorisation reads the lower triangle alone
+        let information = problem.information(solution) * (count as f64 * scale * scale);
+        let cholesky = information.cholesky().ok_or_else(|| self.poorly_covered(f64::INFINITY, noise_ut, options))?;
+        let gradient =
+            roots.parameter_jacobian(solution.ellipsoid().1, scale, scale / field, options.field_strength_ut.is_none());
+        let geometry = gradient * cholesky.inverse() * gradient.transpose();
+        let geometry = (geometry + geometry.transpose()) * 0.5;
+        let deg_per_ut = direction_sigma_deg(&calibration, &geometry);
+        let expected_deg = deg_per_ut * noise_ut.max(options.noise_floor_ut);
+        if expected_deg.is_nan() || expected_deg > options.max_direction_sigma_deg {
+            return Err(self.poorly_covered(expected_deg, noise_ut, options));
+        }
+        let half_axis_ut = scale * roots.radius;
+        let limit_ut = options.max_residual_share * half_axis_ut;
+        if noise_ut > limit_ut {
+            return Err(FitError::Inconsistent { residual_ut: noise_ut, limit_ut });
+        }
+        let (low_ut, high_ut) = options.field_range_ut;
+        if !(low_ut..=high_ut).contains(&half_axis_ut) {
+            return Err(FitError::FieldOutOfRange { field_ut: half_axis_ut, low_ut, high_ut });
+        }
+        Ok(EllipsoidFit {
+            calibration,
+            covariance: geometry * (noise_ut * noise_ut),
+            iterations: solution.iterations,
+            termination: solution.termination,
+            residual_rms_ut: noise_ut,
+            axis_ratio: roots.axis_ratio,
+            direction_sigma_deg: deg_per_ut * noise_ut,
+            samples: count,
+        })
+    }
+
+    /// Planar or single-axis motion, if that is the reason; else the surface simply is no ellipsoid.
+    pub(super) fn why_no_ellipsoid(&self, noise_ut: f64) -> FitError {
+        let spread = self.cloud_covariance_ut2().symmetric_eigenvalues().map(|v| v.max(0.0).sqrt());
+        let (thin, wide) = (spread.min(), spread.max());
+        if thin <= PLANAR_RATIO * wide || thin <= PLANAR_NOISES * noise_ut {
+            FitError::Planar { thickness_ut: thin }
+        } else {
+            FitError::NotAnEllipsoid
+        }
+    }
+
+    fn poorly_covered(&self, direction_sigma_deg: f64, noise_ut: f64, options: &FitOptions) -> FitError {
+        match self.why_no_ellipsoid(noise_ut) {
+            planar @ FitError::Planar { .. } => planar,
+            _ => FitError::PoorCoverage {
+                // a direction is never off by more than half a turn
+                direction_sigma_deg: if direction_sigma_deg < 180.0 { direction_sigma_deg } else { 180.0 },
+                limit_deg: options.max_direction_sigma_deg,
+            },
+        }
+    }
+}
+
+/// T = A^(1/2) and what comes with it.
+pub(super) struct Roots {
+    vectors: Matrix3<f64>,
+    /// Square roots of A's eigenvalues.
+    roots: Vector3<f64>,
+    t: Matrix3<f64>,
+    t_inverse: Matrix3<f64>,
+    axis_ratio: f64,
+    /// Geometric mean of the half axes.
+    radius: f64,
+}
+
+impl Roots {
+    fn of(a: &Matrix3<f64>) -> Option<Self> {
+        let eigen = a.symmetric_eigen();
+        let roots = eigen.eigenvalues.map(|v| v.max(0.0).sqrt());
+        let (low, high) = (roots.min(), roots.max());
+        if !(low > 0.0 && high.is_finite()) {
+            return None;
+        }
+        let vectors = eigen.eigenvectors;
+        let turned = |values: Vector3<f64>| {
+            let m = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
+            (m + m.transpose()) * 0.5
+        };
+        Some(Self {
+            vectors,
+            roots,
+            t: turned(roots),
+            t_inverse: turned(roots.map(|v| 1.0 / v)),
+            axis_ratio: high / low,
+            radius: roots.product().cbrt().recip(),
+        })
+    }
+
+    /// d[b, M]/d theta, with b = scale * beta and M = ratio * T^-1, for unit determinant of M where that is the gauge.
+    fn parameter_jacobian(&self, beta: &Vector3<f64>, scale: f64, ratio: f64, unit_determinant: bool) -> Matrix9 {
+        let a_inverse = self.t_inverse * self.t_inverse;
+        let mut jacobian = Matrix9::zeros();
+        for (column, da) in basis().into_iter().enumerate() {
+            let db = -(a_inverse * (da * beta)) * scale;
+            let turned = self.vectors.transpose() * da * self.vectors;
+            let dt = Matrix3::from_fn(|i, j| turned[(i, j)] / (self.roots[i] + self.roots[j]));
+            let dt = self.vectors * dt * self.vectors.transpose();
+            let mut dm = self.t_inverse * dt * self.t_inverse * -ratio;
+            if unit_determinant {
+                dm -= self.t_inverse * (ratio * (self.t * dm).trace() / (3.0 * ratio));
+            }
+            jacobian.fixed_view_mut::<3, 1>(0, column).copy_from(&db);
+            jacobian.fixed_view_mut::<6, 1>(3, column).copy_from(&six(&dm));
+        }
+        jacobian.fixed_view_mut::<3, 3>(0, 6).copy_from(&(a_inverse * scale));
+        jacobian
+    }
+}
+
+/// The six elementary symmetric matrices, in the order xx yy zz xy xz yz.
+fn basis() -> [Matrix3<f64>; 6] {
+    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|(i, j)| {
+        let mut m = Matrix3::zeros();
+        m[(i, j)] = 1.0;
+        m[(j, i)] = 1.0;
+        m
+    })
+}
+
+fn six(m: &Matrix3<f64>) -> SVector<f64, 6> {
+    SVector::<f64, 6>::from_column_slice(&[m.m11, m.m22, m.m33, m.m12, m.m13, m.m23])
+}
+
+/// Predicted rms angle between the corrected and the true direction, averaged over the sphere, degrees.
+///
+/// An error (dM, db) turns u by the part of E u - e across u, with E = -W dM, e = W db / |h|, W = M^-1. Averaged over
+/// even u: |E|^2 / 3 - (tr(E)^2 + 2 tr(Es^2)) / 15 + 2 |e|^2 / 3, with Es the symmetric part of E.
+#[must_use]
+pub fn direction_sigma_deg(calibration: &Calibration, covariance: &Matrix9) -> f64 {
+    let w = calibration.soft_iron_inverse();
+    let errors = basis().map(|dm| -(w * dm));
+    let symmetric = errors.map(|e| (e + e.transpose()) * 0.5);
+    let mut variance = 0.0;
+    for k in 0..6 {
+        for l in 0..6 {
+            let weight = errors[k].dot(&errors[l]) / 3.0
+                - (errors[k].trace() * errors[l].trace() + 2.0 * symmetric[k].dot(&symmetric[l])) / 15.0;
+            variance += weight * covariance[(3 + k, 3 + l)];
+        }
+    }
+    let ww = w.transpose() * w * (2.0 / 3.0 / calibration.field_strength_ut().powi(2));
+    variance += ww.dot(&covariance.fixed_view::<3, 3>(0, 0).into_owned());
+    variance.max(0.0).sqrt().to_degrees()
+}

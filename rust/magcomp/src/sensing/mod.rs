@@ -1,0 +1,5 @@
+//! Events of the sensors on their way to an estimator: brought together by time (`pairing`), and how far gravity is to be
+//! trusted while the device moves (`tilt`).
+
+pub(crate) mod pairing;
+pub(crate) mod tilt;

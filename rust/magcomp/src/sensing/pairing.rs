@@ -1,0 +1,439 @@
+//! Pairing of sensor events by time: the rotation between two magnetometer samples is
+//! exp(theta_k) = product of exp(integral of w(t) dt) over the pieces of (t_{k-1}, t_k), with w(t) linear between gyroscope
+//! events (trapezoid rule; the next term, [w x w'] dt^3/12, is below 1e-4 rad at 25 Hz and hand motion). The product, not
+//! the sum: across a pause of the magnetometer the axis turns too.
+//!
+//! What the rate did between its events is not known. If it wanders with density q, its slope changes by d_k from one
+//! interval T to the next, mean d_k . d_{k-1} = -3 q / T, and the trapezoid is wrong by q T^3 / 12 per axis (variance).
+//! A smooth motion bends the same way twice: its product is positive, and nothing is counted.
+//!
+//! What is taken beyond the newest gyroscope event is extrapolated by holding the last rate, remembered as `owed`,
+//! and taken back from the next increment, so that events which arrive late lose nothing. All storage is a ring of
+//! fixed size; when it overflows, the oldest segment is folded into the running integral, which loses nothing either.
+
+#[cfg(test)]
+mod tests;
+
+use crate::snapshot::checked;
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
+const RATE_EVENTS: usize = 16;
+/// `up` events held: they vary slowly, only the two around a sample matter.
+const UP_EVENTS: usize = 8;
+const NANO: f64 = 1e-9;
+/// No rate, turn or acceleration that is believed is larger: rad/s, rad, m/s^2.
+const LARGEST_VALUE: f64 = 1000.0;
+/// Memory of that density, s: a hand changes its motion about as fast.
+const WANDER_TIME_S: f64 = 0.5;
+
+/// A sensor whose newest event is older than this at a magnetometer time counts as absent, s: two and a half periods of the
+/// slowest rate supported (10 Hz). Smaller: a hiccup of the operating system turns the gyroscope off. Larger: a stopped
+/// gyroscope is taken for stillness.
+const STALE_S: f64 = 0.25;
+/// Largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
+const MAX_RATE_RAD_S: f64 = 60.0;
+/// Largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
+const MAX_UP_M_S2: f64 = 200.0;
+/// An event further ahead of the newest magnetometer sample than this is from another clock, s: longer than any system holds a
+/// sensor's events back while it delivers another's.
+const MAX_LEAD_S: f64 = 10.0;
+
+/// Why an event was not taken. The state is as if it had never come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub enum EventRejection {
+    /// A component is NaN or infinite.
+    #[error("event holds a value that is not finite")]
+    NotFinite,
+    /// The magnitude is beyond anything the sensor can read.
+    #[error("event is beyond the sensor's range")]
+    OutOfRange,
+    /// The time is at or before a magnetometer sample already paired: that rotation has been handed out.
+    #[error("event is older than the last magnetometer sample paired")]
+    Late,
+    /// An event with this very time is there already.
+    #[error("an event with the same time is already there")]
+    Duplicate,
+    /// The time is so far ahead of the magnetometer that it must be from another clock.
+    #[error("event lies too far ahead of the magnetometer; is it from another clock?")]
+    Ahead,
+}
+
+/// What the inertial sensors say about the time of one magnetometer sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct PairedInertial {
+    /// Rotation since the previous magnetometer sample; `None` when the gyroscope is absent or was, in between.
+    pub rotation: Option<Rotation>,
+    /// What an accelerometer at rest reads (m/s^2, Android's sign), at the sample's time; `None` when absent.
+    pub up_m_s2: Option<Vector3<f64>>,
+}
+
+/// Rotation between two magnetometer samples, device frame, the gyroscope's bias not removed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rotation {
+    /// Rotation vector: the integral of the rate over the interval, rad.
+    pub increment_rad: Vector3<f64>,
+    /// Rate at the sample's time, rad/s.
+    pub rate_rad_s: Vector3<f64>,
+    /// Variance per axis of what the rate may have done between its events, rad^2.
+    pub variance_rad2: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Event {
+    time_ns: i64,
+    value: Vector3<f64>,
+}
+
+/// Events in the order of their times, fixed capacity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+struct Ring<const N: usize> {
+    times_ns: SVector<i64, N>,
+    values: SMatrix<f64, 3, N>,
+    start: usize,
+    len: usize,
+}
+
+checked!(Ring<const N>, |it| {
+    let in_order = |i: usize| it.at(i).time_ns > it.at(i - 1).time_ns && it.at(i).value.amax() <= LARGEST_VALUE;
+    it.start < N && it.len <= N && (1..it.len).all(in_order)
+});
+
+impl<const N: usize> Ring<N> {
+    fn new() -> Self {
+        Self { times_ns: SVector::zeros(), values: SMatrix::zeros(), start: 0, len: 0 }
+    }
+
+    fn full(&self) -> bool {
+        self.len >= N
+    }
+
+    fn at(&self, i: usize) -> Event {
+        let slot = (self.start + i) % N;
+        Event { time_ns: self.times_ns[slot], value: self.values.column(slot).into_owned() }
+    }
+
+    fn put(&mut self, i: usize, event: Event) {
+        let slot = (self.start + i) % N;
+        self.times_ns[slot] = event.time_ns;
+        self.values.set_column(slot, &event.value);
+    }
+
+    fn first(&self) -> Option<Event> {
+        (self.len > 0).then(|| self.at(0))
+    }
+
+    fn pop(&mut self) -> Option<Event> {
+        let event = self.first()?;
+        self.start = (self.start + 1) % N;
+        self.len -= 1;
+        Some(event)
+    }
+
+    /// Whether an event of this time may enter. A full ring lets its oldest go first, so an older one comes too late.
+    fn admit(&self, time_ns: i64) -> Result<(), EventRejection> {
+        if (0..self.len).any(|i| self.at(i).time_ns == time_ns) {
+            return Err(EventRejection::Duplicate);
+        }
+        if self.full() && self.first().is_some_and(|oldest| time_ns < oldest.time_ns) {
+            return Err(EventRejection::Late);
+        }
+        Ok(())
+    }
+
+    /// Insertion in order of time of an event that was admitted, once there is room for it.
+    fn insert(&mut self, event: Event) {
+        let mut i = self.len;
+        while i > 0 && self.at(i - 1).time_ns > event.time_ns {
+            i -= 1;
+        }
+        for j in (i..self.len).rev() {
+            self.put(j + 1, self.at(j));
+        }
+        self.put(i, event);
+        self.len += 1;
+    }
+}
+
+/// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(crate) struct InertialPairing {
+    rates: Ring<RATE_EVENTS>,
+    ups: Ring<UP_EVENTS>,
+    /// The event (or interpolated point) up to which the rate has been integrated.
+    anchor: Option<Event>,
+    /// Rotation gathered since the last magnetometer sample, rad.
+    gathered_rad: Vector3<f64>,
+    /// Variance per axis of that integral, rad^2.
+    gathered_rad2: f64,
+    /// The last event integrated (not interpolated), and how fast the rate changed up to it, rad/s^2.
+    last_rate: Option<Event>,
+    slope: Option<Vector3<f64>>,
+    /// How that has changed from the interval before, and q, rad^2/s^3.
+    bend: Option<Vector3<f64>>,
+    wander: f64,
+    /// Bias g (rad/s) and scale error s of the gyroscope as the estimator knows them: w = (1 - s) reading - g. What rounding
+    /// does to them is far below the gyroscope's noise.
+    bias_rad_s: Vector3<f32>,
+    scale: Vector3<f32>,
+    /// Extrapolated beyond the anchor and already handed out, rad.
+    owed_rad: Vector3<f64>,
+    /// A hole longer than `STALE_S` lies inside the present interval.
+    broken: bool,
+    last_up: Option<Event>,
+    last_paired_ns: Option<i64>,
+}
+
+checked!(InertialPairing, |it| {
+    let after = |event: Option<Event>, other: Option<Event>| {
+        event.zip(other).is_none_or(|(event, other)| event.time_ns > other.time_ns)
+    };
+    let turns = [it.gathered_rad, it.owed_rad, it.bias_rad_s.cast(), it.scale.cast()];
+    after(it.rates.first(), it.anchor)
+        && after(it.rates.first(), it.last_rate)
+        && after(it.ups.first(), it.last_up)
+        && it.gathered_rad2 >= 0.0
+        && turns.iter().all(|turn| turn.amax() <= LARGEST_VALUE)
+        && it.scale.iter().all(|scale| *scale != 1.0)
+});
+
+impl InertialPairing {
+    /// An empty buffer.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            rates: Ring::new(),
+            ups: Ring::new(),
+            anchor: None,
+            gathered_rad: Vector3::zeros(),
+            gathered_rad2: 0.0,
+            last_rate: None,
+            slope: None,
+            bend: None,
+            wander: 0.0,
+            bias_rad_s: Vector3::zeros(),
+            scale: Vector3::zeros(),
+            owed_rad: Vector3::zeros(),
+            broken: false,
+            last_up: None,
+            last_paired_ns: None,
+        }
+    }
+
+    /// Whether the latest sample is one of this time.
+    pub fn belongs_to(&self, latest_ns: Option<i64>) -> bool {
+        self.last_paired_ns == latest_ns
+    }
+
+    /// Takes one gyroscope event: rad/s, device frame.
+    ///
+    /// # Errors
+    /// [`EventRejection`]; the event is then dropped and nothing has changed.
+    pub fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: Vector3<f64>) -> Result<(), EventRejection> {
+        self.admit(time_ns, &rate_rad_s, MAX_RATE_RAD_S)?;
+        if self.anchor.is_some_and(|anchor| time_ns <= anchor.time_ns) {
+            return Err(EventRejection::Late);
+        }
+        self.rates.admit(time_ns)?;
+        if self.rates.full()
+            && let Some(oldest) = self.rates.pop()
+        {
+            self.bridge(&oldest);
+            self.advance(oldest);
+        }
+        self.rates.insert(Event { time_ns, value: rate_rad_s });
+        Ok(())
+    }
+
+    /// Takes one accelerometer (or gravity) event: m/s^2, what a device at rest reads.
+    ///
+    /// # Errors
+    /// [`EventRejection`]; the event is then dropped and nothing has changed.
+    pub fn push_up(&mut self, time_ns: i64, up_m_s2: Vector3<f64>) -> Result<(), EventRejection> {
+        self.admit(time_ns, &up_m_s2, MAX_UP_M_S2)?;
+        if self.last_up.is_some_and(|last| time_ns <= last.time_ns) {
+            return Err(EventRejection::Late);
+        }
+        self.ups.admit(time_ns)?;
+        if self.ups.full() {
+            self.last_up = self.ups.pop();
+        }
+        self.ups.insert(Event { time_ns, value: up_m_s2 });
+        Ok(())
+    }
+
+    fn admit(&self, time_ns: i64, value: &Vector3<f64>, limit: f64) -> Result<(), EventRejection> {
+        if !value.iter().all(|v| v.is_finite()) {
+            return Err(EventRejection::NotFinite);
+        }
+        if value.amax() > limit {
+            return Err(EventRejection::OutOfRange);
+        }
+        if self.last_paired_ns.is_some_and(|paired| seconds(paired, time_ns) > MAX_LEAD_S) {
+            return Err(EventRejection::Ahead);
+        }
+        Ok(())
+    }
+
+    /// From now on the gyroscope's bias (rad/s) and scale error are taken to be these. Over many events the errors of the
+    /// gyroscope turn with the device: taken off at the end they would be in a wrong frame.
+    pub fn assume(&mut self, bias_rad_s: Vector3<f64>, scale: Vector3<f64>) {
+        (self.bias_rad_s, self.scale) = (bias_rad_s.cast(), scale.cast());
+    }
+
+    /// How the device turns in `span_s` when the gyroscope reads `rate_rad_s`, rad.
+    fn turned(&self, rate_rad_s: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
+        (rate_rad_s - rate_rad_s.component_mul(&self.scale.cast()) - self.bias_rad_s.cast()) * span_s
+    }
+
+    /// A turn in `span_s` as the gyroscope reads it: the estimator takes the same g and s off again.
+    fn as_read(&self, turned_rad: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
+        let scale: Vector3<f64> = self.scale.cast();
+        (turned_rad + self.bias_rad_s.cast() * span_s).component_div(&scale.map(|s| 1.0 - s))
+    }
+
+    /// Integrates from the anchor to `event` by the trapezoid rule, and makes it the anchor.
+    fn advance(&mut self, event: Event) {
+        if let Some(anchor) = self.anchor {
+            let span_s = seconds(anchor.time_ns, event.time_ns);
+            if span_s > STALE_S {
+                // the hole may have been bridged by extrapolation for its first part: forget that debt
+                self.broken = true;
+                self.owed_rad = Vector3::zeros();
+            } else {
+                let mean_rad_s = (anchor.value + event.value) * 0.5;
+                self.gathered_rad = then(&self.gathered_rad, &self.turned(&mean_rad_s, span_s));
+            }
+        }
+        self.anchor = Some(event);
+    }
+
+    /// Gathers the variance of what the rate may have done between its last event and `event`.
+    fn bridge(&mut self, event: &Event) {
+        let Some(last) = self.last_rate.replace(*event) else { return };
+        let span_s = seconds(last.time_ns, event.time_ns);
+        if span_s > STALE_S {
+            (self.slope, self.bend) = (None, None);
+            return;
+        }
+        let slope = (event.value - last.value) / span_s;
+        let Some(before) = self.slope.replace(slope) else { return };
+        let bend = slope - before;
+        let Some(bend_before) = self.bend.replace(bend) else { return };
+        let seen = -bend.dot(&bend_before) * span_s / 3.0;
+        self.wander += (1.0 - (-span_s / WANDER_TIME_S).exp()) * (seen - self.wander);
+        self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
+    }
+
+    /// The inertial state at the time of a magnetometer sample, and the rotation since the one before.
+    ///
+    /// A `time_ns` at or before the previous one gives nothing and changes nothing.
+    pub fn pair(&mut self, time_ns: i64) -> PairedInertial {
+        if self.last_paired_ns.is_some_and(|last| time_ns <= last) {
+            return PairedInertial::default();
+        }
+        let started = self.last_paired_ns.is_some() && self.anchor.is_some();
+        while let Some(event) = self.rates.first().filter(|event| event.time_ns <= time_ns) {
+            self.rates.pop();
+            self.bridge(&event);
+            self.advance(event);
+        }
+        let rotation = self.rotation_at(time_ns, started);
+        let up_m_s2 = self.up_at(time_ns);
+        self.last_paired_ns = Some(time_ns);
+        PairedInertial { rotation, up_m_s2 }
+    }
+
+    fn rotation_at(&mut self, time_ns: i64, started: bool) -> Option<Rotation> {
+        let anchor = self.anchor?;
+        if anchor.time_ns > time_ns {
+            return self.share_of_a_flood(anchor.time_ns, time_ns, started);
+        }
+        let mut owed_rad = Vector3::zeros();
+        let rate_rad_s = match self.rates.first() {
+            Some(next) if anchor.time_ns < time_ns => {
+                let share = seconds(anchor.time_ns, time_ns) / seconds(anchor.time_ns, next.time_ns);
+                let rate = anchor.value + (next.value - anchor.value) * share;
+                let hole = seconds(anchor.time_ns, next.time_ns) > STALE_S;
+                self.advance(Event { time_ns, value: rate });
+                self.broken |= hole;
+                rate
+            }
+            _ => {
+                let beyond_s = seconds(anchor.time_ns, time_ns);
+                if beyond_s > STALE_S {
+                    self.broken = true;
+                } else {
+                    owed_rad = self.turned(&anchor.value, beyond_s);
+                }
+                anchor.value
+            }
+        };
+        let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
+        let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
+        let increment_rad = self.as_read(&turned_rad, span_s);
+        let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
+        self.gathered_rad2 = 0.0;
+        self.gathered_rad = Vector3::zeros();
+        self.owed_rad = owed_rad;
+        self.broken = false;
+        if broken {
+            self.owed_rad = Vector3::zeros();
+        }
+        (started && !broken).then_some(Rotation { increment_rad, rate_rad_s, variance_rad2 })
+    }
+
+    /// More events came at once than the ring holds, and what was folded lies ahead of the sample too: how the turn is spread
+    /// over that time is lost, and taken to be even.
+    fn share_of_a_flood(&mut self, ahead_ns: i64, time_ns: i64, started: bool) -> Option<Rotation> {
+        let last_ns = self.last_paired_ns.filter(|_| started && !self.broken);
+        let Some(last_ns) = last_ns else {
+            self.broken = true;
+            return None;
+        };
+        let (span_s, share) = (seconds(last_ns, time_ns), seconds(last_ns, time_ns) / seconds(last_ns, ahead_ns));
+        let all_rad = then(&-self.owed_rad, &self.gathered_rad);
+        let (turned_rad, variance_rad2) = (all_rad * share, self.gathered_rad2 * share);
+        self.gathered_rad = all_rad - turned_rad;
+        self.gathered_rad2 -= variance_rad2;
+        self.owed_rad = Vector3::zeros();
+        let increment_rad = self.as_read(&turned_rad, span_s);
+        Some(Rotation { increment_rad, rate_rad_s: increment_rad / span_s, variance_rad2 })
+    }
+
+    fn up_at(&mut self, time_ns: i64) -> Option<Vector3<f64>> {
+        while let Some(event) = self.ups.first().filter(|event| event.time_ns <= time_ns) {
+            self.ups.pop();
+            self.last_up = Some(event);
+        }
+        let last = self.last_up?;
+        if let Some(next) = self.ups.first() {
+            let span_s = seconds(last.time_ns, next.time_ns);
+            if span_s <= STALE_S {
+                return Some(last.value + (next.value - last.value) * (seconds(last.time_ns, time_ns) / span_s));
+            }
+        }
+        (seconds(last.time_ns, time_ns) <= STALE_S).then_some(last.value)
+    }
+}
+
+/// The rotation vector of `first` and then `next`, both in the frame of the device as it turns.
+fn then(first: &Vector3<f64>, next: &Vector3<f64>) -> Vector3<f64> {
+    // most often there is but one piece, kept to the bit
+    if *first == Vector3::zeros() {
+        return *next;
+    }
+    if *next == Vector3::zeros() {
+        return *first;
+    }
+    (UnitQuaternion::from_scaled_axis(*first) * UnitQuaternion::from_scaled_axis(*next)).scaled_axis()
+}
+
+/// `to - from`, seconds; saturating, so that no pair of times can overflow.
+fn seconds(from_ns: i64, to_ns: i64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * NANO
+}
