@@ -12,11 +12,12 @@ use super::tuning::Tuning;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::LN_2;
+use std::ops::Range;
 
 /// Cross elements of M differ by so much less than its diagonal: soft iron of phones.
 const CROSS: f64 = 0.7;
 /// A change of b that leaves M as it is: relative, so that rounding is no contradiction.
-const NO_IRON: f64 = 1e-3;
+const NO_IRON: f64 = 5e-3;
 /// Hypotheses that are kept.
 pub(super) const MOST: usize = 16;
 /// Former calibrations that are remembered.
@@ -26,11 +27,20 @@ const SAME_FORMER: f64 = 0.03;
 /// Samples of the best hypothesis before a change that no sample announces is looked for, s.
 const YOUNG_S: f64 = 0.32;
 /// Mixture weights below this do not count.
-const NO_WEIGHT: f64 = 1e-5;
+const NO_WEIGHT: f64 = 0.01;
 /// A former calibration is believed to hold again up to this, uT.
 const FORMER_UT: f64 = 0.3;
 /// A centre of the coordinates further from the samples than this (units) is moved: moments about it are badly conditioned.
 const FAR: f64 = 6.0;
+
+/// What a change begins from: the name of the change before it, what was known, the log joint probability of that and a change
+/// that ends now, and of that and a change that began.
+struct Before {
+    id: u32,
+    known: Gaussian,
+    log: f64,
+    born: f64,
+}
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,10 +122,10 @@ impl Bank {
         }
     }
 
-    /// A mean of neighbouring samples, `seconds` after the one before. Returns whether it surprised the best hypothesis.
-    pub fn push(&mut self, time_ns: i64, sample: &Sample, seconds: f64, at: &Setting) -> bool {
-        let Some(place) = self.best_place() else { return false };
-        let Some(best) = &self.all[place] else { return false };
+    /// A mean of neighbouring samples, `seconds` after the one before.
+    pub fn push(&mut self, time_ns: i64, sample: &Sample, seconds: f64, at: &Setting) {
+        let Some(place) = self.best_place() else { return };
+        let Some(best) = &self.all[place] else { return };
         let (n, tuning) = (sample.count as f64, at.tuning);
         let judged = best.judges(at);
         let surprise = best.surprise(&sample.u, n, &at.level).filter(|(_, z2)| judged && 0.5 * z2 > at.half_square * n);
@@ -138,7 +148,6 @@ impl Bank {
         }
         self.fit(at);
         self.prune(time_ns, tuning);
-        surprise.is_some()
     }
 
     /// What may have changed within the latest `seconds`, from what the best hypothesis knew before.
@@ -158,45 +167,68 @@ impl Bank {
             parent.absorb_if_known(at);
         }
         let parent = parent.clone();
+        let begins = parent.log_joint() + expected(tuning.changes_per_h(), seconds).ln();
+        // what is large does not come without a surprise; what goes on for a while is not small
+        let sizes = if surprise.is_some() { 0..2 } else { 0..1 };
+        let miss = surprise.unwrap_or(0.0);
+        let before = Before { id: parent.id, known: parent.known, log: begins, born: begins };
+        self.begin_children(time_ns, &before, &parent, sample, (sizes, miss), at);
+        if surprise.is_none() {
+            self.consider_motion(&parent, at);
+        }
+        // or its change ends only now
+        if let Some((known, log)) = parent.former.zip(in_progress(&parent, at)) {
+            let log = log + (seconds / tuning.change_s).ln();
+            let before = Before { id: parent.parent, known, log, born: parent.born };
+            self.begin_children(time_ns, &before, &parent, sample, (1..2, miss), at);
+        }
+    }
+
+    /// All kinds of changes of these sizes.
+    fn begin_children(
+        &mut self,
+        time_ns: i64,
+        before: &Before,
+        parent: &Hypothesis,
+        sample: &Sample,
+        (sizes, miss): (Range<usize>, f64),
+        at: &Setting,
+    ) {
+        let tuning = at.tuning;
         let centre = if (sample.u - parent.centre()).norm() > FAR { sample.u } else { *parent.centre() };
         // kinds share the rate of changes
-        let log_device = parent.log_joint() + expected(tuning.devices_per_h, seconds).ln();
-        let log_place = parent.log_joint() + expected(tuning.places_per_h, seconds).ln();
-        let child = |bank: &mut Self, kind, size: usize, prior: &Gaussian, log: f64| {
-            if let Some(mut child) = Hypothesis::new(kind, prior, &centre, log, at) {
-                (child.size, child.parent) = (size as u8, parent.id);
-                child.former = Some(parent.known);
+        let Before { id, ref known, log, born } = *before;
+        let log_device = log + (tuning.devices_per_h / tuning.changes_per_h()).ln();
+        let log_place = log + (tuning.places_per_h / tuning.changes_per_h()).ln();
+        let child = |bank: &mut Self, kind, size: usize, prior: &Gaussian, log_child: f64| {
+            if let Some(mut child) = Hypothesis::new(kind, prior, &centre, log_child, at) {
+                (child.size, child.parent) = (size as u8, id);
+                (child.former, child.born) = (Some(*known), born);
                 child.set_motion(parent.moves, parent.rate(), at);
                 bank.begin_one(child, time_ns);
             }
         };
-        let (small, large) = (tuning.small_ut / at.unit_ut, tuning.large_ut / at.unit_ut);
-        let changed = |bank: &mut Self, kind, size, iron: f64, b: f64, of: f64| {
-            child(bank, kind, size, &after(&parent.known, iron, b), log_device - of.ln());
+        let changed = |bank: &mut Self, kind, size, iron: f64, b: f64| {
+            // with M or without; both sizes where both may be
+            let share = 2.0 * sizes.len() as f64;
+            child(bank, kind, size, &after(known, iron, b), log_device - share.ln());
         };
-        if let Some(e) = surprise {
+        for size in sizes.clone() {
+            let (b, iron, place) = match size {
+                0 => (tuning.small_ut, tuning.small_iron, tuning.small_place),
+                _ => (tuning.large_ut, tuning.large_iron, tuning.large_place),
+            };
             // a change is not much smaller than the miss that shows one component of it
-            let large = large.max(1.5 * e);
-            changed(self, Kind::HardIron, 0, NO_IRON, small, 4.0);
-            changed(self, Kind::HardIron, 1, NO_IRON, large, 4.0);
-            changed(self, Kind::All, 0, tuning.small_iron, small, 8.0);
-            changed(self, Kind::All, 1, tuning.large_iron, large, 8.0);
-            for (index, former) in self.former.into_iter().flatten().enumerate() {
-                child(
-                    self,
-                    Kind::Former,
-                    index,
-                    &after(&former, NO_IRON, FORMER_UT / at.unit_ut),
-                    log_device - 8.0_f64.ln(),
-                );
-            }
-        } else {
-            changed(self, Kind::HardIron, 0, NO_IRON, small, 2.0);
-            changed(self, Kind::All, 0, tuning.small_iron, small, 4.0);
-            self.consider_motion(&parent, at);
+            let b = if size == 0 { b / at.unit_ut } else { (b / at.unit_ut).max(1.5 * miss) };
+            changed(self, Kind::HardIron, size, NO_IRON, b);
+            changed(self, Kind::All, size, iron, b);
+            child(self, Kind::Place, size, &elsewhere(known, place), log_place - (sizes.len() as f64).ln());
         }
-        for (index, size) in [tuning.small_place, tuning.large_place].into_iter().enumerate() {
-            child(self, Kind::Place, index, &elsewhere(&parent.known, size), log_place - LN_2);
+        if sizes.contains(&1) {
+            for (index, former) in self.former.into_iter().flatten().enumerate() {
+                let prior = after(&former, NO_IRON, FORMER_UT / at.unit_ut);
+                child(self, Kind::Former, index, &prior, log_device - 8.0_f64.ln());
+            }
         }
     }
 
@@ -293,18 +325,21 @@ impl Bank {
     }
 
     /// Mean and second moment of all hypotheses by their probability; None while there are none.
-    pub fn mixture(&self) -> Option<Gaussian> {
-        let top = self.best()?.log_joint();
-        let weight = |h: &Hypothesis| (h.log_joint() - top).exp();
-        let sum: f64 = self.each().map(weight).sum();
-        let mean: Tau = self.each().map(|h| h.known.mean * (weight(h) / sum)).sum();
+    pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
+        let best = self.best()?;
+        let top = best.log_joint();
+        let changing = best.former.zip(in_progress(best, at)).map(|(former, log)| {
+            let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut);
+            (elsewhere(&wide, at.tuning.large_place), log)
+        });
+        let all =
+            || self.each().map(|h| (h.known, h.log_joint())).chain(changing).map(|(g, log)| (g, (log - top).exp()));
+        let sum: f64 = all().map(|(_, weight)| weight).sum();
+        let mean: Tau = all().map(|(known, weight)| known.mean * (weight / sum)).sum();
         let mut covariance = TauMatrix::zeros();
-        for hypothesis in self.each() {
-            let share = weight(hypothesis) / sum;
-            if share > NO_WEIGHT {
-                let off = hypothesis.known.mean - mean;
-                covariance += (hypothesis.known.covariance + off * off.transpose()) * share;
-            }
+        for (known, weight) in all().filter(|(_, weight)| *weight > NO_WEIGHT * sum) {
+            let off = known.mean - mean;
+            covariance += (known.covariance + off * off.transpose()) * (weight / sum);
         }
         Some(Gaussian { mean, covariance })
     }
@@ -321,6 +356,13 @@ impl Bank {
 /// How many changes are expected within some seconds.
 fn expected(per_h: f64, seconds: f64) -> f64 {
     per_h * seconds / 3600.0
+}
+
+/// Log joint probability of a change that began when the hypothesis did and is not over: of the groups since then nothing is
+/// known but that they are within a large change of where they were.
+fn in_progress(begun: &Hypothesis, at: &Setting) -> Option<f64> {
+    let per_group = (at.tuning.small_ut / at.unit_ut / at.level.white.sqrt()).ln();
+    begun.former.map(|_| begun.born - begun.passed * per_group)
 }
 
 /// What was known, after a change of M by a relative `iron` and of b by `b` units, as standard deviations.

@@ -72,6 +72,9 @@ pub(super) struct Hypothesis {
     damping: f64,
     /// What was known before the change, until the change is certain.
     pub former: Option<Gaussian>,
+    /// Log joint probability of that and a change at the onset, and groups of samples since.
+    pub born: f64,
+    pub passed: f64,
     /// Expected direction error all around, rad^2.
     pub error: f64,
     next_twin: f64,
@@ -161,6 +164,8 @@ impl Hypothesis {
             missed: 0.0,
             damping: 0.0,
             former: None,
+            born: base,
+            passed: 0.0,
             error: f64::MAX,
             next_twin: 8.0,
         })
@@ -203,6 +208,7 @@ impl Hypothesis {
     pub fn continues(&mut self, other: &Self) {
         (self.id, self.size, self.parent) = (other.id, other.size, other.parent);
         (self.age, self.former, self.error, self.onset_ns) = (other.age, other.former, other.error, other.onset_ns);
+        (self.born, self.passed) = (other.born, other.passed);
         self.next_fit = 8.0;
     }
 
@@ -229,6 +235,7 @@ impl Hypothesis {
         let baseline = per_sample(level.white, level.kappa) + vertical;
         let z2 = e * e / (level.white / n + level.uneven + DOUBT * rho / level.kappa);
         self.age += n;
+        self.passed += 1.0;
         if sample.stale {
             return;
         }

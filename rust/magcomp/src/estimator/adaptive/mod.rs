@@ -78,7 +78,6 @@ pub(crate) struct Adaptive {
     latest_ns: Option<i64>,
     group_ns: Option<i64>,
     published: Option<Published>,
-    surprised: bool,
     worst: f64,
     decision: Decision,
     count: u64,
@@ -88,12 +87,7 @@ impl Adaptive {
     /// Knows nothing but, perhaps, the field's strength, uT, and a calibration to begin with.
     pub fn new(strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
         let unit_ut = typical_field_ut(strength_ut);
-        let mut tuning = Tuning::PHONE;
-        for (k, v) in std::env::vars() {
-            if let Some(name) = k.strip_prefix("T_") {
-                assert!(tuning.set(name, v.parse().unwrap()), "{name}");
-            }
-        }
+        let tuning = Tuning::PHONE;
         Self {
             tuning,
             unit_ut,
@@ -107,7 +101,6 @@ impl Adaptive {
             latest_ns: None,
             group_ns: None,
             published: None,
-            surprised: false,
             worst: 0.0,
             decision: Decision::default(),
             count: 0,
@@ -172,7 +165,7 @@ impl Adaptive {
         if !stale {
             self.learn_noise(group, &at);
         }
-        self.surprised = self.bank.push(group.began_ns(), &sample, seconds.min(1.0), &at);
+        self.bank.push(group.began_ns(), &sample, seconds.min(1.0), &at);
         self.publish(group.began_ns());
     }
 
@@ -193,9 +186,7 @@ impl Adaptive {
             let (e, g) = vertical::miss(&known.mean, &group.mean(), &up);
             let rho = g.dot(&(known.covariance * g)).max(0.0);
             let lasting = rho < self.noise.tilt();
-            for _ in 0..group.samples().len() {
-                self.noise.vertical(e, rho / level.kappa, lasting);
-            }
+            self.noise.vertical((e, count), rho / level.kappa, lasting);
         }
         for u in group.samples() {
             if let Some((e, g)) = parameters::distance(&known.mean, u) {
@@ -218,7 +209,8 @@ impl Adaptive {
 
     /// The mixture, where it is known well enough or much better than what is in force; else that, as sure as the mixture says.
     fn publish(&mut self, time_ns: i64) {
-        let Some(mixture) = self.bank.mixture() else { return };
+        let tuning = self.tuning;
+        let Some(mixture) = self.bank.mixture(&self.setting(&tuning)) else { return };
         let mixture = Published::new(mixture, self.unit_ut, self.strength_ut);
         let narrow = self.tuning.publish_deg.to_radians().powi(2);
         let held = self.published.filter(|_| mixture.error >= narrow).map(|published| {
@@ -241,10 +233,11 @@ impl Adaptive {
     }
 
     fn output(&self, u: &Vector3<f64>) -> AdaptiveOutput {
-        let level = self.noise.level();
+        let tuning = self.tuning;
+        let at = self.setting(&tuning);
         let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
         AdaptiveOutput {
-            corrected_ut: self.published.and_then(|published| published.correct(u, &level, self.surprised)),
+            corrected_ut: self.published.and_then(|published| published.correct(u, &at)),
             direction_sigma_deg: self.published.map(|published| degrees(published.error)),
             worst_sigma_deg: self.published.map(|_| degrees(self.worst)),
             order: self.decision.order,

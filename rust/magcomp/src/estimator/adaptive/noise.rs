@@ -118,9 +118,10 @@ impl Lasting {
         Self { believed, bin: (0.0, 0.0), scales: [Scale::default(); LEVELS], square, worth_s }
     }
 
-    fn add(&mut self, e: f64, white: f64, period_s: f64) {
-        self.bin.0 += e;
-        self.bin.1 += 1.0;
+    /// The mean of so many errors.
+    fn add(&mut self, e: f64, count: f64, white: f64, period_s: f64) {
+        self.bin.0 += count * e;
+        self.bin.1 += count;
         if self.bin.1 * period_s < 0.75 * BIN_S {
             return;
         }
@@ -189,7 +190,8 @@ impl Lasting {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Errors {
     white: Mean,
-    latest: Option<f64>,
+    /// The latest mean, and of how many.
+    latest: Option<(f64, f64)>,
     lasting: Lasting,
 }
 
@@ -198,16 +200,17 @@ impl Errors {
         Self { white: Mean::new(white), latest: None, lasting: Lasting::new(believed) }
     }
 
-    /// What a prediction misses, the variance of that prediction, the white variance; `lasting` where the prediction is good
-    /// enough to tell what lasts.
-    fn add(&mut self, e: f64, rho: f64, white: f64, period_s: f64, lasting: bool) {
-        if let Some(latest) = self.latest {
-            self.white.add(0.5 * (e - latest).powi(2), white / (white + rho));
+    /// What predictions of `count` neighbours miss in the mean, the variance of the predictions, the white variance; `lasting`
+    /// where they are good enough to tell what lasts.
+    fn add(&mut self, (e, count): (f64, f64), rho: f64, white: f64, period_s: f64, lasting: bool) {
+        if let Some((latest, before)) = self.latest {
+            let square = (e - latest).powi(2) / (1.0 / count + 1.0 / before);
+            self.white.add(square, white / (white + rho));
         }
-        self.latest = Some(e);
+        self.latest = Some((e, count));
         if lasting {
             let most = 3.0 * (white + 4.0 * self.lasting.square).sqrt();
-            self.lasting.add(e.clamp(-most, most), white, period_s);
+            self.lasting.add(e.clamp(-most, most), count, white, period_s);
         }
     }
 
@@ -294,11 +297,11 @@ impl Noise {
     /// A sample's distance from the ellipsoid predicted, and the variance of that prediction; `lasting` where the prediction is
     /// good enough to tell what lasts.
     pub fn distance(&mut self, e: f64, rho: f64, lasting: bool) {
-        self.distance.add(e, rho, self.white(), self.period_s, lasting);
+        self.distance.add((e, 1.0), rho, self.white(), self.period_s, lasting);
     }
 
-    /// What a sample's vertical part misses, in field strengths, and the variance of its prediction.
-    pub fn vertical(&mut self, e: f64, rho: f64, lasting: bool) {
+    /// What the vertical part of so many neighbours misses in the mean, in field strengths, and the variance of its prediction.
+    pub fn vertical(&mut self, e: (f64, f64), rho: f64, lasting: bool) {
         self.vertical.add(e, rho, self.white_vertical(), self.period_s, lasting);
     }
 

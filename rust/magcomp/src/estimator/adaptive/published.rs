@@ -3,8 +3,8 @@
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
 use super::angle;
-use super::noise::Level;
-use super::parameters::{Gaussian, centre, is_bounded, see, shape, six, vector_gradient};
+use super::parameters::{Gaussian, centre, distance, is_bounded, see, shape, six, vector_gradient};
+use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::snapshot::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -30,9 +30,9 @@ impl Published {
         Self { known, error: angle::expected(&known), unit_ut, strength_ut }
     }
 
-    /// The worst direction error, rad^2: the largest variance of tau.
+    /// The worst direction error, rad^2: the largest variance of T and beta.
     pub fn worst(&self) -> f64 {
-        self.known.covariance.symmetric_eigenvalues().max()
+        self.known.covariance.fixed_view::<9, 9>(0, 0).symmetric_eigenvalues().max()
     }
 
     /// |h| in uT: as given, or the geometric mean of the half axes.
@@ -40,13 +40,16 @@ impl Published {
         self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
     }
 
-    /// A sample corrected, uT, and its covariance, uT^2; `surprised` where no hypothesis expected it.
-    pub fn correct(&self, u: &Vector3<f64>, level: &Level, surprised: bool) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    /// A sample corrected, uT, and its covariance, uT^2.
+    pub fn correct(&self, u: &Vector3<f64>, at: &Setting) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let seen = see(&self.known.mean, u)?;
         let t = shape(&self.known.mean);
         let g = vector_gradient(&self.known.mean, &seen.offset);
-        // by what a sample that is left out misses the sphere it may be off across it, too
-        let missed = if surprised { (seen.radius - 1.0).powi(2) } else { 0.0 };
+        let level = &at.level;
+        // by what a sample that nothing explains misses the sphere it may be off across it, too
+        let (miss, along) = distance(&self.known.mean, u)?;
+        let variance = level.white + level.uneven + along.dot(&(self.known.covariance * along)).max(0.0);
+        let missed = if 0.5 * miss * miss > at.half_square * variance { (seen.radius - 1.0).powi(2) } else { 0.0 };
         let noise = t * t * (level.white + level.uneven) + Matrix3::from_diagonal_element(missed);
         let covariance = g * self.known.covariance * g.transpose() + noise;
         let strength = self.strength_of(&t);

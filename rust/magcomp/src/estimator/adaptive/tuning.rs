@@ -83,7 +83,7 @@ choices! {
         /// Expected direction error above which another lobe of the ellipsoid is looked for
         twin_deg: 3.0, "deg", "families";
         /// Expected direction error below which an estimate is published
-        publish_deg: 10.0, "deg", "a quarter of a compass rose's sector";
+        publish_deg: 10.0, "deg", "half a compass rose's sector of 22.5";
         /// Probability from which a change is decided
         certain: 0.99, "", "one false decision in a hundred";
         /// Least change of directions that is told
@@ -98,5 +98,12 @@ choices! {
         growth: 1.3, "", "families";
         /// Levenberg-Marquardt iterations that a sample may cost
         iterations: 12.0, "", "the longest push";
+    }
+}
+
+impl Tuning {
+    /// Changes of either.
+    pub(super) fn changes_per_h(&self) -> f64 {
+        self.devices_per_h + self.places_per_h
     }
 }
