@@ -27,19 +27,19 @@ const SAME_FORMER: f64 = 0.03;
 /// Samples of the best hypothesis before a change that no sample announces is looked for, s.
 const YOUNG_S: f64 = 0.32;
 /// Mixture weights below this do not count.
-const NO_WEIGHT: f64 = 0.01;
+const NO_WEIGHT: f64 = 1e-5;
 /// A former calibration is believed to hold again up to this, uT.
 const FORMER_UT: f64 = 0.3;
 /// A centre of the coordinates further from the samples than this (units) is moved: moments about it are badly conditioned.
 const FAR: f64 = 6.0;
 
 /// What a change begins from: the name of the change before it, what was known, the log joint probability of that and a change
-/// that ends now, and of that and a change that began.
+/// that is over now; and of a change that is not, with the latest miss.
 struct Before {
     id: u32,
     known: Gaussian,
     log: f64,
-    born: f64,
+    born: (f64, f64),
 }
 
 /// See the module.
@@ -171,15 +171,15 @@ impl Bank {
         // what is large does not come without a surprise; what goes on for a while is not small
         let sizes = if surprise.is_some() { 0..2 } else { 0..1 };
         let miss = surprise.unwrap_or(0.0);
-        let before = Before { id: parent.id, known: parent.known, log: begins, born: begins };
+        let before = Before { id: parent.id, known: parent.known, log: begins, born: (begins, 0.0) };
         self.begin_children(time_ns, &before, &parent, sample, (sizes, miss), at);
         if surprise.is_none() {
             self.consider_motion(&parent, at);
         }
         // or its change ends only now
-        if let Some((known, log)) = parent.former.zip(in_progress(&parent, at)) {
-            let log = log + (seconds / tuning.change_s).ln();
-            let before = Before { id: parent.parent, known, log, born: parent.born };
+        if let Some(known) = parent.former {
+            let log = parent.in_progress + (seconds / tuning.change_s).ln();
+            let before = Before { id: parent.parent, known, log, born: (parent.in_progress, parent.missed_before) };
             self.begin_children(time_ns, &before, &parent, sample, (1..2, miss), at);
         }
     }
@@ -203,7 +203,8 @@ impl Bank {
         let child = |bank: &mut Self, kind, size: usize, prior: &Gaussian, log_child: f64| {
             if let Some(mut child) = Hypothesis::new(kind, prior, &centre, log_child, at) {
                 (child.size, child.parent) = (size as u8, id);
-                (child.former, child.born) = (Some(*known), born);
+                child.former = Some(*known);
+                (child.in_progress, child.missed_before) = born;
                 child.set_motion(parent.moves, parent.rate(), at);
                 bank.begin_one(child, time_ns);
             }
@@ -328,9 +329,9 @@ impl Bank {
     pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
         let best = self.best()?;
         let top = best.log_joint();
-        let changing = best.former.zip(in_progress(best, at)).map(|(former, log)| {
+        let changing = best.former.map(|former| {
             let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut);
-            (elsewhere(&wide, at.tuning.large_place), log)
+            (elsewhere(&wide, at.tuning.large_place), best.in_progress)
         });
         let all =
             || self.each().map(|h| (h.known, h.log_joint())).chain(changing).map(|(g, log)| (g, (log - top).exp()));
@@ -356,13 +357,6 @@ impl Bank {
 /// How many changes are expected within some seconds.
 fn expected(per_h: f64, seconds: f64) -> f64 {
     per_h * seconds / 3600.0
-}
-
-/// Log joint probability of a change that began when the hypothesis did and is not over: of the groups since then nothing is
-/// known but that they are within a large change of where they were.
-fn in_progress(begun: &Hypothesis, at: &Setting) -> Option<f64> {
-    let per_group = (at.tuning.small_ut / at.unit_ut / at.level.white.sqrt()).ln();
-    begun.former.map(|_| begun.born - begun.passed * per_group)
 }
 
 /// What was known, after a change of M by a relative `iron` and of b by `b` units, as standard deviations.

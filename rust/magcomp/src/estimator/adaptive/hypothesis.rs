@@ -72,9 +72,10 @@ pub(super) struct Hypothesis {
     damping: f64,
     /// What was known before the change, until the change is certain.
     pub former: Option<Gaussian>,
-    /// Log joint probability of that and a change at the onset, and groups of samples since.
-    pub born: f64,
-    pub passed: f64,
+    /// Log joint probability of a change that began then and is in progress still, as long as `former` is there: by how much
+    /// samples miss what was known before differs from one group to the next by about a small change.
+    pub in_progress: f64,
+    pub missed_before: f64,
     /// Expected direction error all around, rad^2.
     pub error: f64,
     next_twin: f64,
@@ -164,8 +165,8 @@ impl Hypothesis {
             missed: 0.0,
             damping: 0.0,
             former: None,
-            born: base,
-            passed: 0.0,
+            in_progress: base,
+            missed_before: 0.0,
             error: f64::MAX,
             next_twin: 8.0,
         })
@@ -208,7 +209,7 @@ impl Hypothesis {
     pub fn continues(&mut self, other: &Self) {
         (self.id, self.size, self.parent) = (other.id, other.size, other.parent);
         (self.age, self.former, self.error, self.onset_ns) = (other.age, other.former, other.error, other.onset_ns);
-        (self.born, self.passed) = (other.born, other.passed);
+        (self.in_progress, self.missed_before) = (other.in_progress, other.missed_before);
         self.next_fit = 8.0;
     }
 
@@ -235,9 +236,14 @@ impl Hypothesis {
         let baseline = per_sample(level.white, level.kappa) + vertical;
         let z2 = e * e / (level.white / n + level.uneven + DOUBT * rho / level.kappa);
         self.age += n;
-        self.passed += 1.0;
         if sample.stale {
             return;
+        }
+        if let Some((miss, _)) = self.former.and_then(|former| distance(&former.mean, &sample.u)) {
+            let small = at.tuning.small_ut / at.unit_ut;
+            let step = (miss - self.missed_before) / small;
+            self.in_progress -= (small / level.white.sqrt()).ln() + 0.5 * step * step;
+            self.missed_before = miss;
         }
         if self.judges(at) && 0.5 * z2 > at.half_square * n || e.abs() > FARTHEST {
             let cost = at.price * n - baseline;
