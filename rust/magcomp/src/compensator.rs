@@ -72,6 +72,8 @@ struct Inputs {
     astray_ns: i64,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
+    /// The gyroscope was found to read nonsense. It is tried again once it has been gone.
+    is_gyroscope_useless: bool,
     mode: SensorMode,
     event: Option<Event>,
     tilt: Tilt,
@@ -169,6 +171,7 @@ impl Compensator {
         if let Active::Aided(aided) = &*self.active {
             let (bias_rad_s, scale) = aided.gyroscope();
             self.pairing.assume(bias_rad_s, scale);
+            self.inputs.is_gyroscope_useless = aided.is_gyroscope_useless();
         }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
@@ -180,13 +183,14 @@ impl Compensator {
         let (Method::Auto | Method::Aided, Some(latest)) = (self.config.method, self.inputs.latest) else {
             return paired;
         };
+        let Some(rotated_ns) = self.inputs.rotated_ns else { return paired };
+        let is_gone = latest.time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
+        if is_gone {
+            self.inputs.is_gyroscope_useless = false;
+        }
         // a pause of all sensors is no loss of the gyroscope
-        let has_gyroscope = self.config.method == Method::Aided
-            || self
-                .inputs
-                .rotated_ns
-                .is_some_and(|at| latest.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS || Some(at) == previous_ns);
-        match (&*self.active, has_gyroscope) {
+        let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
+        match (&*self.active, is_usable) {
             (Active::Adaptive(_), true) => {
                 *self.active = Active::aided(&self.config, self.active.calibration());
                 // it does not know yet where the field points: this sample goes in as one after a pause
