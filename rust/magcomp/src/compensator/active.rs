@@ -124,7 +124,9 @@ fn by_aided(aided: &mut Aided, sample: &MagneticSample, paired: &PairedInertial,
 fn by_adaptive(adaptive: &mut Adaptive, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
     adaptive.level(paired.up_m_s2);
     let output = adaptive.push(sample.time_ns, &sample.field_ut);
-    clerk.note(&sample.field_ut, || adaptive.calibration());
+    if clerk.note(&sample.field_ut, || adaptive.calibration()) {
+        clerk.measure();
+    }
     Answer {
         field_ut: output.corrected_ut.map(|(field, _)| field),
         field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2()),

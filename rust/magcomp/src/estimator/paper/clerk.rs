@@ -86,19 +86,22 @@ impl Clerk {
         &self.cells
     }
 
-    /// (15) over the latest N_min samples, as it was when a calibration was noted last.
+    /// (15) over the latest N_min samples, as they were at [`Clerk::measure`].
     pub fn sigma_t(&self) -> Option<f64> {
         self.noted.sigma_t
     }
 
-    /// A sample that an estimator without a window has answered. Now and then it is asked for its calibration.
-    pub fn note(&mut self, raw_ut: &Vector3<f64>, calibration: impl FnOnce() -> Option<Calibration>) {
+    /// A sample that an estimator without a window has answered. Now and then it is asked for its calibration: whether it was.
+    pub fn note(&mut self, raw_ut: &Vector3<f64>, calibration: impl FnOnce() -> Option<Calibration>) -> bool {
         let asks = self.is_due();
         self.enter(raw_ut);
         self.look_through(if asks { calibration() } else { None });
-        if asks {
-            self.noted.sigma_t = self.variability().0;
-        }
+        asks
+    }
+
+    /// Forms (15), seen through the calibration noted last.
+    pub fn measure(&mut self) {
+        self.noted.sigma_t = self.variability().0;
     }
 
     /// From now on samples are seen through this, where there is one.
