@@ -3353,7 +3353,7 @@ public enum HoldReason: Equatable, Hashable {
      */
     case tooLittleRotation
     /**
-     * The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
      */
     case noGyroscope
 
@@ -3787,11 +3787,11 @@ public func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuf
 public enum Method: Equatable, Hashable {
 
     /**
-     * `Aided` while rotation rates arrive, else `Adaptive`.
+     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
      */
     case auto
     /**
-     * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+     * The same as `Auto`.
      */
     case aided
     /**

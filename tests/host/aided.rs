@@ -163,6 +163,43 @@ fn a_gyroscope_that_goes_and_comes_back_is_reported_and_nothing_is_lost() {
 }
 
 #[test]
+fn a_gyroscope_that_reads_nonsense_is_left_to_itself() {
+    let mut compensator = compensator(Method::Aided);
+    let mut random = Random::new(8);
+    let truth = phone_like(1.0);
+    let mut reading = None;
+    for k in 0..1500_i64 {
+        let (time_ns, attitude) = (k * 10_000_000, Rotation3::new(random.normal3() * 2.0));
+        let rate_rad_s = random.normal3() * 0.003;
+        compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }).expect("in order");
+        let up_m_s2 = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81);
+        compensator.push_up(UpSample { time_ns, up_m_s2 }).expect("in order");
+        let field_ut = truth.distort(&(attitude.inverse() * FIELD_UT)) + random.normal3() * 0.5;
+        reading = Some(compensator.push(MagneticSample { time_ns, field_ut }));
+        if k > 300 {
+            let field = attitude.inverse() * FIELD_UT;
+            let error_deg = angle_deg(&reading.and_then(|it| it.field_ut).expect("calibrated"), &field);
+            assert!(error_deg < 5.0, "{error_deg} deg at {k}");
+        }
+    }
+    let reading = reading.expect("some samples");
+    assert_eq!((reading.status, reading.mode), (Status::Tracking, SensorMode::GravityOnly));
+}
+
+/// `Aided` is another name of `Auto`, with and without a gyroscope.
+#[test]
+fn aided_is_auto() {
+    let mut both = [Method::Auto, Method::Aided].map(|method| (compensator(method), Phone::new(9)));
+    for k in 0..1500 {
+        let [one, other] = both.each_mut().map(|(compensator, phone)| {
+            phone.gyroscope = !(100..300).contains(&k) && !(600..900).contains(&k);
+            phone.advance(compensator)
+        });
+        assert_eq!(one, other, "sample {k}");
+    }
+}
+
+#[test]
 fn at_rest_nothing_is_learned_and_the_reading_says_so() {
     let mut phone = Phone::new(4);
     let mut compensator = compensator(Method::Auto);

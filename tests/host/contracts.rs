@@ -6,7 +6,7 @@ use magcomp::nalgebra::{Matrix3, Rotation3, Vector3};
 use magcomp::{
     Calibration, CalibrationError, Compensator, Config, ConstantField, Disturbance, EventRejection, FactoryErrors,
     HeadingConfig, MagneticSample, Method, Reading, ReferenceAxis, RejectReason, Restored, RotationRateSample,
-    ScreenRotation, SnapshotError, Status, UpSample,
+    SNAPSHOT_VERSION, ScreenRotation, SnapshotError, Status, UpSample,
 };
 use magcomp_tests::{REF, Random, calibration, difference};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -466,6 +466,31 @@ fn a_calibration_that_was_kept_long_ago_is_read() {
     let zeros = format!("01{}", "0".repeat(2 * 8 * 13));
     assert_eq!(target.restore(&sealed(kept, "calibration", &zeros)), Err(SnapshotError::Damaged));
     assert_eq!(target.calibration(), Some(expected));
+}
+
+/// Written by the last build of version 1, whose state is laid out otherwise: its calibration alone is taken over.
+#[test]
+fn a_snapshot_of_version_1_brings_its_calibration() {
+    let kept = concat!(
+        r#"{"magcomp_snapshot":1,"crc32":"9a9d79c8","library":"0.1.0+e77e4914e69a1b60","calibration":""#,
+        "01000000000000f03f7b14ae47e17a943f00000000000000007b14ae47e17a943f5c8fc2f5285cef3f7b14ae47e17a84bf00000000",
+        "000000007b14ae47e17a84bf7b14ae47e17af03f0000000000005e4000000000000054c00000000000c072400000000000004840",
+        r#"","state":""}"#,
+    );
+    let m = Matrix3::new(1.0, 0.02, 0.0, 0.02, 0.98, -0.01, 0.0, -0.01, 1.03);
+    let expected = Calibration::new(m, Vector3::new(120.0, -80.0, 300.0), 48.0).expect("a phone's");
+    let mut target = compensator(&Config::default());
+    let today = target.snapshot();
+    // even a state that this build would read
+    let whole = sealed(&sealed(kept, "state", part(&today, "state")), "library", part(&today, "library"));
+    for text in [kept, &whole] {
+        Phone::new(52, calibration(&REF, 45.0)).run(&mut target, 20);
+        assert_eq!(target.restore(text), Ok(Restored::CalibrationOnly));
+        assert_eq!(target.calibration(), Some(expected));
+    }
+    assert!(today.starts_with(&format!("{{\"magcomp_snapshot\":{SNAPSHOT_VERSION},")));
+    let newer = today.replacen(&format!(":{SNAPSHOT_VERSION},"), &format!(":{},", SNAPSHOT_VERSION + 1), 1);
+    assert_eq!(target.restore(&newer), Err(SnapshotError::Newer { found: SNAPSHOT_VERSION + 1 }));
 }
 
 // 7. and 8. ranges

@@ -7,9 +7,9 @@ use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Method {
-    /// `Aided` while rotation rates arrive, else `Adaptive`.
+    /// Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
     Auto,
-    /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+    /// The same as `Auto`.
     Aided,
     /// The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
     Adaptive,

@@ -71,7 +71,7 @@ pub enum HoldReason {
     AtRest,
     /// The device has hardly been turned of late.
     TooLittleRotation,
-    /// The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
     NoGyroscope,
 }
 

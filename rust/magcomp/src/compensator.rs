@@ -1,6 +1,8 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, gives it to the estimator, corrects it, and
-//! forms the heading from the corrected field and the latest `up`. One file each: `check` (what a sample may be), `keep` (snapshots).
+//! forms the heading from the corrected field and the latest `up`. One file each:
+//! `active` (the estimators), `check` (what a sample may be), `keep` (snapshots).
 
+mod active;
 mod check;
 mod keep;
 
@@ -8,9 +10,7 @@ use crate::answer::Answer;
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError, Method, validate_heading};
 use crate::coverage::Coverage;
-use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::{Aided, AidedConfig, calibration_covariance};
-use crate::estimator::paper::Windowed;
+use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::quadric::EllipsoidFit;
 use crate::reading::{Event, Reading, SensorMode, Status};
@@ -18,15 +18,12 @@ use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::tilt::Tilt;
 use crate::snapshot::{LARGEST_COUNT, checked};
+use active::Active;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
-/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
-/// in two laboratories.
-const UNEVEN_UT: f64 = 1.3;
-
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
 /// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
@@ -55,13 +52,12 @@ const UNEVEN_UT: f64 = 1.3;
 pub struct Compensator {
     config: Config,
     pairing: InertialPairing,
-    aided: Aided,
-    adaptive: Box<Adaptive>,
-    windowed: Windowed,
+    active: Box<Active>,
+    clerk: Clerk,
     inputs: Inputs,
 }
 
-/// What the checks of the next sample look at, and which estimator answers.
+/// What the checks of the next sample look at, and which estimator is to answer it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
 struct Inputs {
@@ -76,16 +72,11 @@ struct Inputs {
     astray_ns: i64,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
-    /// The aided estimator answered the latest sample, not one with the magnetometer alone.
-    aided: bool,
+    /// The gyroscope was found to read nonsense. It is tried again once it has been gone.
+    is_gyroscope_useless: bool,
     mode: SensorMode,
     event: Option<Event>,
     tilt: Tilt,
-}
-
-/// Covariance of what no calibration knows, uT^2.
-fn uneven_ut2() -> Matrix3<f64> {
-    Matrix3::identity() * UNEVEN_UT.powi(2)
 }
 
 checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT);
@@ -99,17 +90,16 @@ impl Compensator {
         config.validate()?;
         Ok(Self {
             pairing: InertialPairing::new(),
-            aided: Aided::new(AidedConfig::default(), config.field_strength_ut),
-            adaptive: Box::new(Adaptive::new(config.field_strength_ut, config.initial)),
-            windowed: Self::windowed(&config),
+            active: Box::new(Active::new(&config, config.initial)),
+            clerk: Self::clerk(&config),
             inputs: Inputs::default(),
             config,
         })
     }
 
-    /// The paper's estimator for a config.
-    fn windowed(config: &Config) -> Windowed {
-        Windowed::new(config.windowed, config.method == Method::Constant, config.field_strength_ut, config.initial)
+    /// A clerk for a config.
+    fn clerk(config: &Config) -> Clerk {
+        Clerk::new(config.windowed, config.field_strength_ut, config.initial)
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -131,11 +121,12 @@ impl Compensator {
     /// From now on this calibration is in force, until something better is learned: for instance one the operating
     /// system reports. The stream goes on. Every [`Calibration`] can be adopted: its ranges were checked when it was made.
     pub fn adopt(&mut self, calibration: Calibration) {
-        self.windowed.adopt(calibration);
-        self.aided.begin_from(&calibration);
-        *self.adaptive = Adaptive::new(self.config.field_strength_ut, Some(calibration));
-        // it does not know yet where the field points: the next sample goes in as one after a pause
-        self.inputs.aided = false;
+        match &mut *self.active {
+            Active::Windowed(windowed) => windowed.adopt(calibration),
+            // the aided one takes over with the next rotation
+            other => *other = Active::new(&self.config, Some(calibration)),
+        }
+        self.clerk.look_through(Some(calibration));
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -175,114 +166,41 @@ impl Compensator {
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
-        let aided = match self.config.method {
-            Method::Aided => true,
-            // a pause of all sensors is no loss of the gyroscope
-            Method::Auto => self
-                .inputs
-                .rotated_ns
-                .is_some_and(|at| sample.time_ns.saturating_sub(at) <= GYROSCOPE_GONE_NS || Some(at) == previous_ns),
-            Method::Adaptive | Method::Windowed | Method::Constant => false,
-        };
-        let answer = match self.config.method {
-            _ if aided => self.aided_answer(&sample, &paired),
-            Method::Windowed | Method::Constant => self.windowed_answer(&sample, &paired),
-            _ => self.adaptive_answer(&sample, &paired),
-        };
+        let paired = self.hand_over(paired, previous_ns);
+        let answer = self.active.push(&sample, &paired, &mut self.clerk);
+        if let Active::Aided(aided) = &*self.active {
+            let (bias_rad_s, scale) = aided.gyroscope();
+            self.pairing.assume(bias_rad_s, scale);
+            self.inputs.is_gyroscope_useless = aided.is_gyroscope_useless();
+        }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
         self.reading(sample.time_ns, answer)
     }
 
-    fn aided_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
-        let output = if self.inputs.aided {
-            self.aided.push(sample.time_ns, sample.field_ut, paired)
-        } else {
-            self.inputs.aided = true;
-            let found = self.adaptive.calibration().or(self.windowed.fit().map(|fit| fit.calibration));
-            if let Some(calibration) =
-                found.or(self.windowed.calibration().filter(|_| self.aided.calibration().is_none()))
-            {
-                self.aided.begin_from(&calibration);
-            }
-            // how the device turned while the magnetometer was alone is not known
-            let unknown = PairedInertial { rotation: None, ..*paired };
-            self.aided.push(sample.time_ns, sample.field_ut, &unknown)
+    /// The estimator that the sensors allow takes over, from the calibration in force. Returns what it may use of them.
+    fn hand_over(&mut self, paired: PairedInertial, previous_ns: Option<i64>) -> PairedInertial {
+        let (Method::Auto | Method::Aided, Some(latest)) = (self.config.method, self.inputs.latest) else {
+            return paired;
         };
-        let (bias_rad_s, scale) = self.aided.gyroscope();
-        self.pairing.assume(bias_rad_s, scale);
-        let known = if self.windowed.wants_calibration() { self.aided.calibration() } else { None };
-        self.windowed.note(&sample.field_ut, known);
-        Answer {
-            field_ut: output.corrected_ut,
-            field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
-            filtered_field_ut: output.filtered_ut,
-            filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
-            up: output.up,
-            tilt_rad2: output.tilt_rad2,
-            sigma_t: None,
-            direction_sigma_deg: None,
-            worst_sigma_deg: None,
-            model_order: None,
-            mode: output.mode,
-            event: output.event,
-            status: output.status,
+        let Some(rotated_ns) = self.inputs.rotated_ns else { return paired };
+        let is_gone = latest.time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
+        if is_gone {
+            self.inputs.is_gyroscope_useless = false;
         }
-    }
-
-    fn adaptive_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
-        if self.inputs.aided {
-            self.inputs.aided = false;
-            *self.adaptive = Adaptive::new(self.config.field_strength_ut, self.aided.calibration());
-        }
-        self.adaptive.level(paired.up_m_s2);
-        let output = self.adaptive.push(sample.time_ns, &sample.field_ut);
-        let wanted = self.windowed.wants_calibration();
-        self.windowed.note(&sample.field_ut, if wanted { self.adaptive.calibration() } else { None });
-        if wanted {
-            self.windowed.measure();
-        }
-        Answer {
-            field_ut: output.corrected_ut.map(|(field, _)| field),
-            field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2()),
-            up: paired.up_m_s2,
-            sigma_t: self.windowed.sigma_t(),
-            direction_sigma_deg: output.direction_sigma_deg,
-            worst_sigma_deg: output.worst_sigma_deg,
-            model_order: output.corrected_ut.map(|_| output.order),
-            event: output.event,
-            ..Answer::none(
-                if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly },
-                output.status,
-            )
-        }
-    }
-
-    fn windowed_answer(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> Answer {
-        if self.inputs.aided {
-            self.inputs.aided = false;
-            if let Some(calibration) = self.aided.calibration() {
-                self.windowed.adopt(calibration);
+        // a pause of all sensors is no loss of the gyroscope
+        let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
+        match (&*self.active, is_usable) {
+            (Active::Adaptive(_), true) => {
+                *self.active = Active::aided(&self.config, self.active.calibration());
+                // it does not know yet where the field points: this sample goes in as one after a pause
+                PairedInertial { rotation: None, ..paired }
             }
-        }
-        let step = self.windowed.push(sample.time_ns, &sample.field_ut);
-        let field_ut = self.windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
-        let field_ut = field_ut.filter(|field| field.norm().is_finite());
-        let covariance = self.windowed.fit().zip(field_ut).map(|(fit, field)| {
-            let w = fit.calibration.soft_iron_inverse();
-            let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
-            calibration_covariance(&fit.covariance, w, &field) + noise
-        });
-        Answer {
-            field_ut,
-            field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2()),
-            up: paired.up_m_s2,
-            sigma_t: step.sigma_t,
-            direction_sigma_deg: self.windowed.fit().map(|fit| fit.direction_sigma_deg),
-            ..Answer::none(
-                if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly },
-                step.status,
-            )
+            (Active::Aided(_), false) => {
+                *self.active = Active::new(&self.config, self.active.calibration());
+                paired
+            }
+            _ => paired,
         }
     }
 
@@ -301,8 +219,8 @@ impl Compensator {
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,
             model_order: answer.model_order,
-            window: if self.is_adaptive() { self.adaptive.window() } else { self.windowed.window() },
-            coverage: self.windowed.coverage().share(),
+            window: self.active.window(&self.clerk),
+            coverage: self.clerk.coverage().share(),
             mode: answer.mode,
             event: self.inputs.event,
             status: answer.status,
@@ -334,47 +252,32 @@ impl Compensator {
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        match self.is_adaptive() {
-            true => self.adaptive.calibration(),
-            false if self.inputs.aided => self.aided.calibration(),
-            false => self.windowed.calibration(),
-        }
-    }
-
-    /// Whether the adaptive estimator answers.
-    fn is_adaptive(&self) -> bool {
-        !self.inputs.aided && matches!(self.config.method, Method::Adaptive | Method::Auto)
+        self.active.calibration()
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
     #[must_use]
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        match self.is_adaptive() {
-            true => self.adaptive.covariance(),
-            false if self.inputs.aided => self.aided.covariance(),
-            false => self.windowed.fit().map(|fit| fit.covariance),
-        }
+        self.active.covariance()
     }
 
     /// The latest ellipsoid fit that was accepted. None for the aided and the adaptive method, which make none.
     #[must_use]
     pub fn fit(&self) -> Option<&EllipsoidFit> {
-        self.windowed.fit()
+        self.active.fit()
     }
 
     /// Which directions the window has seen, for guidance.
     #[must_use]
     pub fn coverage(&self) -> &Coverage {
-        self.windowed.coverage()
+        self.clerk.coverage()
     }
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        let Config { field_strength_ut, initial, .. } = self.config;
         self.pairing = InertialPairing::new();
-        self.aided = Aided::new(AidedConfig::default(), field_strength_ut);
-        *self.adaptive = Adaptive::new(field_strength_ut, initial);
-        self.windowed.restart(initial);
+        *self.active = Active::new(&self.config, self.config.initial);
+        self.clerk.restart(self.config.initial);
         self.inputs = Inputs::default();
     }
 }

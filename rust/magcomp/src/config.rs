@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Method {
-    /// `Aided` while rotation rates arrive, else `Adaptive`. The default.
+    /// Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope. The default.
     #[default]
     Auto,
-    /// Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+    /// The same as `Auto`.
     Aided,
     /// The magnetometer alone: a fit of everything since the latest change, changes noticed by themselves.
     Adaptive,

@@ -29,7 +29,7 @@
 //! | ours, the magnetometer alone: a bank of hypotheses over exact moments | [`Method::Adaptive`] | `estimator/adaptive/` |
 //! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
 //! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
-//! | which directions were seen | [`Coverage`] | `coverage.rs` |
+//! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
 //! | the settings; the state as text | [`Config`], [`Compensator::snapshot`] | `config.rs`, `snapshot.rs` |
 //!

@@ -1,10 +1,10 @@
 //! A state as text that can be kept:
-//! `{"magcomp_snapshot":1,"crc32":"...","library":"0.1.0+...","calibration":"...","state":"..."}`.
+//! `{"magcomp_snapshot":2,"crc32":"...","library":"0.1.0+...","calibration":"...","state":"..."}`.
 //!
 //! `calibration` and `state` are postcard (a compact serde format without field names) in hexadecimal digits, so every
-//! bit is kept. The form of `calibration` belongs to the version in front and never changes within it: a 0, or a 1 and 13
-//! doubles, M row by row, b, |h|. That of `state` is whatever the estimators hold, so only a build of the same sources
-//! reads it, which `library` names by version and hash (`build.rs`). The checksum is over the text that follows it.
+//! bit is kept. The form of `calibration` is that of every version so far: a 0, or a 1 and 13 doubles, M row by row, b, |h|.
+//! That of `state` is whatever the estimators hold, so only a build of the same sources reads it, which `library` names by
+//! version and hash (`build.rs`), and never one of another version. The checksum is over the text that follows it.
 //!
 //! A right checksum makes no state a good one. No number that is not finite gets in (`Finite`), and types that promise more
 //! can't be deserialised without it (`checked!`).
@@ -17,7 +17,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Version of the format written here.
-pub const SNAPSHOT_VERSION: u32 = 1;
+pub const SNAPSHOT_VERSION: u32 = 2;
 
 /// What was taken over from a snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,8 @@ pub const SNAPSHOT_VERSION: u32 = 1;
 pub enum Restored {
     /// Everything: readings go on as if nothing had happened.
     Everything,
-    /// The snapshot holds no more, or was made with another config or by another build of this library: its calibration
-    /// was taken over, the rest starts anew.
+    /// The snapshot holds no more, or has an older version, or was made with another config or by another build of this library:
+    /// its calibration was taken over, the rest starts anew.
     CalibrationOnly,
 }
 
@@ -49,6 +49,7 @@ pub enum SnapshotError {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opened<'a> {
     pub calibration: Option<Calibration>,
+    version: u32,
     library: &'a str,
     state: &'a str,
 }
@@ -68,14 +69,13 @@ pub(crate) fn open(text: &str) -> Result<Opened<'_>, SnapshotError> {
     let (found, rest) = text.strip_prefix(MARK).and_then(|rest| rest.split_once(',')).ok_or(SnapshotError::Damaged)?;
     // a newer version may have other fields: only its number is read
     match found.parse() {
-        Ok(SNAPSHOT_VERSION) => {}
-        Ok(found) if found > SNAPSHOT_VERSION => return Err(SnapshotError::Newer { found }),
-        _ => return Err(SnapshotError::Damaged),
+        Ok(version @ 1..=SNAPSHOT_VERSION) => opened(version, rest).ok_or(SnapshotError::Damaged),
+        Ok(found) if found > SNAPSHOT_VERSION => Err(SnapshotError::Newer { found }),
+        _ => Err(SnapshotError::Damaged),
     }
-    opened(rest).ok_or(SnapshotError::Damaged)
 }
 
-fn opened(rest: &str) -> Option<Opened<'_>> {
+fn opened(version: u32, rest: &str) -> Option<Opened<'_>> {
     let (checksum, body) = rest.strip_prefix("\"crc32\":\"")?.split_once("\",")?;
     if checksum != format!("{:08x}", crc32(body.as_bytes())) {
         return None;
@@ -86,7 +86,7 @@ fn opened(rest: &str) -> Option<Opened<'_>> {
         Some(numbers) => Some(calibration_of(&numbers)?),
         None => None,
     };
-    Some(Opened { calibration, library, state: rest.strip_suffix("\"}")? })
+    Some(Opened { calibration, version, library, state: rest.strip_suffix("\"}")? })
 }
 
 /// Numbers that a calibration is kept as.
@@ -104,9 +104,9 @@ fn calibration_of(numbers: &[f64; NUMBERS]) -> Option<Calibration> {
 }
 
 impl Opened<'_> {
-    /// The state; none when another build of the library wrote it, or the calibration alone was kept.
+    /// The state; none when another version or build of the library wrote it, or the calibration alone was kept.
     pub fn state<S: DeserializeOwned>(&self) -> Result<Option<S>, SnapshotError> {
-        if self.library != LIBRARY || self.state.is_empty() {
+        if (self.version, self.library) != (SNAPSHOT_VERSION, LIBRARY) || self.state.is_empty() {
             return Ok(None);
         }
         decode(self.state).map(Some).ok_or(SnapshotError::Damaged)
@@ -225,10 +225,12 @@ mod tests {
         assert_eq!(open(&ours).unwrap().state(), Ok(Some(7_u8)));
         let (_, body) = ours.split_once("\"library\"").unwrap();
         let body = format!("\"library\"{body}").replacen(LIBRARY, "0.0.9", 1);
-        let theirs = format!("{MARK}1,\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()));
-        let opened = open(&theirs).unwrap();
-        assert_eq!(opened.calibration.map(numbers_of), Some(numbers_of(calibration)));
-        assert_eq!(opened.state::<u8>(), Ok(None));
+        let theirs = format!("{MARK}2,\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()));
+        for other in [theirs, ours.replacen(":2,", ":1,", 1)] {
+            let opened = open(&other).unwrap();
+            assert_eq!(opened.calibration.map(numbers_of), Some(numbers_of(calibration)));
+            assert_eq!(opened.state::<u8>(), Ok(None));
+        }
     }
 
     #[test]

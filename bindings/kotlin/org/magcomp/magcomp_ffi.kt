@@ -4001,7 +4001,7 @@ sealed class HoldReason {
 
 
     /**
-     * The gyroscope is gone or reads nonsense, and the magnetometer alone does not suffice yet.
+     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
      */
     object NoGyroscope : HoldReason()
 
@@ -4498,11 +4498,11 @@ public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExcep
 enum class Method {
 
     /**
-     * `Aided` while rotation rates arrive, else `Adaptive`.
+     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
      */
     AUTO,
     /**
-     * Gyroscope and gravity beside the magnetometer, whether or not they arrive.
+     * The same as `Auto`.
      */
     AIDED,
     /**

@@ -66,7 +66,7 @@ enum MethodChoice {
     /// The best that the recording's sensors allow
     #[default]
     Auto,
-    /// Gyroscope and gravity beside the magnetometer
+    /// The same as auto
     Aided,
     /// The magnetometer alone, changes noticed by themselves
     Adaptive,

@@ -1,37 +1,16 @@
 //! The whole state as text, and back: what a snapshot holds, and when it is taken over.
 
+use super::active::Active;
 use super::{Compensator, Inputs};
 use crate::calibration::Calibration;
 use crate::config::Config;
-use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::{Aided, AidedConfig};
-use crate::estimator::paper::WindowedState;
+use crate::estimator::paper::ClerkState;
 use crate::heading::HeadingConfig;
 use crate::sensing::pairing::InertialPairing;
 use crate::snapshot::{Restored, SnapshotError, open, seal};
-use serde::{Deserialize, Serialize};
 
 /// What a snapshot holds besides the calibration.
-#[derive(Debug, Serialize, Deserialize)]
-struct State {
-    config: Config,
-    inputs: Inputs,
-    pairing: InertialPairing,
-    aided: Aided,
-    adaptive: Box<Adaptive>,
-    windowed: WindowedState,
-}
-
-impl State {
-    /// Whether its parts belong together and to a config; each is sound by itself, or it would not be here.
-    fn is_sound(&self, config: &Config) -> bool {
-        let latest = self.inputs.latest;
-        latest.is_none_or(|latest| latest.field_ut.amax() <= config.range_ut)
-            && self.pairing.belongs_to(latest.map(|latest| latest.time_ns))
-            && self.aided.belongs_to(&Aided::new(AidedConfig::default(), config.field_strength_ut))
-            && self.adaptive.belongs_to(config.field_strength_ut)
-    }
-}
+type State = (Config, Inputs, InertialPairing, Box<Active>, ClerkState);
 
 impl Compensator {
     /// The config without how headings are reported, which is no part of what was learned.
@@ -43,14 +22,7 @@ impl Compensator {
     /// bit-identical readings from there on.
     #[must_use]
     pub fn snapshot(&self) -> String {
-        let state = State {
-            config: self.made_with(),
-            inputs: self.inputs,
-            pairing: self.pairing.clone(),
-            aided: self.aided.clone(),
-            adaptive: self.adaptive.clone(),
-            windowed: self.windowed.state(),
-        };
+        let state = (self.made_with(), &self.inputs, &self.pairing, &self.active, self.clerk.state());
         seal(self.calibration(), &state)
     }
 
@@ -69,12 +41,14 @@ impl Compensator {
     pub fn restore(&mut self, snapshot: &str) -> Result<Restored, SnapshotError> {
         let kept = open(snapshot)?;
         let config = self.made_with();
-        if let Some(state) = kept.state::<State>()?.filter(|state| state.config == config) {
-            let sound = state.is_sound(&config);
-            let windowed = Self::windowed(&config).resume(state.windowed, config.range_ut).filter(|_| sound);
-            self.windowed = windowed.ok_or(SnapshotError::Damaged)?;
-            (self.aided, self.adaptive, self.pairing, self.inputs) =
-                (state.aided, state.adaptive, state.pairing, state.inputs);
+        if let Some((_, inputs, pairing, active, state)) = kept.state::<State>()?.filter(|state| state.0 == config) {
+            // each is sound by itself, or it would not be here; they must belong together, and to the config
+            let sound = inputs.latest.is_none_or(|latest| latest.field_ut.amax() <= config.range_ut)
+                && pairing.belongs_to(inputs.latest.map(|latest| latest.time_ns))
+                && active.belongs_to(&config);
+            let clerk = Self::clerk(&config).resume(state, config.range_ut).filter(|_| sound);
+            self.clerk = clerk.ok_or(SnapshotError::Damaged)?;
+            (self.inputs, self.pairing, self.active) = (inputs, pairing, active);
             return Ok(Restored::Everything);
         }
         self.begin_with(kept.calibration);

@@ -5,7 +5,7 @@
 //! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / t_n) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
 //! ```
 //! A gyroscope that explains nothing: |e| beyond what any offset could do to a turn of |theta| (|e| > 17 uT and
-//! |e| > 150 uT |theta|) in most samples; then only the magnitude can be used.
+//! |e| > 150 uT |theta|) in most samples.
 //! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion; and with what the innovations have in common
 //! over 0.25 s beyond white noise (less than white: s_d is too large, the corrections go too far).
 //! Random walk of b, from its own corrections D_k = sum db over T seconds: a true drift keeps their direction, noise and

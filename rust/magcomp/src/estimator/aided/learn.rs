@@ -94,7 +94,6 @@ impl Aided {
             self.filter = Some(filter);
             return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
         }
-        self.leave_magnitude(&mut dense, &filter, raw_ut);
         let step = Step {
             time_ns,
             raw_ut,

@@ -3,14 +3,13 @@
 //! Between two samples the field in the device frame turns by the inverse of the device's own rotation, which the
 //! gyroscope measures. So raw = M h + b is linear in (b, M) with a known h, and any rotation makes them observable.
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` (the magnitude
-//! as a witness) · `watch` (what does not fit) · `events` (hypotheses) · `magnitude` (no gyroscope) · `start` · `learn` (one
+//! as a witness) · `watch` (what does not fit) · `events` (hypotheses) · `start` · `learn` (one
 //! sample) · `output`, `publish`. The derivation is in docs/METHOD.md.
 
 mod adapt;
 mod config;
 mod events;
 mod learn;
-pub(crate) mod magnitude;
 mod measure;
 mod motion;
 mod output;
@@ -36,7 +35,6 @@ use crate::reading::{Event, SensorMode};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use events::Trial;
-use magnitude::Magnitude;
 use motion::Motion;
 use start::Unproven;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
@@ -73,7 +71,6 @@ pub(crate) struct Aided {
     watch: Watch,
     trial: Option<Trial>,
     former: Option<Former>,
-    magnitude: Magnitude,
     event: Option<Event>,
     strength: Strength,
     /// When the latest misfit passed by itself.
@@ -115,7 +112,6 @@ impl Aided {
             watch: Watch::new(),
             trial: None,
             former: None,
-            magnitude: Magnitude::new(),
             event: None,
             strength: Strength::default(),
             passed_ns: None,
@@ -137,11 +133,6 @@ impl Aided {
 
     /// The calibration in force: M, b and |m|; `None` while collecting.
     pub fn calibration(&self) -> Option<Calibration> {
-        if self.magnitude_is_better() {
-            let magnitude = &self.magnitude;
-            let (strength_ut, scale) = self.gauge(magnitude.strength_ut);
-            return Calibration::new(magnitude.soft_iron() * scale, magnitude.offset_ut, strength_ut).ok();
-        }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
         let (strength_ut, scale) = self.gauge(self.strength_of(filter));
         Calibration::new(filter.soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
@@ -169,13 +160,13 @@ impl Aided {
         self.filter.as_ref().map_or_else(Default::default, |filter| (filter.vector(BIAS), filter.vector(SCALE)))
     }
 
+    /// Whether what the gyroscope reads explains nothing.
+    pub fn is_gyroscope_useless(&self) -> bool {
+        self.adaptation.useless
+    }
+
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        if self.magnitude_is_better() {
-            let magnitude = &self.magnitude;
-            let (p, s) = (magnitude.covariance(), magnitude.strength_covariance());
-            return Some(self.regauged(p, s, &magnitude.soft_iron(), magnitude.strength_ut));
-        }
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
         let believed = self.adaptation.believed();
         let p = publish::calibration_block(filter) * believed;

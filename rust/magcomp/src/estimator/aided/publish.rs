@@ -17,8 +17,8 @@ const CLOCK_SHARE_LATE_MAGNETOMETER: f64 = 0.35;
 const CLOCK_SHARE_LATE_GYROSCOPE: f64 = 0.15;
 /// Rate lately below which nothing is being learned, rad/s.
 const TOO_LITTLE_RAD_S: f64 = 0.04;
-/// Magnetometer noise assumed at most in the magnitude mode, whose one-step increments mean nothing, uT.
-const MAGNITUDE_NOISE_UT: f64 = 2.0;
+/// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
+const HELD_NOISE_UT: f64 = 2.0;
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
 const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
 /// Standard deviations of |m| by which it must be outside.
@@ -118,35 +118,21 @@ impl Aided {
         }
     }
 
-    /// The mode of the magnitude and the dip, and what it publishes.
-    pub(super) fn by_magnitude(
-        &mut self,
-        time_ns: i64,
-        raw_ut: &Vector3<f64>,
-        up_m_s2: Option<Vector3<f64>>,
-    ) -> AidedOutput {
-        let up_g = up_m_s2.map(|up| up / self.config.gravity_m_s2);
-        let sigma = self.adaptation.sigma_ut().min(MAGNITUDE_NOISE_UT);
-        self.magnitude.push(time_ns, raw_ut, up_g.as_ref(), sigma);
-        let (known, status) = if self.magnitude_is_better() {
-            let m = &self.magnitude;
-            let status = m.since_ns.map_or(Status::Tracking, |since_ns| Status::Suspect { since_ns });
-            (Some((m.soft_iron(), m.offset_ut, m.covariance(), m.strength_ut)), status)
-        } else if let Some(f) = self.filter.as_ref().filter(|_| self.adopted) {
-            let held = Status::Held(HoldReason::NoGyroscope);
-            (Some((f.soft_iron(), f.vector(OFFSET), calibration_block(f), self.strength_of(f))), held)
-        } else {
-            (None, Status::Collecting(Missing::Directions))
-        };
+    /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
+    pub(super) fn held(&self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
+        let kept = self.filter.as_ref().filter(|_| self.adopted);
+        let status = kept.map_or(Status::Collecting(Missing::Directions), |_| Status::Held(HoldReason::NoGyroscope));
         let mut output = self.blank(time_ns, status);
         output.up = self.motion.up;
-        let Some((m, b, p, strength_ut)) = known else { return output };
-        let Some(w) = m.try_inverse() else { return output };
-        let c = w * (raw_ut - b);
-        let floor = self.adaptation.floor_ut2(&self.config);
-        let p_c = calibration_covariance(&p, &w, &c) + w * w.transpose() * sigma.powi(2) + Matrix3::identity() * floor;
+        let Some((filter, w)) = kept.and_then(|filter| Some((filter, filter.soft_iron().try_inverse()?))) else {
+            return output;
+        };
+        let c = w * (raw_ut - filter.vector(OFFSET));
+        let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
+        let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.config);
+        let p_c = calibration_covariance(&calibration_block(filter), &w, &c) + noise + floor;
         if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
-            let (_, scale) = self.gauge(strength_ut);
+            let (_, scale) = self.gauge(self.strength_of(filter));
             output.corrected_ut = Some(c / scale);
             output.corrected_covariance_ut2 = p_c / (scale * scale);
         }

@@ -1,4 +1,4 @@
-//! Starts: from one raw sample, a second time about the first answer, after a gap, and from the magnitude mode.
+//! Starts: from one raw sample, a second time about the first answer, and after a gap.
 //!
 //! ```text
 //! raw_0 = m + b is known, its split is not:  P_mm = s^2 I,  P_bb = (s^2 + 0.25) I,  P_mb = -s^2 I
@@ -15,7 +15,6 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::adapt::Adaptation;
 use super::learn::{LONG_GAP, LONGEST_DRIFT_S};
-use super::magnitude::Magnitude;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, iron_rows};
 use super::strength::Strength;
 use super::tuning;
@@ -111,7 +110,6 @@ impl Aided {
             self.displaced_ut = Vector3::zeros();
             self.watch = Watch::new();
             self.strength = Strength::default();
-            self.magnitude = Magnitude::new();
         }
     }
 
@@ -247,48 +245,7 @@ impl Aided {
             _ => self.start(raw_ut),
         };
         self.filter = Some(filter);
-        self.by_magnitude(time_ns, raw_ut, up)
-    }
-
-    /// Whether the magnitude mode knows the offset better than the filter, which has no gyroscope now.
-    pub(super) fn magnitude_is_better(&self) -> bool {
-        let of_filter = |f: &Gaussian| (OFFSET..OFFSET + 3).map(|i| f.p(i, i)).sum::<f64>();
-        let of_magnitude: f64 = self.magnitude.offset_variance_ut2();
-        self.magnitude.started
-            && (!self.adopted || self.filter.as_ref().is_none_or(|filter| of_filter(filter) > of_magnitude))
-    }
-
-    /// The gyroscope makes sense again: what the magnitude found is taken over if it is better, and dropped.
-    pub(super) fn leave_magnitude(&mut self, dense: &mut Dense, filter: &Gaussian, raw_ut: &Vector3<f64>) {
-        if !self.magnitude.started {
-            return;
-        }
-        let of_filter: f64 = (OFFSET..OFFSET + 3).map(|i| filter.p(i, i)).sum();
-        let magnitude = std::mem::replace(&mut self.magnitude, Magnitude::new());
-        let of_magnitude: f64 = magnitude.offset_variance_ut2();
-        let Some(w) = magnitude.soft_iron().try_inverse() else { return };
-        if self.adopted && of_filter < of_magnitude {
-            return;
-        }
-        let delay_s = dense.x[DELAY];
-        *dense = self.fresh(FAR_SD_UT);
-        let e = magnitude.soft_iron() - Matrix3::identity();
-        dense.x[IRON..IRON + 6].copy_from_slice(&[e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
-        dense.x[DELAY] = delay_s;
-        dense.set_vector(OFFSET, &magnitude.offset_ut);
-        dense.set_vector(FIELD, &(w * (raw_ut - magnitude.offset_ut)));
-        dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
-        let covariance = magnitude.covariance();
-        for i in 0..9 {
-            for j in 0..9 {
-                dense.p[OFFSET + i][OFFSET + j] = covariance[(i, j)];
-            }
-        }
-        self.lost_strength_ut = Some(magnitude.strength_ut);
-        self.restarted = true;
-        self.adopted = false;
-        self.unconfirmed = 0;
-        self.adopt(dense);
+        self.held(time_ns, raw_ut)
     }
 }
 

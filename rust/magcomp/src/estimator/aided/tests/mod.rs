@@ -2,7 +2,6 @@
 
 mod filter;
 mod jacobians;
-mod magnitude;
 mod robustness;
 mod simulator;
 mod steps;

@@ -54,7 +54,7 @@ fn the_gyroscope_comes_and_goes() {
         if gone && k > 2_510 {
             assert_eq!(output.mode, SensorMode::GravityOnly);
             assert_eq!(output.filtered_ut, None);
-            assert!(output.status == Status::Held(HoldReason::NoGyroscope) || output.status == Status::Tracking);
+            assert_eq!(output.status, Status::Held(HoldReason::NoGyroscope));
             let error = output.corrected_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 6.0, "without gyroscope: {error} deg at {k}");
         }
@@ -72,7 +72,6 @@ fn the_gyroscope_comes_and_goes() {
 fn a_gyroscope_that_reads_nonsense_is_found_out() {
     let mut world = World::new(10);
     let mut aided = Aided::new(AidedConfig::default(), None);
-    let mut suspected = false;
     for k in 0..1_500 {
         world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
         let mut sample = world.sample(0.01);
@@ -80,22 +79,11 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
         sample.inertial.rotation =
             Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
         let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        if k == 800 {
-            world.hard_iron_ut += Vector3::new(20.0, -15.0, 10.0);
-        }
-        if (300..800).contains(&k) || k > 1_200 {
-            assert_eq!(output.status, Status::Tracking, "at {k}");
-        }
-        suspected |= (801..820).contains(&k) && matches!(output.status, Status::Suspect { .. });
-        if (300..800).contains(&k) || k > 1_000 {
-            assert_eq!(output.mode, SensorMode::GravityOnly);
-            let calibration = aided.calibration().unwrap();
-            let clean = world.soft_iron * sample.field_ut + world.hard_iron_ut;
-            let error = calibration.correct(&clean).angle(&sample.field_ut).to_degrees();
-            assert!(error < 2.0, "{error} deg at {k}");
+        if k >= 100 {
+            assert!(aided.is_gyroscope_useless(), "at {k}");
+            assert_eq!((output.mode, output.corrected_ut), (SensorMode::GravityOnly, None), "at {k}");
         }
     }
-    assert!(suspected, "a step is suspected within 0.2 s");
 }
 
 #[test]

@@ -1,0 +1,169 @@
+//! The estimator that answers. There is one at a time; another takes its place in the same memory.
+
+use crate::answer::Answer;
+use crate::calibration::Calibration;
+use crate::config::{Config, Method};
+use crate::estimator::adaptive::Adaptive;
+use crate::estimator::aided::{Aided, AidedConfig, calibration_covariance};
+use crate::estimator::paper::{Clerk, Windowed};
+use crate::quadric::EllipsoidFit;
+use crate::reading::SensorMode;
+use crate::sample::MagneticSample;
+use crate::sensing::pairing::PairedInertial;
+use nalgebra::{Matrix3, SMatrix};
+use serde::{Deserialize, Serialize};
+
+/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
+/// in two laboratories.
+const UNEVEN_UT: f64 = 1.3;
+
+/// One of the estimators.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box in each would allocate")]
+pub(super) enum Active {
+    Aided(Aided),
+    Adaptive(Adaptive),
+    Windowed(Windowed),
+}
+
+impl Active {
+    /// What a method begins with; of the two of `Auto` the one that needs no gyroscope.
+    pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
+        match config.method {
+            Method::Windowed | Method::Constant => {
+                Self::Windowed(Windowed::new(config.method == Method::Constant, initial))
+            }
+            Method::Auto | Method::Aided | Method::Adaptive => {
+                Self::Adaptive(Adaptive::new(config.field_strength_ut, initial))
+            }
+        }
+    }
+
+    /// The aided estimator, from the calibration in force.
+    pub fn aided(config: &Config, calibration: Option<Calibration>) -> Self {
+        let mut aided = Aided::new(AidedConfig::default(), config.field_strength_ut);
+        if let Some(calibration) = calibration {
+            aided.begin_from(&calibration);
+        }
+        Self::Aided(aided)
+    }
+
+    /// Whether a compensator with this config could have come to it.
+    pub fn belongs_to(&self, config: &Config) -> bool {
+        match (self, config.method) {
+            (Self::Aided(aided), Method::Auto | Method::Aided) => {
+                aided.belongs_to(&Aided::new(AidedConfig::default(), config.field_strength_ut))
+            }
+            (Self::Adaptive(adaptive), Method::Auto | Method::Aided | Method::Adaptive) => {
+                adaptive.belongs_to(config.field_strength_ut)
+            }
+            (Self::Windowed(windowed), Method::Windowed | Method::Constant) => {
+                windowed.is_constant() == (config.method == Method::Constant)
+            }
+            _ => false,
+        }
+    }
+
+    /// One sample that was checked, with what the other sensors said; the clerk takes it down.
+    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
+        match self {
+            Self::Aided(aided) => by_aided(aided, sample, paired, clerk),
+            Self::Adaptive(adaptive) => by_adaptive(adaptive, sample, paired, clerk),
+            Self::Windowed(windowed) => by_windowed(windowed, sample, paired, clerk),
+        }
+    }
+
+    pub fn calibration(&self) -> Option<Calibration> {
+        match self {
+            Self::Aided(aided) => aided.calibration(),
+            Self::Adaptive(adaptive) => adaptive.calibration(),
+            Self::Windowed(windowed) => windowed.calibration(),
+        }
+    }
+
+    pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
+        match self {
+            Self::Aided(aided) => aided.covariance(),
+            Self::Adaptive(adaptive) => adaptive.covariance(),
+            Self::Windowed(windowed) => windowed.fit().map(|fit| fit.covariance),
+        }
+    }
+
+    /// The latest ellipsoid fit that was accepted.
+    pub fn fit(&self) -> Option<&EllipsoidFit> {
+        match self {
+            Self::Aided(_) | Self::Adaptive(_) => None,
+            Self::Windowed(windowed) => windowed.fit(),
+        }
+    }
+
+    /// Samples that the estimator looks at.
+    pub fn window(&self, clerk: &Clerk) -> usize {
+        match self {
+            Self::Adaptive(adaptive) => adaptive.window(),
+            Self::Aided(_) | Self::Windowed(_) => clerk.window(),
+        }
+    }
+}
+
+fn by_aided(aided: &mut Aided, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
+    let output = aided.push(sample.time_ns, sample.field_ut, paired);
+    clerk.note(&sample.field_ut, || aided.calibration());
+    Answer {
+        field_ut: output.corrected_ut,
+        field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
+        filtered_field_ut: output.filtered_ut,
+        filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
+        up: output.up,
+        tilt_rad2: output.tilt_rad2,
+        event: output.event,
+        ..Answer::none(output.mode, output.status)
+    }
+}
+
+fn by_adaptive(adaptive: &mut Adaptive, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
+    adaptive.level(paired.up_m_s2);
+    let output = adaptive.push(sample.time_ns, &sample.field_ut);
+    if clerk.note(&sample.field_ut, || adaptive.calibration()) {
+        clerk.measure();
+    }
+    Answer {
+        field_ut: output.corrected_ut.map(|(field, _)| field),
+        field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2()),
+        up: paired.up_m_s2,
+        sigma_t: clerk.sigma_t(),
+        direction_sigma_deg: output.direction_sigma_deg,
+        worst_sigma_deg: output.worst_sigma_deg,
+        model_order: output.corrected_ut.map(|_| output.order),
+        event: output.event,
+        ..Answer::none(mode_without_gyroscope(paired), output.status)
+    }
+}
+
+fn by_windowed(windowed: &mut Windowed, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
+    let step = windowed.push(sample.time_ns, &sample.field_ut, clerk);
+    let field_ut = windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
+    let field_ut = field_ut.filter(|field| field.norm().is_finite());
+    let covariance = windowed.fit().zip(field_ut).map(|(fit, field)| {
+        let w = fit.calibration.soft_iron_inverse();
+        let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
+        calibration_covariance(&fit.covariance, w, &field) + noise
+    });
+    Answer {
+        field_ut,
+        field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2()),
+        up: paired.up_m_s2,
+        sigma_t: step.sigma_t,
+        direction_sigma_deg: windowed.fit().map(|fit| fit.direction_sigma_deg),
+        ..Answer::none(mode_without_gyroscope(paired), step.status)
+    }
+}
+
+fn mode_without_gyroscope(paired: &PairedInertial) -> SensorMode {
+    if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly }
+}
+
+/// Covariance of what no calibration knows, uT^2.
+fn uneven_ut2() -> Matrix3<f64> {
+    Matrix3::identity() * UNEVEN_UT.powi(2)
+}

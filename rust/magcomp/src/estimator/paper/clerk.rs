@@ -1,0 +1,311 @@
+//! The latest samples, and what is counted over them for every method: which directions were seen, and (15) sigma_T.
+//!
+//! The paper's estimator chooses the window itself and fits its moments. For the others it is the latest N_max samples.
+
+use super::config::WindowedConfig;
+use super::uniformity::uniformity;
+use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT, typical_field_ut};
+use crate::coverage::Coverage;
+use crate::quadric::{FitOptions, Moments};
+use crate::snapshot::LARGEST_COUNT;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths.
+const RECENTRE: f64 = 0.5;
+/// After so many samples a calibration is asked for; while there is none, directions are counted anew about a provisional centre.
+const RECOUNT_SAMPLES: usize = 25;
+/// ... the latest so many of them, so that no sample costs much.
+const RECOUNT_SPAN: usize = 250;
+/// ... and while tracking when the centre has moved by this many field strengths, less than the width of a cell.
+const RECOUNT_SHIFT: f64 = 0.2;
+
+/// Keeps the latest samples and counts.
+#[derive(Clone, Debug)]
+pub(crate) struct Clerk {
+    config: WindowedConfig,
+    field_strength_ut: Option<f64>,
+    ring: Ring,
+    /// The latest `window` samples of the ring are in the moments and in the cells.
+    window: usize,
+    moments: Moments,
+    cells: Coverage,
+    noted: Noted,
+}
+
+/// What is carried from sample to sample besides the samples themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Noted {
+    calibration: Option<Calibration>,
+    /// Directions are counted as seen through this.
+    seen_through: Option<Calibration>,
+    since_recentred: usize,
+    sigma_t: Option<f64>,
+}
+
+/// The state as a snapshot holds it: moments and counts follow from the samples, exactly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ClerkState {
+    /// Oldest first.
+    slots: Vec<Slot>,
+    window: usize,
+    centre_ut: Vector3<f64>,
+    scale_ut: f64,
+    noted: Noted,
+}
+
+impl Clerk {
+    /// For a validated config, a field strength (uT) where it is known, and a calibration to begin with. All memory is taken
+    /// here.
+    pub fn new(config: WindowedConfig, field_strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
+        Self {
+            config,
+            field_strength_ut,
+            ring: Ring::new(config.n_max),
+            window: 0,
+            moments: Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut)),
+            cells: Coverage::default(),
+            noted: Noted { calibration: initial, seen_through: initial, ..Noted::default() },
+        }
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self, initial: Option<Calibration>) {
+        self.ring.clear();
+        self.cells.clear();
+        self.window = 0;
+        self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
+        self.noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
+    }
+
+    pub fn window(&self) -> usize {
+        self.window
+    }
+
+    pub fn coverage(&self) -> &Coverage {
+        &self.cells
+    }
+
+    /// (15) over the latest N_min samples, as they were at [`Clerk::measure`].
+    pub fn sigma_t(&self) -> Option<f64> {
+        self.noted.sigma_t
+    }
+
+    /// A sample that an estimator without a window has answered. Now and then it is asked for its calibration: whether it was.
+    pub fn note(&mut self, raw_ut: &Vector3<f64>, calibration: impl FnOnce() -> Option<Calibration>) -> bool {
+        let asks = self.is_due();
+        self.enter(raw_ut);
+        self.look_through(if asks { calibration() } else { None });
+        asks
+    }
+
+    /// Forms (15), seen through the calibration noted last.
+    pub fn measure(&mut self) {
+        self.noted.sigma_t = self.variability().0;
+    }
+
+    /// From now on samples are seen through this, where there is one.
+    pub fn look_through(&mut self, calibration: Option<Calibration>) {
+        self.noted.calibration = calibration.or(self.noted.calibration);
+        self.recount();
+    }
+
+    fn is_due(&self) -> bool {
+        self.noted.since_recentred.is_multiple_of(RECOUNT_SAMPLES)
+    }
+
+    pub(super) fn config(&self) -> &WindowedConfig {
+        &self.config
+    }
+
+    /// What a fit of the window accepts.
+    pub(super) fn fit_options(&self) -> FitOptions {
+        self.config.fit_options(self.field_strength_ut)
+    }
+
+    pub(super) fn moments(&self) -> &Moments {
+        &self.moments
+    }
+
+    /// Samples kept.
+    pub(super) fn len(&self) -> usize {
+        self.ring.len()
+    }
+
+    /// (15) over the latest N_min samples, seen through the calibration noted last; and the rms deviation of |h| there.
+    pub(super) fn variability(&self) -> (Option<f64>, f64) {
+        let n = self.config.n_min;
+        let Some(calibration) = self.noted.calibration.filter(|_| self.ring.len() >= n) else {
+            return (None, 0.0);
+        };
+        let mut squares = 0.0;
+        let corrected = (0..n).map(|age| {
+            let h = calibration.correct(self.ring.latest(age));
+            squares += (h.norm() / calibration.field_strength_ut() - 1.0).powi(2);
+            h
+        });
+        let sigma_t = uniformity(corrected, self.config.normalisation);
+        (Some(sigma_t), (squares / n as f64).sqrt())
+    }
+
+    /// The sample enters ring and window.
+    pub(super) fn enter(&mut self, raw_ut: &Vector3<f64>) {
+        if self.ring.len() == 0 && self.noted.calibration.is_none() {
+            self.moments = Moments::new(*raw_ut, self.moments.scale_ut());
+        }
+        if self.window == self.config.n_max {
+            self.resize(self.window - 1);
+        }
+        let cell = self.noted.seen_through.map(|through| Coverage::cell(&through.correct(raw_ut)) as u8);
+        self.ring.push(Slot { raw_ut: *raw_ut, cell });
+        self.moments.add(raw_ut);
+        self.cells.add(cell);
+        self.window += 1;
+        self.noted.since_recentred += 1;
+    }
+
+    /// Samples enter or leave the window at its old end until it has this length.
+    pub(super) fn resize(&mut self, length: usize) {
+        let length = length.min(self.ring.len());
+        while self.window > length {
+            let oldest = self.ring.slot(self.window - 1);
+            self.moments.remove(&oldest.raw_ut);
+            self.cells.remove(oldest.cell);
+            self.window -= 1;
+        }
+        while self.window < length {
+            let next = self.ring.slot(self.window);
+            self.moments.add(&next.raw_ut);
+            self.cells.add(next.cell);
+            self.window += 1;
+        }
+    }
+
+    /// Directions are counted anew when the calibration they are seen through is no longer right.
+    fn recount(&mut self) {
+        let through = match (&self.noted.calibration, &self.noted.seen_through) {
+            (Some(now), Some(then)) => {
+                let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
+                if shift <= RECOUNT_SHIFT * then.field_strength_ut() {
+                    return;
+                }
+                *now
+            }
+            (Some(now), None) => *now,
+            (None, _) if self.is_due() => self.provisional(),
+            (None, _) => return,
+        };
+        self.noted.seen_through = Some(through);
+        self.cells.clear();
+        for age in 0..self.ring.len() {
+            let place = self.ring.place(age);
+            let slot = &mut self.ring.slots[place];
+            let counted = age < self.window.min(RECOUNT_SPAN);
+            slot.cell = counted.then(|| Coverage::cell(&through.correct(&slot.raw_ut)) as u8);
+            self.cells.add(slot.cell);
+        }
+    }
+
+    /// Where the centre seems to be before any fit is good enough to report.
+    fn provisional(&self) -> Calibration {
+        let centre = self.moments.provisional_centre_ut();
+        Calibration::about(centre, typical_field_ut(self.field_strength_ut))
+    }
+
+    /// Moments about a far centre lose digits: take them about the new one, at most once in N_min samples.
+    pub(super) fn recentre(&mut self, centre_ut: &Vector3<f64>, field_ut: f64) {
+        let scale = self.moments.scale_ut();
+        let far = (centre_ut - self.moments.centre_ut()).norm() > RECENTRE * field_ut;
+        let other = !(0.5..=2.0).contains(&(field_ut / scale));
+        if (far || other) && self.noted.since_recentred >= self.config.n_min {
+            self.noted.since_recentred = 0;
+            self.moments = Moments::new(*centre_ut, field_ut);
+            for age in 0..self.window {
+                self.moments.add(self.ring.latest(age));
+            }
+        }
+    }
+
+    pub fn state(&self) -> ClerkState {
+        ClerkState {
+            slots: (0..self.ring.len()).rev().map(|age| self.ring.slot(age)).collect(),
+            window: self.window,
+            centre_ut: *self.moments.centre_ut(),
+            scale_ut: self.moments.scale_ut(),
+            noted: self.noted,
+        }
+    }
+
+    /// As new, then in a state of raw samples up to `range_ut`; None when the state does not belong to its config.
+    pub fn resume(mut self, state: ClerkState, range_ut: f64) -> Option<Self> {
+        let fits = state.slots.len() <= self.config.n_max
+            && state.window <= state.slots.len()
+            && state.slots.iter().all(|slot| slot.raw_ut.amax() <= range_ut)
+            && state.centre_ut.amax() <= LARGEST_RAW_UT
+            && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&state.scale_ut)
+            && state.noted.since_recentred as u64 <= LARGEST_COUNT
+            && state.noted.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0);
+        if !fits {
+            return None;
+        }
+        self.noted = state.noted;
+        self.moments = Moments::new(state.centre_ut, state.scale_ut);
+        state.slots.into_iter().for_each(|slot| self.ring.push(slot));
+        self.resize(state.window);
+        Some(self)
+    }
+}
+
+/// A sample and the cell of the sphere its direction was counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Slot {
+    raw_ut: Vector3<f64>,
+    cell: Option<u8>,
+}
+
+/// The latest samples in a buffer of fixed size.
+#[derive(Clone, Debug)]
+struct Ring {
+    slots: Vec<Slot>,
+    capacity: usize,
+    next: usize,
+}
+
+impl Ring {
+    fn new(capacity: usize) -> Self {
+        Self { slots: Vec::with_capacity(capacity), capacity, next: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.slots.clear();
+        self.next = 0;
+    }
+
+    fn push(&mut self, slot: Slot) {
+        if self.slots.len() < self.capacity {
+            self.slots.push(slot);
+        } else {
+            self.slots[self.next] = slot;
+        }
+        self.next = (self.next + 1) % self.capacity;
+    }
+
+    fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    fn place(&self, age: usize) -> usize {
+        let len = self.slots.len();
+        (self.next + 2 * len - 1 - age) % len
+    }
+
+    /// The slot `age` steps back: 0 is the latest.
+    fn slot(&self, age: usize) -> Slot {
+        self.slots[self.place(age)]
+    }
+
+    /// The sample `age` steps back: 0 is the latest.
+    fn latest(&self, age: usize) -> &Vector3<f64> {
+        &self.slots[self.place(age)].raw_ut
+    }
+}
