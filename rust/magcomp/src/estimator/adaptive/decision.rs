@@ -18,14 +18,24 @@ pub(super) struct Decision {
     told: Option<Tau>,
     /// Another place: since when, and what is usual.
     elsewhere: Option<(i64, Tau)>,
+    /// Since when something has changed that is not decided yet, ns.
+    pub suspected_ns: Option<i64>,
     pub order: ModelOrder,
     pub event: Option<Event>,
 }
 
 impl Decision {
-    /// Since when something has changed that is not decided yet, ns.
-    pub fn suspects(&self, bank: &Bank) -> Option<i64> {
-        bank.best().filter(|best| best.id != self.id && best.kind != Kind::Cold).map(|best| best.onset_ns)
+    /// Whether the likeliest hypothesis is of a change that is not decided yet, and would be told or is not known well enough.
+    pub fn watch(&mut self, bank: &Bank, tuning: &Tuning) {
+        let least = tuning.least_change_deg.to_radians().powi(2);
+        let matters = |told: &Tau, best: &Hypothesis| {
+            best.error > least
+                || turned(told, &best.known.mean) > least
+                || !is_same_place(told, &best.known.mean, tuning.least_place)
+        };
+        let best = bank.best().filter(|best| best.id != self.id && best.kind != Kind::Cold);
+        self.suspected_ns =
+            best.zip(self.told).filter(|(best, told)| matters(told, best)).map(|(best, _)| best.onset_ns);
     }
 
     /// Since when the place is another one than usual, ns.

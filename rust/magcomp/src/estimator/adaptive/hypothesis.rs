@@ -3,7 +3,7 @@
 //!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)                  by Levenberg-Marquardt,
 //! and from there one step by the sandwich of Godambe (1960). Noise makes half the score g of L have the variance
 //! R = w/D J^T S J, but part of the curvature, V = w/D v J^T G J, is noise too, along what the motion does not show:
-//!     X = (R + V)^-1 R,   information R X^3,   score (X^3)^T g
+//!     Y = (R + V)^-1 (R - V),   information R Y^2,   score (Y^2)^T g:   nothing where all curvature is noise
 //!     log evidence = -F/2 + (log det Lambda - log det (information + Lambda)) / 2             (Laplace)
 //! Between fits each sample adds its predictive probability, so that hypotheses are comparable at every sample and need no
 //! common schedule:  log joint = base + evidence of the moments + predictive terms since the latest fit - price of samples left out.
@@ -361,10 +361,10 @@ impl Hypothesis {
         let at = likelihood.expansion(tau, &point);
         let softened = at.hessian + at.noise + TauMatrix::identity() * 1e-9;
         let Some(factors) = Ldl::new(&softened) else { return };
-        let x = factors.solve_matrix(&at.hessian);
-        let cubed = x * x * x;
-        let information = at.hessian * cubed;
-        let score = cubed.tr_mul(&at.gradient);
+        let y = factors.solve_matrix(&(at.hessian - at.noise));
+        let told = y * y;
+        let information = at.hessian * told;
+        let score = told.tr_mul(&at.gradient);
         let posterior = (information + information.transpose()) * 0.5 + self.information;
         let Some(factors) = Ldl::new(&posterior) else { return };
         let towards = -factors.solve(&(score + self.information * (tau - self.prior)));

@@ -225,6 +225,7 @@ impl Adaptive {
         } else if held.is_some() {
             self.published = held;
         }
+        self.decision.watch(&self.bank, &tuning);
         if self.count.is_multiple_of(16)
             && let Some(published) = &self.published
         {
@@ -255,7 +256,7 @@ impl Adaptive {
                 Missing::Directions
             });
         };
-        if let Some(since_ns) = self.decision.suspects(&self.bank) {
+        if let Some(since_ns) = self.decision.suspected_ns {
             return Status::Suspect { since_ns };
         }
         if let Some(since_ns) = self.decision.elsewhere_ns() {
