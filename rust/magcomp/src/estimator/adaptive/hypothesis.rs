@@ -3,7 +3,7 @@
 //!     F(tau) = L(tau) + (tau - tau_0)^T Lambda (tau - tau_0)                  by Levenberg-Marquardt,
 //! and from there one step by the sandwich of Godambe (1960). Noise makes half the score g of L have the variance
 //! R = w/D J^T S J, but part of the curvature, V = w/D v J^T G J, is noise too, along what the motion does not show:
-//!     Y = (R + V)^-1 (R - V),   information R Y^2,   score (Y^2)^T g:   nothing where all curvature is noise
+//!     Y = (R + V/2)^-1 (R - V),   information R Y^2,   score (Y^2)^T g:   nothing where all curvature is noise
 //!     log evidence = -F/2 + (log det Lambda - log det (information + Lambda)) / 2             (Laplace)
 //! Between fits each sample adds its predictive probability, so that hypotheses are comparable at every sample and need no
 //! common schedule:  log joint = base + evidence of the moments + predictive terms since the latest fit - price of samples left out.
@@ -107,6 +107,8 @@ const SAME_PLACE: f64 = 0.1;
 /// A twin's F may exceed its sibling's by so much.
 const TWIN_WORSE: f64 = 20.0;
 const NO_EVIDENCE: f64 = -1e3;
+/// Share of V that keeps Y finite where there are fewer samples than parameters.
+const SOFTENED: f64 = 0.5;
 /// The dip of a place differs along the way: per root second, field strengths.
 const DIP_WALK: f64 = 0.003;
 
@@ -359,7 +361,7 @@ impl Hypothesis {
     fn settle(&mut self, likelihood: &Both, tau: &Tau, f: f64, level: &Level) {
         let Some((cost, point)) = likelihood.at(tau) else { return };
         let at = likelihood.expansion(tau, &point);
-        let softened = at.hessian + at.noise + TauMatrix::identity() * 1e-9;
+        let softened = at.hessian + at.noise * SOFTENED + TauMatrix::identity() * 1e-9;
         let Some(factors) = Ldl::new(&softened) else { return };
         let y = factors.solve_matrix(&(at.hessian - at.noise));
         let told = y * y;
