@@ -57,7 +57,7 @@ const SHARES: [f64; 2] = [60.0, 88.0];
 /// alternatives that are weighed are too few; where all of M grows by half, it is first taken for another place.
 const SHORT_OF_IT: [(Case, [[f64; 2]; PERIODS]); 8] = [
     (Case::StepHand, [SHARES, [40.0, 60.0], [28.0, 58.0], [60.0, 80.0]]),
-    (Case::StepWalk, [SHARES, SHARES, [38.0, 69.0], SHARES]),
+    (Case::StepWalk, [SHARES, SHARES, [38.0, 64.0], SHARES]),
     (Case::SmallStepHand, [SHARES, [52.0, 86.0], SHARES, SHARES]),
     (Case::PhoneHand, [SHARES, [49.0, 74.0], SHARES, SHARES]),
     (Case::PhoneWalk, [SHARES, [31.0, 80.0], SHARES, SHARES]),

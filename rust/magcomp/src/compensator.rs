@@ -29,20 +29,20 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 /// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
 ///
 /// ```
-/// use magcomp::nalgebra::Vector3;
+/// use magcomp::nalgebra::{Rotation3, Vector3};
 /// use magcomp::{Compensator, Config, MagneticSample, Status, UpSample};
 ///
 /// let mut compensator = Compensator::new(Config::default())?;
-/// for k in 0..500_i64 {
+/// for k in 0..1000_i64 {
 ///     let time_ns = k * 10_000_000;
-///     // a device turned about, 50 uT around an offset of (120, -80, 300) uT
-///     let (a, b) = (k as f64 * 0.11, k as f64 * 0.031);
-///     let field = Vector3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 50.0;
-///     compensator.push_up(UpSample { time_ns, up_m_s2: Vector3::new(0.0, 0.0, 9.81) })?;
+///     // a device turned about in a field of 50 uT, with an offset of (120, -80, 300) uT
+///     let attitude = Rotation3::from_euler_angles(k as f64 * 0.031, k as f64 * 0.023, k as f64 * 0.011);
+///     let field = attitude.inverse() * Vector3::new(0.0, 30.0, -40.0);
+///     let up_m_s2 = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81);
+///     compensator.push_up(UpSample { time_ns, up_m_s2 })?;
 ///     let reading = compensator.push(MagneticSample { time_ns, field_ut: field + Vector3::new(120.0, -80.0, 300.0) });
-///     if let (Status::Tracking, Some(corrected)) = (reading.status, reading.field_ut) {
-///         // first answers allow for an uneven room
-///         assert!((corrected - field).norm() < 5.0);
+///     if let (Status::Tracking, Some(corrected), Some(sigma)) = (reading.status, reading.field_ut, reading.field_sigma_ut) {
+///         assert!((corrected - field).norm() < 3.0 * sigma);
 ///     }
 /// }
 /// assert!(compensator.calibration().is_some());
