@@ -10,6 +10,7 @@ use crate::answer::Answer;
 use crate::calibration::Calibration;
 use crate::config::{Config, ConfigError, Method, validate_heading};
 use crate::coverage::Coverage;
+use crate::estimator::Tunings;
 use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::quadric::EllipsoidFit;
@@ -51,6 +52,7 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 #[derive(Clone, Debug)]
 pub struct Compensator {
     config: Config,
+    tunings: Tunings,
     pairing: InertialPairing,
     active: Box<Active>,
     clerk: Clerk,
@@ -87,12 +89,22 @@ impl Compensator {
     /// # Errors
     /// [`ConfigError`] names the field that is out of range.
     pub fn new(config: Config) -> Result<Self, ConfigError> {
+        Self::tuned(config, Tunings::default())
+    }
+
+    /// With other choices than phones get: for `magcomp sensitivity`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    #[doc(hidden)]
+    pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
         Ok(Self {
             pairing: InertialPairing::new(),
-            active: Box::new(Active::new(&config, config.initial)),
+            active: Box::new(Active::new(&config, &tunings, config.initial)),
             clerk: Self::clerk(&config),
             inputs: Inputs::default(),
+            tunings,
             config,
         })
     }
@@ -124,7 +136,7 @@ impl Compensator {
         match &mut *self.active {
             Active::Windowed(windowed) => windowed.adopt(calibration),
             // the aided one takes over with the next rotation
-            other => *other = Active::new(&self.config, Some(calibration)),
+            other => *other = Active::new(&self.config, &self.tunings, Some(calibration)),
         }
         self.clerk.look_through(Some(calibration));
     }
@@ -197,7 +209,7 @@ impl Compensator {
                 PairedInertial { rotation: None, ..paired }
             }
             (Active::Aided(_), false) => {
-                *self.active = Active::new(&self.config, self.active.calibration());
+                *self.active = Active::new(&self.config, &self.tunings, self.active.calibration());
                 paired
             }
             _ => paired,
@@ -276,7 +288,7 @@ impl Compensator {
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
         self.pairing = InertialPairing::new();
-        *self.active = Active::new(&self.config, self.config.initial);
+        *self.active = Active::new(&self.config, &self.tunings, self.config.initial);
         self.clerk.restart(self.config.initial);
         self.inputs = Inputs::default();
     }

@@ -52,13 +52,14 @@ mod reading;
 mod sample;
 mod sensing;
 mod snapshot;
-#[doc(hidden)]
-pub mod tuning;
+mod tuning;
 
 pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
 pub use compensator::Compensator;
 pub use config::{Config, ConfigError, Method};
 pub use coverage::{CELLS, Coverage};
+#[doc(hidden)]
+pub use estimator::Tunings;
 pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
 pub use heading::{
     Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
@@ -71,6 +72,8 @@ pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, Re
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use sensing::pairing::EventRejection;
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
+#[doc(hidden)]
+pub use tuning::Choice;
 
 /// README's code runs as a test.
 #[cfg(doctest)]

@@ -5,6 +5,7 @@ mod compare;
 mod crb;
 mod demo;
 mod replay;
+mod sensitivity;
 mod simulate;
 mod step;
 
@@ -32,6 +33,7 @@ enum Verb {
     Step(step::Step),
     Crb(crb::Crb),
     Compare(compare::Compare),
+    Sensitivity(sensitivity::Sensitivity),
     Simulate(simulate::Simulate),
 }
 
@@ -47,6 +49,7 @@ impl Cli {
             Verb::Step(verb) => verb.run(),
             Verb::Crb(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
+            Verb::Sensitivity(verb) => verb.run(),
             Verb::Simulate(verb) => verb.run(),
         }
     }

@@ -10,6 +10,7 @@ pub mod compare;
 pub mod compare_recording;
 pub mod compare_view;
 pub mod nees;
+pub mod sensitivity;
 pub mod step;
 mod step_score;
 mod step_view;

@@ -3,6 +3,7 @@
 use crate::answer::Answer;
 use crate::calibration::Calibration;
 use crate::config::{Config, Method};
+use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::{Aided, AidedConfig, calibration_covariance};
 use crate::estimator::paper::{Clerk, Windowed};
@@ -28,13 +29,13 @@ pub(super) enum Active {
 
 impl Active {
     /// What a method begins with; of the two of `Auto` the one that needs no gyroscope.
-    pub fn new(config: &Config, initial: Option<Calibration>) -> Self {
+    pub fn new(config: &Config, tunings: &Tunings, initial: Option<Calibration>) -> Self {
         match config.method {
             Method::Windowed | Method::Constant => {
                 Self::Windowed(Windowed::new(config.method == Method::Constant, initial))
             }
             Method::Auto | Method::Aided | Method::Adaptive => {
-                Self::Adaptive(Adaptive::new(config.field_strength_ut, initial))
+                Self::Adaptive(Adaptive::new(tunings.adaptive, config.field_strength_ut, initial))
             }
         }
     }

@@ -3,3 +3,26 @@
 pub(crate) mod adaptive;
 pub(crate) mod aided;
 pub(crate) mod paper;
+
+use crate::tuning::Choice;
+
+/// The choices of every estimator.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tunings {
+    pub(crate) adaptive: adaptive::Tuning,
+}
+
+impl Tunings {
+    /// Every choice, with the estimator that makes it.
+    pub fn list() -> impl Iterator<Item = (&'static str, &'static Choice)> {
+        adaptive::Tuning::LIST.iter().map(|choice| ("adaptive", choice))
+    }
+
+    /// Sets a choice; whether there is one of that name.
+    pub fn set(&mut self, estimator: &str, name: &str, value: f64) -> bool {
+        match estimator {
+            "adaptive" => self.adaptive.set(name, value),
+            _ => false,
+        }
+    }
+}

@@ -32,7 +32,7 @@ use parameters::{Gaussian, is_bounded};
 use published::Published;
 use serde::{Deserialize, Serialize};
 use setting::{Sample, Setting};
-use tuning::Tuning;
+pub(crate) use tuning::Tuning;
 
 /// Standard gravity, and the share of it by which a vertical may be accelerated to be one.
 const GRAVITY_M_S2: f64 = 9.806_65;
@@ -85,9 +85,8 @@ pub(crate) struct Adaptive {
 
 impl Adaptive {
     /// Knows nothing but, perhaps, the field's strength, uT, and a calibration to begin with.
-    pub fn new(strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
+    pub fn new(tuning: Tuning, strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
         let unit_ut = typical_field_ut(strength_ut);
-        let tuning = Tuning::PHONE;
         Self {
             tuning,
             unit_ut,
