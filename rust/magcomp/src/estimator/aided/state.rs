@@ -209,12 +209,6 @@ impl Dense {
             self.p[k][k] = variance;
         }
     }
-
-    /// Mean variance of one element of e, in units of the pattern T.
-    pub(crate) fn iron_variance(&self) -> f64 {
-        // the pattern has trace 2 v (diagonal) + 1.5 v (off the diagonal)
-        (IRON..IRON + 6).map(|k| self.p[k][k]).sum::<f64>() / 3.5
-    }
 }
 
 fn soft_iron(x: &[f64]) -> Matrix3<f64> {
