@@ -54,8 +54,8 @@ choices! {
         local_time_s: 1.0, "s", "a step or two";
         /// Standard deviation of the local field at the start
         local_start_ut: 1.0, "uT", "rooms";
-        /// Least standard deviation of the local field
-        local_min_ut: 0.01, "uT", "families";
+        /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
+        local_min_ut: 0.03, "uT", "families";
         /// Largest: above it an anomaly would be swallowed instead of declared
         local_max_ut: 2.0, "uT", "rooms";
         /// Time constant of the slow difference between c and f, and of the slow innovation
