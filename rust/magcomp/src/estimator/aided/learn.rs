@@ -191,18 +191,6 @@ impl Aided {
         let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.tuning);
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
-            Verdict::Device if trial.phase == Phase::Erratic && self.strength.since_ns.is_none() => {
-                // the calibration explains the magnitude: what was lost on the way is the carried field, not b
-                if let Some(w) = dense.soft_iron().try_inverse() {
-                    dense.set_vector(FIELD, &(w * (step.raw_ut - dense.vector(OFFSET))));
-                }
-                dense.isolate(FIELD, self.tuning.erratic_sd_ut.powi(2));
-                self.watch = Watch::new();
-                self.adaptation.restart_walk();
-                self.adaptation.lose();
-                self.adaptation.local_ut = self.tuning.local_max_ut;
-                return;
-            }
             Verdict::Device => {
                 if !trial.young {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
