@@ -4,12 +4,14 @@
 //! motion = clamp((rate / 0.3)^2, 0.02, 1): how much of the process noise and of the learning applies.
 //! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
-//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a / G - u). Carried so, what motion adds to
+//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a - u), |a - u| < 0.2, where a is what the
+//! accelerometer reads in g, low-passed for a second and turned likewise. (The mean of samples that were limited one by one
+//! is not gravity.) Carried so, what motion adds to
 //! gravity is averaged as the world sees it, where it comes to nothing (a body that stays about where it is). Samples
 //! near |a| = G are not better ones: in a turn they are those with a part across gravity. What of it lasts, as in a car that
 //! brakes, draws u away, and shows in what is left when it has passed the same low-pass:
 //! ```text
-//! s += (dt / T) (a / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (1 deg)^2)_+
+//! s += (dt / T) (accelerometer / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (1 deg)^2)_+
 //! ```
 //! (a late gyroscope feigns a degree).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
@@ -36,6 +38,8 @@ pub(crate) struct Motion {
     pub(crate) lately_rad_s: f64,
     pub(crate) up: Option<Vector3<f64>>,
     up_age_s: f32,
+    /// a: the accelerometer, low-passed, in g.
+    felt: Vector3<f32>,
     /// s: what the accelerometer reads beside gravity, low-passed, in g.
     slow: Vector3<f32>,
     /// Mean square of that across `up`, per axis, g^2.
@@ -59,6 +63,7 @@ impl Motion {
             lately_rad_s: 0.0,
             up: None,
             up_age_s: 0.0,
+            felt: Vector3::zeros(),
             slow: Vector3::zeros(),
             leaning: 0.0,
         }
@@ -103,6 +108,7 @@ impl Motion {
     ) {
         if let Some(up) = &mut self.up {
             *up = r * *up;
+            self.felt = (r * self.felt.cast()).cast();
             self.slow = (r * self.slow.cast()).cast();
         }
         let Some(measured) = measured else { return };
@@ -113,10 +119,15 @@ impl Motion {
         match &mut self.up {
             None => {
                 self.up = Some(measured / size);
+                self.felt = (measured / size).cast();
                 self.up_age_s = 0.0;
             }
             Some(up) => {
-                let off = measured / GRAVITY_M_S2 - *up;
+                let felt: Vector3<f64> = self.felt.cast();
+                let time_s = tuning.felt_time_s.min(f64::from(self.up_age_s) + dt_s);
+                let felt = felt + (measured / GRAVITY_M_S2 - felt) * (dt_s / time_s).min(1.0);
+                self.felt = felt.cast();
+                let off = felt - *up;
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
                 let time_s = (0.03 / bias_sd).max(0.5).min(tuning.up_time_s).min(f64::from(self.up_age_s) + dt_s);
                 self.up_age_s = (f64::from(self.up_age_s) + dt_s).min(2.0 * tuning.up_time_s) as f32;
@@ -124,7 +135,7 @@ impl Motion {
                 let off = off * (tuning.largest_off / off.norm().max(tuning.largest_off));
                 *up += off * gain;
                 let slow: Vector3<f64> = self.slow.cast();
-                let slow = slow + (off - slow) * gain;
+                let slow = slow + (measured / GRAVITY_M_S2 - *up - slow) * gain;
                 self.slow = slow.cast();
                 let across = (slow.norm_squared() - slow.dot(up).powi(2)).max(0.0) as f32;
                 self.leaning += gain as f32 * (0.5 * across - self.leaning);

@@ -206,8 +206,10 @@ choices! {
         too_little_rad_s: 0.04, "rad/s", "families";
         /// Time constant with which up follows the accelerometer
         up_time_s: 5.0, "s", "recordings";
-        /// A blow counts as no more than this, in g
-        largest_off: 1.0, "", "recordings";
+        /// Time over which the accelerometer is averaged, as the world sees it, before anything is cut off
+        felt_time_s: 1.0, "s", "a step or two";
+        /// What is left of it beside gravity counts as no more than this, in g
+        largest_off: 0.2, "", "recordings";
         /// Tilt that a gyroscope feigns which is late
         feigned_rad2: 3.05e-4, "rad^2", "one degree, 10 ms";
         /// What is not known about the gyroscope's own time
