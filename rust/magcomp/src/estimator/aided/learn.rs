@@ -86,6 +86,7 @@ impl Aided {
 
     /// The magnetometer's part of one sample.
     fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
+        dense.is_first = !self.adopted;
         let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
@@ -124,7 +125,6 @@ impl Aided {
             if !gated || innovation.nis < self.tuning.spike_nis {
                 self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
             }
-            self.hold_strength(dense, step.dt_s);
             self.adopt(dense);
         }
         if self.adopted {
@@ -276,19 +276,6 @@ impl Aided {
             moving: !step.resting,
         };
         self.strength.step(step.time_ns, &witness, step.dt_s, &self.tuning);
-    }
-
-    /// The weak prior on |m|: guards the start, is silent once |m| is known.
-    fn hold_strength(&mut self, dense: &mut Dense, dt_s: f64) {
-        let m = dense.vector(FIELD);
-        let size = m.norm();
-        if size > 0.0 {
-            let u = m / size;
-            if u.dot(&(dense.block(FIELD, FIELD) * u)) > self.tuning.prior_enough_ut.powi(2) {
-                let (strength_ut, sd_ut) = self.expected_ut();
-                dense.update_strength(strength_ut, sd_ut * sd_ut * self.tuning.prior_time_s / dt_s);
-            }
-        }
     }
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {

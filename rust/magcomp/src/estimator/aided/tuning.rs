@@ -158,10 +158,6 @@ choices! {
         restart_bias_rad_s: 0.002, "rad/s", "families";
         /// Standard deviation of the hard iron (root of the trace) up to which a calibration counts as found
         adopt_sd_ut: 6.0, "uT", "7 degrees in a weak field";
-        /// Prior on |m| at the start: one measurement in this time
-        prior_time_s: 10.0, "s", "families";
-        /// With |m| known better than this it is left out
-        prior_enough_ut: 3.0, "uT", "families";
         /// How well a calibration that was given is believed: b, per axis
         given_offset_sd_ut: 2.0, "uT", "a day's drift of a phone";
         /// An element of M - I
