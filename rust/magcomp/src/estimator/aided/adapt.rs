@@ -42,30 +42,9 @@ use crate::snapshot::checked;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::config::AidedConfig;
 use super::measure::Innovation;
-use super::tuning;
+use super::tuning::Tuning;
 
-const USELESS_STEP_UT: f64 = 17.0;
-const USELESS_LEVER_UT: f64 = 150.0;
-const USELESS_GAIN: f32 = 0.05;
-const USELESS_ON: f32 = 0.6;
-const USELESS_OFF: f32 = 0.3;
-/// Time constant of the slow difference between c and f, and of the slow innovation, s.
-const SLOW_TIME_S: f64 = 0.25;
-/// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows.
-const SLOW_WEIGHT: f64 = 0.15;
-/// Magnetometer noise never counts as more, uT^2.
-const LARGEST_VARIANCE_UT2: f64 = 100.0;
-const WALK_GAIN: f64 = 0.3;
-/// A larger walk of b than this is a drift, uT per square root of a second (the filter starts with 0.25).
-const DRIFT_WALK_UT: f64 = 0.4;
-/// Corrections of b are gathered no longer, s.
-const LONGEST_WALK_S: f64 = 6.0;
-/// A walk is never believed to be more than this many times what the filter allows for.
-const LARGEST_WALK_SHARE: f64 = 3.0;
-/// Share of the walk that could be seen below which the ratio says nothing.
-const LEAST_GIVEN: f64 = 0.05;
 /// Variance of a field that is not known at all, uT^2.
 const UNKNOWN_UT2: f64 = 1e4;
 
@@ -113,11 +92,11 @@ checked!(Adaptation, |it| {
 });
 
 impl Adaptation {
-    pub(crate) fn new(config: &AidedConfig) -> Self {
+    pub(crate) fn new(tuning: &Tuning) -> Self {
         Self {
-            variance_ut2: config.noise_start_ut.powi(2),
-            local_ut: tuning::LOCAL_START_UT,
-            offset_walk_ut: tuning::OFFSET_WALK_UT,
+            variance_ut2: tuning.noise_start_ut.powi(2),
+            local_ut: tuning.local_start_ut,
+            offset_walk_ut: tuning.offset_walk_ut,
             walked_ut: Vector3::zeros(),
             walked_before_ut: Vector3::zeros(),
             walk_start_ut2: -1.0,
@@ -128,10 +107,10 @@ impl Adaptation {
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
-            slow_power_ut2: tuning::UNEVEN_MAX_UT.powi(2),
-            power_ut2: tuning::LOCAL_START_UT.powi(2),
+            slow_power_ut2: tuning.uneven_max_ut.powi(2),
+            power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
-            slow_age_s: SLOW_TIME_S,
+            slow_age_s: tuning.slow_time_s,
             useless_share: 0.0,
             useless: false,
         }
@@ -142,13 +121,13 @@ impl Adaptation {
     }
 
     /// The slow difference between the corrected sample and the carried field.
-    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64) {
-        let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
+    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
+        let gain = 1.0 - (-dt_s / tuning.slow_time_s).exp();
         self.slow_ut += (difference_ut - self.slow_ut) * gain;
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * gain / (2.0 - gain);
-        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning::UNEVEN_MAX_UT.powi(2));
-        self.slow_age_s = (self.slow_age_s + dt_s).min(tuning::UNEVEN_TIME_S);
+        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning.uneven_max_ut.powi(2));
+        self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.uneven_time_s);
         let gain = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
@@ -156,18 +135,18 @@ impl Adaptation {
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
-    pub(crate) fn floor_ut2(&self, config: &AidedConfig) -> f64 {
-        config.uneven_gain.powi(2) * self.uneven_ut2()
+    pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
+        tuning.uneven_gain.powi(2) * self.uneven_ut2(tuning)
     }
 
-    fn uneven_ut2(&self) -> f64 {
-        self.slow_power_ut2.clamp(0.0, tuning::UNEVEN_MAX_UT.powi(2))
+    fn uneven_ut2(&self, tuning: &Tuning) -> f64 {
+        self.slow_power_ut2.clamp(0.0, tuning.uneven_max_ut.powi(2))
     }
 
     /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2` and beyond the
     /// slow part, which the floor has, uT^2.
-    pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
-        (self.power_ut2 - noise_ut2 - self.uneven_ut2()).max(0.0)
+    pub(crate) fn local_ut2(&self, noise_ut2: f64, tuning: &Tuning) -> f64 {
+        (self.power_ut2 - noise_ut2 - self.uneven_ut2(tuning)).max(0.0)
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).
@@ -176,22 +155,22 @@ impl Adaptation {
     }
 
     /// One sample, with the step from the one before.
-    pub(crate) fn step(&mut self, raw_ut: &Vector3<f64>, increment: &Increment, config: &AidedConfig) {
+    pub(crate) fn step(&mut self, raw_ut: &Vector3<f64>, increment: &Increment, tuning: &Tuning) {
         let Increment { offset_ut, soft_iron, turn, angle_rad, dt_s } = increment;
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
-            let surprise = size > USELESS_STEP_UT && size > USELESS_LEVER_UT * angle_rad;
-            self.useless_share += USELESS_GAIN * (f32::from(u8::from(surprise)) - self.useless_share);
-            if self.useless_share > USELESS_ON {
+            let surprise = size > tuning.useless_step_ut && size > tuning.useless_lever_ut * angle_rad;
+            self.useless_share += (tuning.useless_gain as f32) * (f32::from(u8::from(surprise)) - self.useless_share);
+            if self.useless_share > (tuning.useless_on as f32) {
                 self.useless = true;
-            } else if self.useless_share < USELESS_OFF {
+            } else if self.useless_share < (tuning.useless_off as f32) {
                 self.useless = false;
             }
-            let gain = (dt_s / tuning::NOISE_TIME_S).min(0.2);
+            let gain = (dt_s / tuning.noise_time_s).min(0.2);
             let variance = self.variance_ut2;
             self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);
-            self.variance_ut2 = self.variance_ut2.min(LARGEST_VARIANCE_UT2).max(config.noise_min_ut.powi(2));
+            self.variance_ut2 = self.variance_ut2.max(tuning.noise_min_ut.powi(2));
         }
         self.previous_raw_ut = Some(*raw_ut);
     }
@@ -199,22 +178,22 @@ impl Adaptation {
     /// The local field's standard deviation, from the size of an innovation and of its slow part.
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
-    pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, config: &AidedConfig) {
+    pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
-        let gain = 1.0 - (-dt_s / SLOW_TIME_S).exp();
+        let gain = 1.0 - (-dt_s / tuning.slow_time_s).exp();
         let slow_ut: Vector3<f64> = self.slow_innovation_ut.cast();
         let slow_ut = slow_ut + (innovation.v - slow_ut) * gain;
         self.slow_innovation_ut = slow_ut.cast();
         let slow = slow_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
-        let excess = excess + SLOW_WEIGHT * (slow.min(3.0) - 1.0);
+        let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
-        self.local_ut = self.local_ut.min(config.local_max_ut).max(tuning::LOCAL_MIN_UT);
+        self.local_ut = self.local_ut.min(tuning.local_max_ut).max(tuning.local_min_ut);
     }
 
     /// The random walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
-    pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, config: &AidedConfig) {
+    pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, tuning: &Tuning) {
         if self.walk_start_ut2 < 0.0 {
             self.walk_start_ut2 = variance_ut2;
             self.walk_time_s = 0.0;
@@ -225,21 +204,22 @@ impl Adaptation {
         self.walked_ut += correction_ut;
         self.walk_time_s += dt_s;
         let now = self.offset_walk_ut.powi(2);
-        let mut window_s = tuning::OFFSET_WALK_TIME_S;
-        if self.offset_walk_ut > DRIFT_WALK_UT {
-            window_s = (variance_ut2 / now).clamp(window_s, LONGEST_WALK_S);
+        let mut window_s = tuning.offset_walk_time_s;
+        if self.offset_walk_ut > tuning.drift_walk_ut {
+            window_s = (variance_ut2 / now).clamp(window_s, tuning.longest_walk_s);
         }
         if self.walk_time_s >= window_s {
             let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
             let given = 3.0 * self.walk_time_s * now;
             let kept = self.walked_ut.dot(&self.walked_before_ut) / given;
             let unseen = unseen / given;
-            self.walk_seen += WALK_GAIN * (kept.clamp(-LARGEST_WALK_SHARE, LARGEST_WALK_SHARE) - self.walk_seen);
-            self.walk_given += WALK_GAIN * ((1.0 - unseen).max(0.0) - self.walk_given);
+            self.walk_seen +=
+                tuning.walk_gain * (kept.clamp(-tuning.largest_walk_share, tuning.largest_walk_share) - self.walk_seen);
+            self.walk_given += tuning.walk_gain * ((1.0 - unseen).max(0.0) - self.walk_given);
             // from a single window the estimate has three degrees of freedom: it is not believed beyond 9 fold; nor does
             // chance alone (the product is as often negative) keep the walk up
-            let next = now * (1.0 + WALK_GAIN * ((kept + unseen).clamp(-1.0, 9.0) - 1.0));
-            self.offset_walk_ut = next.sqrt().min(config.offset_walk_max_ut).max(tuning::OFFSET_WALK_MIN_UT);
+            let next = now * (1.0 + tuning.walk_gain * ((kept + unseen).clamp(-1.0, 9.0) - 1.0));
+            self.offset_walk_ut = next.sqrt().min(tuning.offset_walk_max_ut).max(tuning.offset_walk_min_ut);
             self.walk_start_ut2 = variance_ut2;
             self.walk_time_s = 0.0;
             self.walked_before_ut = self.walked_ut;
@@ -248,13 +228,13 @@ impl Adaptation {
     }
 
     /// rho, the share of the walk of b that was seen to happen: 0 to 3.
-    fn walk_share(&self) -> f64 {
-        (self.walk_seen / self.walk_given.max(LEAST_GIVEN)).clamp(0.0, LARGEST_WALK_SHARE)
+    fn walk_share(&self, tuning: &Tuning) -> f64 {
+        (self.walk_seen / self.walk_given.max(tuning.least_given)).clamp(0.0, tuning.largest_walk_share)
     }
 
     /// How far P of b and e may be believed, (1 + rho) / 2: 0.5 when the walk in it does not happen, 1 when it does, up to 2.
-    pub(crate) fn believed(&self) -> f64 {
-        0.5 * (1.0 + self.walk_share())
+    pub(crate) fn believed(&self, tuning: &Tuning) -> f64 {
+        0.5 * (1.0 + self.walk_share(tuning))
     }
 
     /// The field is carried on, which adds `variance_ut2` per axis across it.
@@ -263,8 +243,8 @@ impl Adaptation {
     }
 
     /// A sample with white noise of `variance_ut2` per axis corrects it.
-    pub(crate) fn correct(&mut self, variance_ut2: f64, dt_s: f64) {
-        let v = variance_ut2 + 2.0 * self.local_ut.powi(2) * tuning::LOCAL_TIME_S / dt_s;
+    pub(crate) fn correct(&mut self, variance_ut2: f64, dt_s: f64, tuning: &Tuning) {
+        let v = variance_ut2 + 2.0 * self.local_ut.powi(2) * tuning.local_time_s / dt_s;
         self.carried_ut2 *= v / (self.carried_ut2 + v);
     }
 
@@ -274,11 +254,11 @@ impl Adaptation {
     }
 
     /// What may be believed of P_mm, uT^2; all of it while no sample corrects m.
-    pub(crate) fn field_ut2(&self, p_mm: &Matrix3<f64>, corrected: bool) -> Matrix3<f64> {
+    pub(crate) fn field_ut2(&self, p_mm: &Matrix3<f64>, corrected: bool, tuning: &Tuning) -> Matrix3<f64> {
         if !corrected {
             return *p_mm;
         }
-        let share = 0.25 * (1.0 + 2.0 * self.walk_share());
+        let share = 0.25 * (1.0 + 2.0 * self.walk_share(tuning));
         let carried = self.carried_ut2.min(p_mm.trace() / 3.0);
         p_mm * share + Matrix3::identity() * (carried * (1.0 - share).max(0.0))
     }

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! nothing   the filter as it was, predicted only; has won when its samples fit again
-//! device    P_bb += s^2 I, P_ee += T (room left), |m| freed with the trace: the device's disturbance stepped, m holds
+//! device    P_bb += s^2 I, P_ee += T, |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
 //! erratic   neither of the last two explains the samples for longer than a second
-//! l = -(min(NIS, 25) + ln det S) / 2,   L += 0.2 min(dt / 10 ms, 4) (l_device - l_place),   |L| <= 30
+//! l = -(min(NIS, gate) + ln det S) / 2,   L += 0.2 min(dt / 10 ms, 4) (l_device - l_place)
 //! ```
 //! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
@@ -21,26 +21,11 @@ use crate::snapshot::checked;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::config::AidedConfig;
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
-use super::tuning;
+use super::tuning::Tuning;
 use super::watch::{Former, Watch};
-
-const SMALLEST_STEP_UT: f64 = 8.0;
-const LARGEST_STEP_UT: f64 = 500.0;
-const IRON_STEP: f64 = 0.05;
-const NIS_CAP: f64 = 25.0;
-const LARGEST_LOG_RATIO: f64 = 30.0;
-/// A change takes up to this long, s: meanwhile both hypotheses let their unknown walk, uT per square root of a second,
-/// and are not compared. Else `device`, the freer one, would win by following the ramp.
-const RAMP_S: f64 = 0.4;
-const RAMP_WALK_UT: f64 = 4.0;
-const FIT_TIME_S: f64 = 0.25;
-/// Share of misfits allowed to a hypothesis that wins within an erratic field.
-const STRICT_MISFIT: f64 = 0.15;
-const RECALL_LIMIT_UT: f64 = 4.0;
 
 /// What the hypotheses have come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -113,14 +98,14 @@ pub(crate) struct Step<'a> {
 }
 
 /// Whether the samples that do not fit now fit the calibration from before the last step.
-fn fits_again(watch: &Watch) -> bool {
-    let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
-    watch.former_ut.norm() < RECALL_LIMIT_UT.min(0.4 * step_ut)
+fn fits_again(watch: &Watch, tuning: &Tuning) -> bool {
+    let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
+    watch.former_ut.norm() < tuning.recall_limit_ut.min(0.4 * step_ut)
 }
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
-    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>) -> Self {
+    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         let mut trial = Self {
             phase: Phase::Undecided,
             onset_ns: watch.since_ns,
@@ -137,24 +122,22 @@ impl Trial {
             total_s: 0.0,
             place_s: 0.0,
         };
-        trial.seed(filter, watch, former);
+        trial.seed(filter, watch, former, tuning);
         trial
     }
 
     /// Starts both hypotheses (anew).
-    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>) {
-        let step_ut = watch.misfit_ut.clamp(SMALLEST_STEP_UT, LARGEST_STEP_UT);
+    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) {
+        let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
         let base = filter.open();
         let mut device = base.clone();
-        let recall = former.filter(|_| fits_again(watch));
+        let recall = former.filter(|_| fits_again(watch, tuning));
         self.recalled = recall.is_some();
         if let Some(former) = recall {
-            former.put_into(&mut device);
+            former.put_into(&mut device, tuning);
         } else {
             device.add_variance(OFFSET, step_ut * step_ut);
-            let room = tuning::IRON_SD_MAX.powi(2) - device.iron_variance();
-            let wanted = (IRON_STEP * (step_ut / 20.0).min(1.5)).powi(2);
-            let iron = wanted.min(room).max(0.0);
+            let iron = (tuning.iron_step * (step_ut / 20.0).min(1.5)).powi(2);
             device.add_iron_variance(iron);
             // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
             let m = device.vector(FIELD);
@@ -178,33 +161,35 @@ impl Trial {
         filter: &Gaussian,
         watch: &Watch,
         former: Option<&Former>,
-        config: &AidedConfig,
+        tuning: &Tuning,
     ) -> Verdict {
         let mut device = self.device(filter);
         let mut place = self.place(filter);
         device.propagate(step.increment_rad, step.dt_s, step.noise);
         place.propagate(step.increment_rad, step.dt_s, step.noise);
-        if self.age_s < RAMP_S {
-            let variance = RAMP_WALK_UT * RAMP_WALK_UT * step.dt_s;
+        if self.age_s < tuning.ramp_s {
+            let variance = tuning.ramp_walk_ut * tuning.ramp_walk_ut * step.dt_s;
             device.add_variance(OFFSET, variance);
             place.add_variance(FIELD, variance);
         }
         if !step.resting {
-            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, tuning::JITTER_S);
+            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
             if let (Some(d), Some(p)) = (seen(&device), seen(&place)) {
-                self.judge(&d, &p, step);
-                if d.nis < tuning::GATE {
+                self.judge(&d, &p, step, tuning);
+                if d.nis < tuning.gate {
                     device.update(&d, Correct::All);
                 }
-                if p.nis < tuning::GATE {
+                if p.nis < tuning.gate {
                     place.update(&p, Correct::FieldOnly);
                 }
             }
         }
         // a cover comes off in a while: what it leaves shows later than the onset
-        if let Some(former) = former.filter(|_| !self.recalled && self.phase == Phase::Undecided && fits_again(watch)) {
+        if let Some(former) =
+            former.filter(|_| !self.recalled && self.phase == Phase::Undecided && fits_again(watch, tuning))
+        {
             device = filter.open();
-            former.put_into(&mut device);
+            former.put_into(&mut device, tuning);
             self.recalled = true;
             self.log_ratio = 0.0;
             self.device_misfit = 0.0;
@@ -214,17 +199,16 @@ impl Trial {
         if step.resting {
             return Verdict::Open;
         }
-        self.decide(step, filter, watch, former, config)
+        self.decide(step, filter, watch, former, tuning)
     }
 
-    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>) {
-        let log = |i: &Innovation| -0.5 * (i.nis.min(NIS_CAP) + i.ln_det);
-        let weight = tuning::LIKELIHOOD_WEIGHT * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= RAMP_S);
-        self.log_ratio =
-            (self.log_ratio + weight * (log(device) - log(place))).clamp(-LARGEST_LOG_RATIO, LARGEST_LOG_RATIO);
-        let gain = 1.0 - (-step.dt_s / FIT_TIME_S).exp();
-        self.device_misfit += gain * (f64::from(device.nis > tuning::GATE) - self.device_misfit);
-        self.place_misfit += gain * (f64::from(place.nis > tuning::GATE) - self.place_misfit);
+    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
+        let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
+        let weight = tuning.likelihood_weight * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= tuning.ramp_s);
+        self.log_ratio += weight * (log(device) - log(place));
+        let gain = 1.0 - (-step.dt_s / tuning.fit_time_s).exp();
+        self.device_misfit += gain * (f64::from(device.nis > tuning.gate) - self.device_misfit);
+        self.place_misfit += gain * (f64::from(place.nis > tuning.gate) - self.place_misfit);
         self.rotation_rad += step.angle_rad;
         self.age_s += step.dt_s;
         self.total_s += step.dt_s * step.motion;
@@ -236,24 +220,24 @@ impl Trial {
         filter: &Gaussian,
         watch: &Watch,
         former: Option<&Former>,
-        config: &AidedConfig,
+        tuning: &Tuning,
     ) -> Verdict {
-        let device_fits = self.device_misfit < tuning::FIT_SHARE;
-        let place_fits = self.place_misfit < tuning::FIT_SHARE;
+        let device_fits = self.device_misfit < tuning.fit_share;
+        let place_fits = self.place_misfit < tuning.fit_share;
         self.unclean |= !device_fits;
         if self.phase == Phase::Place {
             if place_fits {
                 self.place_s += step.dt_s;
-                return if self.place_s > config.place_time_s { Verdict::NewPlace } else { Verdict::Open };
+                return if self.place_s > tuning.place_time_s { Verdict::NewPlace } else { Verdict::Open };
             }
             self.place_s = 0.0;
-            self.seed(filter, watch, former);
+            self.seed(filter, watch, former, tuning);
             self.phase = Phase::Erratic;
             return Verdict::Open;
         }
         if !device_fits && !place_fits {
-            self.seed(filter, watch, former);
-            if self.total_s > tuning::ERRATIC_TIME_S && self.phase == Phase::Undecided {
+            self.seed(filter, watch, former, tuning);
+            if self.total_s > tuning.erratic_time_s && self.phase == Phase::Undecided {
                 self.phase = Phase::Erratic;
                 return Verdict::Erratic;
             }
@@ -261,15 +245,15 @@ impl Trial {
         }
         let strict = self.phase == Phase::Erratic;
         let (rotation, ratio) = if strict {
-            (tuning::ERRATIC_ROTATION_RAD, 2.0 * tuning::DECIDE_LOG_RATIO)
+            (tuning.erratic_rotation_rad, 2.0 * tuning.decide_log_ratio)
         } else if self.recalled {
-            (0.5 * config.decide_rotation_rad, tuning::DECIDE_LOG_RATIO)
+            (0.5 * tuning.decide_rotation_rad, tuning.decide_log_ratio)
         } else {
-            (config.decide_rotation_rad, tuning::DECIDE_LOG_RATIO)
+            (tuning.decide_rotation_rad, tuning.decide_log_ratio)
         };
-        let age_s = if strict { tuning::ERRATIC_SETTLE_S } else { tuning::DECIDE_TIME_S };
-        let device_fits = device_fits && (!strict || self.device_misfit < STRICT_MISFIT);
-        let place_fits = place_fits && (!strict || self.place_misfit < STRICT_MISFIT);
+        let age_s = if strict { tuning.erratic_settle_s } else { tuning.ramp_s };
+        let device_fits = device_fits && (!strict || self.device_misfit < tuning.strict_misfit);
+        let place_fits = place_fits && (!strict || self.place_misfit < tuning.strict_misfit);
         if self.rotation_rad < rotation || self.age_s < age_s {
             return Verdict::Open;
         }

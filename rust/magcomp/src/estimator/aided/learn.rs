@@ -16,44 +16,10 @@ use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
 use super::strength::{Strength, Witness};
-use super::tuning;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput};
 use crate::reading::{Event, EventKind, SensorMode};
 use crate::sensing::pairing::Rotation;
-
-/// The prior on |m| is applied this often, as one measurement.
-const PRIOR_PERIOD_S: f64 = 0.1;
-/// The prior on |m| counts as one measurement of its standard deviation in this time.
-const PRIOR_TIME_S: f64 = 10.0;
-/// It only guards the start: with |m| known better than this it is left out, uT.
-const PRIOR_ENOUGH_UT: f64 = 3.0;
-/// No direction to apply it along below this |m|, uT.
-const PRIOR_LEAST_UT: f64 = 5.0;
-/// Standard deviation of the zero-rate measurement at rest for a sample of 10 ms, rad/s.
-const REST_RATE_SD_RAD_S: f64 = 0.03;
-const REST_SETTLE_S: f64 = 0.5;
-/// What is known about |h| across a gap, uT.
-pub(super) const GAP_STRENGTH_SD_UT: f64 = 5.0;
-/// A gap longer than this many times `gap_s`, bridged by the gyroscope, still lets the offset drift.
-pub(super) const LONG_GAP: f64 = 5.0;
-/// Drift in a gap is not counted beyond this, s: the drift of a phone is bounded.
-pub(super) const LONGEST_DRIFT_S: f64 = 225.0;
-/// Share of gated samples at which the offset is freed before a calibration was found, and the least freedom, uT.
-const UNADOPTED_SHARE: f64 = 0.451;
-const UNADOPTED_STEP_UT: f64 = 8.0;
-/// A misfit within this time of one that passed by itself is likelier the place's again than the device's, ns.
-const UNREST_NS: i64 = 120_000_000_000;
-/// A new place is believed to be the earth's field in this time, s: until then the heading may be wrong by what it differs by.
-pub(super) const NEW_PLACE_TIME_S: f64 = 300.0;
-/// The field is what it was before a new place when it differs from that by less than this share.
-const BACK_SHARE: f64 = 0.3;
-/// NIS beyond which a sample is a spike and says nothing about the local field.
-const SPIKE_NIS: f64 = 200.0;
-/// Seconds of motion for which the calibration still holds after a disturbance: what bends a field bends it around too.
-const HOLD_S: f64 = 3.0;
-/// NIS from which a sample is used with a noise as large as what it does not explain: the onset of a change grows slowly.
-const DOUBT_NIS: f64 = 9.0;
 
 impl Aided {
     pub(super) fn with_rotation(
@@ -70,10 +36,10 @@ impl Aided {
         };
         let mut dense = filter.open();
         let bias_sd = (BIAS..BIAS + 3).map(|k| dense.p[k][k]).fold(0.0, f64::max).sqrt();
-        if dt_s > LONG_GAP * self.config.gap_s {
-            dense.add_variance(OFFSET, self.config.gap_offset_walk_ut.powi(2) * dt_s.min(LONGEST_DRIFT_S));
+        if dt_s > self.tuning.long_gap * self.tuning.gap_s {
+            dense.add_variance(OFFSET, self.tuning.gap_offset_walk_ut.powi(2) * dt_s.min(self.tuning.longest_drift_s));
         }
-        self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.config);
+        self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.tuning);
         let noise = self.process_noise(rotation.variance_rad2);
         let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
         let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
@@ -82,8 +48,8 @@ impl Aided {
         self.displaced_s += dt_s as f32;
         self.adaptation.carry(noise.carried_ut2(dense.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
-        self.adaptation.step(raw_ut, &increment, &self.config);
-        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.config);
+        self.adaptation.step(raw_ut, &increment, &self.tuning);
+        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
         self.mode = match (self.adaptation.useless, up.is_some()) {
             (false, true) => SensorMode::GyroscopeAndGravity,
             (false, false) => SensorMode::GyroscopeOnly,
@@ -104,11 +70,11 @@ impl Aided {
             noise: &noise,
             sigma_ut: self.adaptation.sigma_ut(),
             resting: self.motion.at_rest(),
-            motion: self.motion.amount(),
+            motion: self.motion.amount(&self.tuning),
         };
         self.learn(&step, &mut dense, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
-            dense.update_strength(strength_ut, GAP_STRENGTH_SD_UT.powi(2));
+            dense.update_strength(strength_ut, self.tuning.gap_strength_sd_ut.powi(2));
         }
         if !filter.keep(&dense) {
             filter = self.start(raw_ut);
@@ -120,10 +86,11 @@ impl Aided {
 
     /// The magnetometer's part of one sample.
     fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
-        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut, tuning::JITTER_S) else {
+        dense.is_first = !self.adopted;
+        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
-        let gated = innovation.nis > tuning::GATE;
+        let gated = innovation.nis > self.tuning.gate;
         if self.unconfirmed > 0 && !self.adopted {
             self.unconfirmed = if gated { self.unconfirmed - 1 } else { 0 };
             if gated && self.unconfirmed == 0 {
@@ -141,9 +108,9 @@ impl Aided {
         }
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some());
-        if self.motion.rest_s > REST_SETTLE_S {
-            let sd = REST_RATE_SD_RAD_S * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
+        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.tuning);
+        if self.motion.rest_s > self.tuning.rate_time_s {
+            let sd = self.tuning.rest_rate_sd_rad_s * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
             dense.update_bias(step.rate_rad_s, sd * sd);
         }
         self.watch_strength(step, dense);
@@ -155,26 +122,29 @@ impl Aided {
             if !gated {
                 self.update(step, &innovation, dense);
             }
-            if !gated || innovation.nis < SPIKE_NIS {
-                self.adaptation.local(&innovation, step.motion, step.dt_s, &self.config);
+            if !gated || innovation.nis < self.tuning.spike_nis {
+                self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
             }
-            self.hold_strength(dense, step.dt_s);
             self.adopt(dense);
         }
         if self.adopted {
-            if self.watch.share > self.config.suspect_share {
+            if self.watch.share > self.tuning.suspect_share {
                 if self.is_unproven() {
                     *dense = self.start_anew(step.raw_ut);
                     return;
                 }
                 filter.keep(dense);
-                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref());
-                trial.young = self.strength.young();
-                trial.unclean = self.passed_ns.is_some_and(|passed| step.time_ns.saturating_sub(passed) < UNREST_NS);
+                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
+                trial.young = self.strength.young(&self.tuning);
+                trial.unclean = self
+                    .passed_ns
+                    .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
                 self.trial = Some(trial);
             }
-        } else if self.watch.share > UNADOPTED_SHARE && self.watch.rotation_rad > self.config.decide_rotation_rad {
-            dense.add_variance(OFFSET, self.watch.misfit_ut.max(UNADOPTED_STEP_UT).powi(2));
+        } else if self.watch.share > self.tuning.unadopted_share
+            && self.watch.rotation_rad > self.tuning.decide_rotation_rad
+        {
+            dense.add_variance(OFFSET, self.watch.misfit_ut.max(self.tuning.smallest_step_ut).powi(2));
             self.watch = Watch::new();
         }
     }
@@ -184,19 +154,22 @@ impl Aided {
     fn update(&mut self, step: &Step<'_>, innovation: &Innovation, dense: &mut Dense) {
         let before = dense.vector(OFFSET);
         let excess_ut = self.strength.excess_ut();
-        let doubt_ut2 =
-            if self.adopted { innovation.v.norm_squared() * (1.0 - DOUBT_NIS / innovation.nis) / 3.0 } else { 0.0 };
+        let doubt_ut2 = if self.adopted {
+            innovation.v.norm_squared() * (1.0 - self.tuning.doubt_nis / innovation.nis) / 3.0
+        } else {
+            0.0
+        };
         let weaker = excess_ut * excess_ut + doubt_ut2.max(0.0);
         if excess_ut > 0.0 {
-            self.hold_s = HOLD_S;
+            self.hold_s = self.tuning.hold_s;
         }
         self.hold_s = (self.hold_s - step.dt_s * step.motion).max(0.0);
         let correct = if self.hold_s > 0.0 { Correct::FieldAndBias } else { Correct::All };
         let variance_ut2 = step.sigma_ut.powi(2) + weaker;
-        self.adaptation.correct(variance_ut2, step.dt_s);
+        self.adaptation.correct(variance_ut2, step.dt_s, &self.tuning);
         if weaker > 0.0 {
             let sd = variance_ut2.sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, tuning::JITTER_S) {
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd) {
                 dense.update(&weak, correct);
             }
         } else {
@@ -207,7 +180,7 @@ impl Aided {
             self.adaptation.restart_walk();
         } else if self.adopted {
             let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
-            self.adaptation.walk(&(dense.vector(OFFSET) - before), variance, step.dt_s, &self.config);
+            self.adaptation.walk(&(dense.vector(OFFSET) - before), variance, step.dt_s, &self.tuning);
         }
     }
 
@@ -215,21 +188,9 @@ impl Aided {
     fn run_trial(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
         let Some(mut trial) = self.trial.take() else { return };
         filter.keep(dense);
-        let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.config);
+        let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.tuning);
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
-            Verdict::Device if trial.phase == Phase::Erratic && self.strength.since_ns.is_none() => {
-                // the calibration explains the magnitude: what was lost on the way is the carried field, not b
-                if let Some(w) = dense.soft_iron().try_inverse() {
-                    dense.set_vector(FIELD, &(w * (step.raw_ut - dense.vector(OFFSET))));
-                }
-                dense.isolate(FIELD, tuning::ERRATIC_SD_UT.powi(2));
-                self.watch = Watch::new();
-                self.adaptation.restart_walk();
-                self.adaptation.lose();
-                self.adaptation.local_ut = self.config.local_max_ut;
-                return;
-            }
             Verdict::Device => {
                 if !trial.young {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
@@ -244,7 +205,7 @@ impl Aided {
                 let winner = trial.place(filter);
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
                 let moved_ut = displaced_ut + winner.vector(FIELD) - dense.vector(FIELD);
-                let back = moved_ut.norm() < BACK_SHARE * displaced_ut.norm();
+                let back = moved_ut.norm() < self.tuning.back_share * displaced_ut.norm();
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
                 }
@@ -257,24 +218,24 @@ impl Aided {
             Verdict::Erratic => {
                 self.event = event(EventKind::Erratic);
                 // what came just before the onset may have gone into the bias, which now carries the heading
-                dense.add_variance(BIAS, tuning::ERRATIC_BIAS_RAD_S.powi(2));
+                dense.add_variance(BIAS, self.tuning.erratic_bias_rad_s.powi(2));
             }
             Verdict::Open => {}
         }
-        if self.watch.share < tuning::CLEAR_SHARE {
+        if self.watch.share < self.tuning.clear_share {
             self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
-                self.adaptation.local_ut = self.config.local_max_ut;
-                self.hold_s = HOLD_S;
+                self.adaptation.local_ut = self.tuning.local_max_ut;
+                self.hold_s = self.tuning.hold_s;
             }
             self.passed_ns = Some(step.time_ns);
             return; // nothing happened, or it is over
         }
         if trial.phase == Phase::Erratic {
             // the earth's field plus something of known size that averages out along the way
-            let sd = tuning::ERRATIC_SD_UT * (2.0 * tuning::ERRATIC_CORRELATION_S / step.dt_s).sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd, tuning::JITTER_S) {
+            let sd = self.tuning.erratic_sd_ut * (2.0 * self.tuning.erratic_correlation_s / step.dt_s).sqrt();
+            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd) {
                 dense.update(&weak, Correct::FieldAndBias);
             }
         }
@@ -297,7 +258,7 @@ impl Aided {
         let still = w * (step.raw_ut - dense.vector(OFFSET));
         let rate = dense.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * dense.x[DELAY];
-        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s);
+        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.tuning);
     }
 
     /// Follows |c| against its running median, once there is a calibration.
@@ -314,40 +275,21 @@ impl Aided {
             sd_ut: (variance + step.sigma_ut.powi(2)).sqrt(),
             moving: !step.resting,
         };
-        self.strength.step(step.time_ns, &witness, step.dt_s, &self.config);
-    }
-
-    /// The weak prior on |m|: guards the start, is silent once |m| is known.
-    fn hold_strength(&mut self, dense: &mut Dense, dt_s: f64) {
-        self.prior_age_s += dt_s;
-        if self.prior_age_s < PRIOR_PERIOD_S {
-            return;
-        }
-        let m = dense.vector(FIELD);
-        let size = m.norm();
-        if size > PRIOR_LEAST_UT {
-            let u = m / size;
-            if u.dot(&(dense.block(FIELD, FIELD) * u)) > PRIOR_ENOUGH_UT.powi(2) {
-                let variance = self.config.strength_sd_ut.powi(2) * PRIOR_TIME_S / self.prior_age_s.min(1.0);
-                dense.update_strength(self.config.strength_ut, variance);
-            }
-        }
-        self.prior_age_s = 0.0;
+        self.strength.step(step.time_ns, &witness, step.dt_s, &self.tuning);
     }
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
-        let c = &self.config;
+        let c = &self.tuning;
         ProcessNoise {
-            field_ut: tuning::FIELD_WALK_UT,
+            field_ut: self.tuning.field_walk_ut,
             angle_rad: c.angle_walk_rad,
-            scale: tuning::SCALE_WALK,
+            scale: self.tuning.scale_walk,
             bridged_rad2,
-            offset_ut: self.adaptation.offset_walk_ut * self.motion.amount().sqrt(),
-            iron: tuning::IRON_WALK,
+            offset_ut: self.adaptation.offset_walk_ut * self.motion.amount(&self.tuning).sqrt(),
+            iron: self.tuning.iron_walk,
             bias_rad_s: c.bias_walk_rad_s,
-            delay_s: tuning::DELAY_WALK,
             local_ut: self.adaptation.local_ut,
-            local_time_s: tuning::LOCAL_TIME_S,
+            local_time_s: self.tuning.local_time_s,
         }
     }
 }

@@ -4,10 +4,10 @@
 //! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = (1 - s) gyroscope rate - g
 //! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/ds = dr/dg diag(rate),
 //! dr/dtau = M (w x h0)
-//! S = H P H^T + sigma^2 I + B + (s_t)^2 (w x h0)(w x h0)^T
+//! S = H P H^T + sigma^2 I + B
 //! ```
-//! B is the second-order term of the bilinear E h (it matters at the start: without it the offset is over-trusted);
-//! s_t the jitter of the sample times. The update is P <- P - V V^T with V = P H^T L^-T, S = L L^T: symmetric by
+//! Until a calibration is adopted M in these derivatives is I: from update to update M moves, which would feign knowledge of
+//! b along an axis that the motion does not contain. B is the second-order term of the bilinear E h (it matters at the start: without it the offset is over-trusted). The update is P <- P - V V^T with V = P H^T L^-T, S = L L^T: symmetric by
 //! construction. A `Consider` update (Schmidt) corrects m and d only and leaves b, e, g, tau, s as they are, yet counts
 //! their uncertainty. Source: docs/METHOD.md.
 
@@ -59,7 +59,7 @@ pub(crate) fn jacobian(x: &Dense, rate_rad_s: &Vector3<f64>) -> [[f64; STATES]; 
     let w = x.true_rate(rate_rad_s);
     let tau = x.x[DELAY];
     let wh = w.cross(&h0);
-    let m = x.soft_iron();
+    let m = if x.is_first { Matrix3::identity() } else { x.soft_iron() };
     let to_field = m * (Matrix3::identity() + cross(&w) * tau);
     let to_bias = m * cross(&h0) * tau;
     let to_delay = m * wh;
@@ -107,7 +107,6 @@ impl Dense {
         raw_ut: &Vector3<f64>,
         rate_rad_s: &Vector3<f64>,
         sigma_ut: f64,
-        jitter_s: f64,
     ) -> Option<Innovation> {
         let h = jacobian(self, rate_rad_s);
         let mut hp = [[0.0; STATES]; 3];
@@ -120,10 +119,7 @@ impl Dense {
                 }
             }
         }
-        let h0 = self.vector(FIELD) + self.vector(LOCAL);
-        let swing = self.soft_iron() * self.true_rate(rate_rad_s).cross(&h0) * jitter_s;
         let mut s = Matrix3::from_diagonal(&(self.second_order().add_scalar(sigma_ut * sigma_ut)));
-        s += swing * swing.transpose();
         for r in 0..3 {
             for c in 0..=r {
                 let mut sum = 0.0;

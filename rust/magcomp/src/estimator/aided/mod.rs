@@ -7,7 +7,6 @@
 //! sample) · `output`, `publish`. The derivation is in docs/METHOD.md.
 
 mod adapt;
-mod config;
 mod events;
 mod learn;
 mod measure;
@@ -27,7 +26,6 @@ use crate::snapshot::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use config::AidedConfig;
 pub(crate) use output::{AidedOutput, calibration_covariance};
 
 use crate::calibration::Calibration;
@@ -39,11 +37,12 @@ use motion::Motion;
 use start::Unproven;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
 use strength::Strength;
+/// What an aided estimator is made with.
+pub(crate) use tuning::Tuning as AidedConfig;
+use tuning::Tuning;
 use watch::{Former, Watch};
 
 const NANO: f64 = 1e-9;
-/// How far the mean scale of a sensor is from 1: so well a known field strength says what |m| is where tr M = 3.
-const SCALE_SD: f64 = 0.1;
 /// Rates beyond any gyroscope's range are not believed, rad/s.
 const LARGEST_RATE_RAD_S: f64 = 100.0;
 /// More than any gyroscope can have gathered across a gap that it bridged, rad.
@@ -55,14 +54,15 @@ const LARGEST_UP_M_S2: f64 = 1000.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
 pub(crate) struct Aided {
-    config: AidedConfig,
+    #[serde(skip)]
+    tuning: Box<Tuning>,
     last_ns: Option<i64>,
     filter: Option<Gaussian>,
     /// The filter has been started anew from its own first answer.
     restarted: bool,
     adopted: bool,
-    /// The strength of the field is known: `config.strength_ut`.
-    is_strength_known: bool,
+    /// The strength of the field where it is known, uT.
+    known_ut: Option<f64>,
     /// Misfits still allowed: to the samples right after the first before that one is dropped (0: one has fitted), or to the
     /// strength of the field before an unproven calibration is.
     unconfirmed: u32,
@@ -82,32 +82,27 @@ pub(crate) struct Aided {
     displaced_s: f32,
     /// Seconds of motion for which the calibration still holds.
     hold_s: f64,
-    /// Time since the prior on |m| was applied, s.
-    prior_age_s: f64,
     /// |m| before the chain of rotations broke.
     lost_strength_ut: Option<f64>,
     mode: SensorMode,
 }
 
 checked!(Aided, |it| {
-    [it.hold_s, it.prior_age_s, f64::from(it.displaced_s)].iter().all(|v| *v >= 0.0)
+    [it.hold_s, f64::from(it.displaced_s)].iter().all(|v| *v >= 0.0)
         && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0)
 });
 
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
-    pub fn new(mut config: AidedConfig, known_ut: Option<f64>) -> Self {
-        if let Some(known_ut) = known_ut {
-            (config.strength_ut, config.strength_sd_ut) = (known_ut, known_ut * SCALE_SD);
-        }
+    pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
         Self {
-            is_strength_known: known_ut.is_some(),
+            known_ut,
             last_ns: None,
             filter: None,
             restarted: false,
             adopted: false,
             unconfirmed: 0,
-            adaptation: Adaptation::new(&config),
+            adaptation: Adaptation::new(&tuning),
             motion: Motion::new(),
             watch: Watch::new(),
             trial: None,
@@ -119,16 +114,15 @@ impl Aided {
             displaced_ut: Vector3::zeros(),
             displaced_s: 0.0,
             hold_s: 0.0,
-            prior_age_s: 0.0,
             lost_strength_ut: None,
             mode: SensorMode::default(),
-            config,
+            tuning: Box::new(tuning),
         }
     }
 
     /// Whether it was made with the same numbers as another.
     pub fn belongs_to(&self, other: &Self) -> bool {
-        (self.config, self.is_strength_known) == (other.config, other.is_strength_known)
+        (*self.tuning, self.known_ut) == (*other.tuning, other.known_ut)
     }
 
     /// The calibration in force: M, b and |m|; `None` while collecting.
@@ -144,15 +138,11 @@ impl Aided {
         self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm())
     }
 
-    fn known_ut(&self) -> Option<f64> {
-        self.is_strength_known.then_some(self.config.strength_ut)
-    }
-
     /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is
     /// divided by it. Without a known one the gauge stays.
     fn gauge(&self, strength_ut: f64) -> (f64, f64) {
         let strength_ut = strength_ut.max(1.0);
-        self.known_ut().map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
+        self.known_ut.map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
@@ -168,9 +158,9 @@ impl Aided {
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
-        let believed = self.adaptation.believed();
+        let believed = self.adaptation.believed(&self.tuning);
         let p = publish::calibration_block(filter) * believed;
-        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some());
+        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.gap_strength_sd_ut);
         Some(self.regauged(p, (s.0 * believed, s.1 * believed), &filter.soft_iron(), self.strength_of(filter)))
     }
 
@@ -183,7 +173,7 @@ impl Aided {
         soft_iron: &Matrix3<f64>,
         strength_ut: f64,
     ) -> SMatrix<f64, 9, 9> {
-        let Some(known_ut) = self.known_ut() else { return p };
+        let Some(known_ut) = self.known_ut else { return p };
         let (_, scale) = self.gauge(strength_ut);
         let m = soft_iron / known_ut;
         let g = SVector::from([0.0, 0.0, 0.0, m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);

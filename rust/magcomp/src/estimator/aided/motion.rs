@@ -4,12 +4,14 @@
 //! motion = clamp((rate / 0.3)^2, 0.02, 1): how much of the process noise and of the learning applies.
 //! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
-//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a / G - u). Carried so, what motion adds to
+//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a - u), |a - u| < 0.2, where a is what the
+//! accelerometer reads in g, low-passed for a second and turned likewise. (The mean of samples that were limited one by one
+//! is not gravity.) Carried so, what motion adds to
 //! gravity is averaged as the world sees it, where it comes to nothing (a body that stays about where it is). Samples
 //! near |a| = G are not better ones: in a turn they are those with a part across gravity. What of it lasts, as in a car that
 //! brakes, draws u away, and shows in what is left when it has passed the same low-pass:
 //! ```text
-//! s += (dt / T) (a / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (1 deg)^2)_+
+//! s += (dt / T) (accelerometer / G - u - s),   sigma_tilt^2 = (mean |s - u (u . s)|^2 / 2 - (1 deg)^2)_+
 //! ```
 //! (a late gyroscope feigns a degree).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
@@ -18,22 +20,10 @@ use crate::snapshot::checked;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::config::AidedConfig;
-use super::tuning;
+use super::tuning::Tuning;
 
-const RATE_TIME_S: f64 = 0.5;
-const FULL_MOTION_RAD_S: f64 = 0.3;
-const LEAST_MOTION: f64 = 0.02;
-const TURNED_TIME_S: f64 = 5.0;
-/// Bias uncertainty above which a steady small rate may be bias, rad/s.
-const UNKNOWN_BIAS_RAD_S: f64 = 0.02;
-/// Largest bias a phone was found with, with room, rad/s.
-const LARGEST_BIAS_RAD_S: f64 = 0.15;
-
-/// A blow counts as no more than this, in g.
-const LARGEST_OFF: f64 = 1.0;
-/// One degree, squared, rad^2: as much is feigned by a gyroscope that is 10 ms late.
-const FEIGNED_RAD2: f32 = 3.05e-4;
+/// What an accelerometer at rest reads.
+pub(super) const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,6 +38,8 @@ pub(crate) struct Motion {
     pub(crate) lately_rad_s: f64,
     pub(crate) up: Option<Vector3<f64>>,
     up_age_s: f32,
+    /// a: the accelerometer, low-passed, in g.
+    felt: Vector3<f32>,
     /// s: what the accelerometer reads beside gravity, low-passed, in g.
     slow: Vector3<f32>,
     /// Mean square of that across `up`, per axis, g^2.
@@ -71,18 +63,19 @@ impl Motion {
             lately_rad_s: 0.0,
             up: None,
             up_age_s: 0.0,
+            felt: Vector3::zeros(),
             slow: Vector3::zeros(),
             leaning: 0.0,
         }
     }
 
-    pub(crate) fn amount(&self) -> f64 {
-        (self.rate_rad_s / FULL_MOTION_RAD_S).powi(2).clamp(LEAST_MOTION, 1.0)
+    pub(crate) fn amount(&self, tuning: &Tuning) -> f64 {
+        (self.rate_rad_s / tuning.full_motion_rad_s).powi(2).clamp(tuning.least_motion, 1.0)
     }
 
     /// Variance of `up` about a horizontal axis for what motion adds to gravity, rad^2.
-    pub(crate) fn tilt_rad2(&self) -> f64 {
-        f64::from((self.leaning - FEIGNED_RAD2).max(0.0))
+    pub(crate) fn tilt_rad2(&self, tuning: &Tuning) -> f64 {
+        f64::from((self.leaning - (tuning.feigned_rad2 as f32)).max(0.0))
     }
 
     pub(crate) fn at_rest(&self) -> bool {
@@ -90,24 +83,17 @@ impl Motion {
     }
 
     /// One sample: `rate` as the gyroscope reads it, `bias` and its standard deviation as the filter has them.
-    pub(crate) fn step(
-        &mut self,
-        rate: &Vector3<f64>,
-        bias: &Vector3<f64>,
-        bias_sd: f64,
-        dt_s: f64,
-        config: &AidedConfig,
-    ) {
+    pub(crate) fn step(&mut self, rate: &Vector3<f64>, bias: &Vector3<f64>, bias_sd: f64, dt_s: f64, tuning: &Tuning) {
         let now = (rate - bias).norm();
-        let gain = 1.0 - (-dt_s / RATE_TIME_S).exp();
+        let gain = 1.0 - (-dt_s / tuning.rate_time_s).exp();
         self.rate_rad_s += gain * (now - self.rate_rad_s);
-        self.lately_rad_s += (1.0 - (-dt_s / TURNED_TIME_S).exp()) * (now - self.lately_rad_s);
+        self.lately_rad_s += (1.0 - (-dt_s / tuning.turned_time_s).exp()) * (now - self.lately_rad_s);
         self.mean_rad_s += (rate - self.mean_rad_s) * gain;
         self.scatter_rad2_s2 += gain * ((rate - self.mean_rad_s).norm_squared() - self.scatter_rad2_s2);
-        let still = self.rate_rad_s < config.rest_rate_rad_s && now < 2.0 * config.rest_rate_rad_s;
-        let steady = bias_sd > UNKNOWN_BIAS_RAD_S
-            && self.mean_rad_s.norm() < LARGEST_BIAS_RAD_S
-            && self.scatter_rad2_s2.sqrt() < tuning::REST_SCATTER * config.rest_rate_rad_s;
+        let still = self.rate_rad_s < tuning.rest_rate_rad_s && now < 2.0 * tuning.rest_rate_rad_s;
+        let steady = bias_sd > tuning.unknown_bias_rad_s
+            && self.mean_rad_s.norm() < tuning.largest_bias_rad_s
+            && self.scatter_rad2_s2.sqrt() < tuning.rest_scatter * tuning.rest_rate_rad_s;
         self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
     }
 
@@ -118,32 +104,38 @@ impl Motion {
         measured: Option<Vector3<f64>>,
         bias_sd: f64,
         dt_s: f64,
-        config: &AidedConfig,
+        tuning: &Tuning,
     ) {
         if let Some(up) = &mut self.up {
             *up = r * *up;
+            self.felt = (r * self.felt.cast()).cast();
             self.slow = (r * self.slow.cast()).cast();
         }
         let Some(measured) = measured else { return };
         let size = measured.norm();
-        if size < 0.1 * config.gravity_m_s2 {
+        if size < 0.1 * GRAVITY_M_S2 {
             return;
         }
         match &mut self.up {
             None => {
                 self.up = Some(measured / size);
+                self.felt = (measured / size).cast();
                 self.up_age_s = 0.0;
             }
             Some(up) => {
-                let off = measured / config.gravity_m_s2 - *up;
+                let felt: Vector3<f64> = self.felt.cast();
+                let time_s = tuning.felt_time_s.min(f64::from(self.up_age_s) + dt_s);
+                let felt = felt + (measured / GRAVITY_M_S2 - felt) * (dt_s / time_s).min(1.0);
+                self.felt = felt.cast();
+                let off = felt - *up;
                 // an unknown bias must not tilt up by more than about 0.03 rad; at the start a plain mean
-                let time_s = (0.03 / bias_sd).max(0.5).min(config.up_time_s).min(f64::from(self.up_age_s) + dt_s);
-                self.up_age_s = (f64::from(self.up_age_s) + dt_s).min(2.0 * config.up_time_s) as f32;
+                let time_s = (0.03 / bias_sd).max(0.5).min(tuning.up_time_s).min(f64::from(self.up_age_s) + dt_s);
+                self.up_age_s = (f64::from(self.up_age_s) + dt_s).min(2.0 * tuning.up_time_s) as f32;
                 let gain = (dt_s / time_s).min(1.0);
-                let off = off * (LARGEST_OFF / off.norm().max(LARGEST_OFF));
+                let off = off * (tuning.largest_off / off.norm().max(tuning.largest_off));
                 *up += off * gain;
                 let slow: Vector3<f64> = self.slow.cast();
-                let slow = slow + (off - slow) * gain;
+                let slow = slow + (measured / GRAVITY_M_S2 - *up - slow) * gain;
                 self.slow = slow.cast();
                 let across = (slow.norm_squared() - slow.dot(up).powi(2)).max(0.0) as f32;
                 self.leaning += gain as f32 * (0.5 * across - self.leaning);
@@ -175,36 +167,36 @@ mod tests {
         let (rate, dt_s) = (Vector3::z() * 3.0, 0.01);
         let felt = Vector3::new(4.0, 0.0, 9.80665);
         let (r, _) = turn(&(rate * dt_s));
-        let config = AidedConfig::default();
+        let tuning = Tuning::default();
         let mut motion = Motion::new();
         let mut worst_deg: f64 = 0.0;
         for k in 0..4_000 {
-            motion.carry_up(&r, Some(felt), 0.001, dt_s, &config);
+            motion.carry_up(&r, Some(felt), 0.001, dt_s, &tuning);
             if k > 2_000 {
                 worst_deg = worst_deg.max(motion.up.unwrap().angle(&Vector3::z()).to_degrees());
             }
         }
         assert!(worst_deg < 2.0, "{worst_deg} deg");
         // 22 deg of motion over a memory of 5 s
-        let sigma_deg = motion.tilt_rad2().sqrt().to_degrees();
+        let sigma_deg = motion.tilt_rad2(&tuning).sqrt().to_degrees();
         assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
     }
 
     #[test]
     fn a_car_that_speeds_up_and_brakes_is_told() {
         // 2 m/s^2 forwards, then backwards, 10 s each; and the same in 0.1 s, which averages out
-        let config = AidedConfig::default();
+        let tuning = Tuning::default();
         let [slow, quick] = [10.0, 0.1].map(|half_s| {
             let mut motion = Motion::new();
             let (mut squares, mut variances) = (0.0, 0.0);
             for k in 0..12_000 {
                 let t_s = f64::from(k) * 0.01;
                 let felt = Vector3::new(if (t_s / half_s) as i64 % 2 == 0 { 2.0 } else { -2.0 }, 0.0, 9.80665);
-                motion.carry_up(&Matrix3::identity(), Some(felt), 0.001, 0.01, &config);
+                motion.carry_up(&Matrix3::identity(), Some(felt), 0.001, 0.01, &tuning);
                 if t_s > 20.0 {
                     // the angle is that about both horizontal axes
                     squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
-                    variances += motion.tilt_rad2() / 1e4;
+                    variances += motion.tilt_rad2(&tuning) / 1e4;
                 }
             }
             [squares, variances].map(|v| f64::sqrt(v).to_degrees())

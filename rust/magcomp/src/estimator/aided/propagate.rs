@@ -9,7 +9,7 @@
 //! Process noise:
 //! ```text
 //! m += q_m^2 dt I + ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
-//! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T,  tau += q_tau^2 dt
+//! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T
 //! ```
 //! Only the rows of m and d change, so F P F^T costs two 6 x 22 products. Source: docs/METHOD.md; the Jacobian to g
 //! through d and J are exact here (the prototype left them out).
@@ -19,7 +19,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::state::{BIAS, DELAY, Dense, FIELD, LOCAL, OFFSET, SCALE, STATES, cross};
+use super::state::{BIAS, Dense, FIELD, LOCAL, OFFSET, SCALE, STATES, cross};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,6 @@ pub(crate) struct ProcessNoise {
     pub(crate) offset_ut: f64,
     pub(crate) iron: f64,
     pub(crate) bias_rad_s: f64,
-    pub(crate) delay_s: f64,
     /// Standard deviation (not density) of the local field, uT.
     pub(crate) local_ut: f64,
     pub(crate) local_time_s: f64,
@@ -130,7 +129,6 @@ impl Dense {
         self.add_iron_variance(noise.iron.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
-        self.p[DELAY][DELAY] += noise.delay_s.powi(2) * dt_s;
         r
     }
 }

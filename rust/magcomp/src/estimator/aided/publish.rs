@@ -3,7 +3,6 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::events::Phase;
-use super::learn::{GAP_STRENGTH_SD_UT, NEW_PLACE_TIME_S};
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
 use super::{Aided, AidedOutput};
@@ -11,12 +10,6 @@ use crate::quadric::FitError;
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::pairing::Rotation;
 
-/// What is not known about the gyroscope's own time, s: this, and a share of the delay found between the sensors.
-const CLOCK_S: f64 = 5e-4;
-const CLOCK_SHARE_LATE_MAGNETOMETER: f64 = 0.35;
-const CLOCK_SHARE_LATE_GYROSCOPE: f64 = 0.15;
-/// Rate lately below which nothing is being learned, rad/s.
-const TOO_LITTLE_RAD_S: f64 = 0.04;
 /// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
@@ -50,7 +43,7 @@ impl Aided {
     ) -> AidedOutput {
         let mut output = self.blank(time_ns, self.status(filter));
         output.up = self.motion.up;
-        output.tilt_rad2 = Some(self.motion.tilt_rad2());
+        output.tilt_rad2 = Some(self.motion.tilt_rad2(&self.tuning));
         let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
         let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
@@ -58,24 +51,29 @@ impl Aided {
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let clock_share = if delay_s < 0.0 { CLOCK_SHARE_LATE_GYROSCOPE } else { CLOCK_SHARE_LATE_MAGNETOMETER };
-        let clock_s2 = (clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY) + CLOCK_S * CLOCK_S;
+        let clock_share = if delay_s < 0.0 {
+            self.tuning.clock_share_late_gyroscope
+        } else {
+            self.tuning.clock_share_late_magnetometer
+        };
+        let clock_s2 =
+            (clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY) + self.tuning.clock_s * self.tuning.clock_s;
         let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
-        let floor = self.adaptation.floor_ut2(&self.config);
+        let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
-        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
+        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0, &self.tuning) + floor;
         if self.trial.is_some() {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
-        let p_c = calibration_covariance(&(calibration_block(filter) * self.adaptation.believed()), &w, &f)
+        let p_c = calibration_covariance(&(calibration_block(filter) * self.adaptation.believed(&self.tuning)), &w, &f)
             + noise
             + Matrix3::identity() * unseen
             + timing;
-        let doubted = (-f64::from(self.displaced_s) / NEW_PLACE_TIME_S).exp();
+        let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
-        let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none())
+        let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none(), &self.tuning)
             + Matrix3::identity() * floor
             + timing
             + displaced_ut * displaced_ut.transpose();
@@ -111,7 +109,7 @@ impl Aided {
             Status::Held(HoldReason::FitRefused(error))
         } else if self.motion.at_rest() {
             Status::Held(HoldReason::AtRest)
-        } else if self.motion.lately_rad_s < TOO_LITTLE_RAD_S {
+        } else if self.motion.lately_rad_s < self.tuning.too_little_rad_s {
             Status::Held(HoldReason::TooLittleRotation)
         } else {
             Status::Tracking
@@ -129,7 +127,7 @@ impl Aided {
         };
         let c = w * (raw_ut - filter.vector(OFFSET));
         let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
-        let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.config);
+        let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
         let p_c = calibration_covariance(&calibration_block(filter), &w, &c) + noise + floor;
         if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
             let (_, scale) = self.gauge(self.strength_of(filter));
@@ -147,9 +145,9 @@ pub(super) fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
 
 /// The covariance of (b, e) with |m|, and the variance of |m|. Where the field points is not known when it was lost; how strong
 /// it is stays known.
-pub(super) fn strength_covariance(filter: &Gaussian, lost: bool) -> (SVector<f64, 9>, f64) {
+pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64) -> (SVector<f64, 9>, f64) {
     if lost {
-        return (SVector::zeros(), GAP_STRENGTH_SD_UT.powi(2));
+        return (SVector::zeros(), lost_sd_ut * lost_sd_ut);
     }
     let m = filter.vector(FIELD);
     let along = m / m.norm().max(1.0);

@@ -14,10 +14,8 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::adapt::Adaptation;
-use super::learn::{LONG_GAP, LONGEST_DRIFT_S};
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, iron_rows};
 use super::strength::Strength;
-use super::tuning;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Calibration;
@@ -27,30 +25,10 @@ use serde::{Deserialize, Serialize};
 
 /// A first raw sample of this size may be a field without an offset, uT.
 const NEAR_UT: std::ops::Range<f64> = 20.0..75.0;
-const NEAR_SD_UT: f64 = 25.0;
-const FAR_SD_UT: f64 = 30.0;
-/// A first sample that so many after it do not fit was a spike.
-const CONFIRMING: u32 = 3;
+/// Strength of the earth's field and its spread over the land, uT (world magnetic model: 22 to 67).
+const EARTH_UT: (f64, f64) = (45.0, 13.0);
 /// Variance of the sum of m and b at the start, uT^2: half a microtesla of noise.
 const SUM_VARIANCE_UT2: f64 = 0.25;
-/// How well a calibration that was given is believed: b, uT per axis, and an element of M - I. A day's drift of a phone.
-const GIVEN_OFFSET_SD_UT: f64 = 2.0;
-const GIVEN_IRON_SD: f64 = 0.02;
-/// A calibration that was given, or is from before a pause, must prove itself: a b wrong by 20 uT leaves a misfit of 16 uT in a
-/// turn of this angle, rad ...
-const PROVING_RAD: f32 = 0.8;
-/// ... or goes into b little by little, in seconds of motion ...
-const PROVING_S: f32 = 5.0;
-/// ... by more than so many sigmas.
-const REFUTING_SIGMAS: f64 = 6.0;
-/// Share by which the magnitude may be off the one that goes with such a calibration: more than a building bends a field.
-const CONTRADICTION_SHARE: f64 = 0.5;
-/// So many looks in a row, the first without a rotation: one may be a spike.
-const CONTRADICTIONS: u32 = 2;
-/// Share of the variance of the gyroscope's scale that its three axes have in common (one drive, one temperature).
-const SCALE_COMMON: f64 = 0.8;
-/// Added to what the bias is known to at the second start, rad/s.
-const RESTART_BIAS_RAD_S: f64 = 0.002;
 
 /// A calibration that was given, or is from before a pause: the device may have changed since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,18 +50,24 @@ impl Aided {
     pub(super) fn start(&mut self, raw_ut: &Vector3<f64>) -> Gaussian {
         self.restarted = false;
         self.adopted = false;
-        self.unconfirmed = CONFIRMING;
+        self.unconfirmed = self.tuning.confirming as u32;
         self.trial = None;
         self.displaced_ut = Vector3::zeros();
         let near = NEAR_UT.contains(&raw_ut.norm());
-        let mut dense = self.fresh(if near { NEAR_SD_UT } else { FAR_SD_UT });
+        let mut dense = self.fresh(if near { self.tuning.near_sd_ut } else { self.tuning.far_sd_ut });
         dense.set_vector(if near { FIELD } else { OFFSET }, raw_ut);
         if near {
-            dense.update_strength(self.config.strength_ut, self.config.strength_sd_ut.powi(2));
+            let (strength_ut, sd_ut) = self.expected_ut();
+            dense.update_strength(strength_ut, sd_ut * sd_ut);
         }
         let mut gaussian = Gaussian::zero();
         gaussian.keep(&dense);
         gaussian
+    }
+
+    /// Strength of the field and its standard deviation, before anything is learned, uT.
+    pub(super) fn expected_ut(&self) -> (f64, f64) {
+        self.known_ut.map_or(EARTH_UT, |known_ut| (known_ut, known_ut * self.tuning.iron_sd))
     }
 
     /// Takes over a calibration from elsewhere, as adopted; where the field points is not known.
@@ -91,14 +75,14 @@ impl Aided {
         // the filter's gauge is trace M = 3
         let trace = calibration.soft_iron().trace();
         let e = calibration.soft_iron() * (3.0 / trace) - Matrix3::identity();
-        let mut dense = self.fresh(FAR_SD_UT);
+        let mut dense = self.fresh(self.tuning.far_sd_ut);
         dense.x[IRON..IRON + 6].copy_from_slice(&[e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
         dense.set_vector(OFFSET, calibration.hard_iron_ut());
-        dense.isolate(OFFSET, GIVEN_OFFSET_SD_UT * GIVEN_OFFSET_SD_UT);
-        dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
+        dense.isolate(OFFSET, self.tuning.given_offset_sd_ut * self.tuning.given_offset_sd_ut);
+        dense.isolate(FIELD, self.tuning.far_sd_ut * self.tuning.far_sd_ut);
         dense.isolate(IRON, 0.0);
         dense.isolate(IRON + 3, 0.0);
-        dense.add_iron_variance(GIVEN_IRON_SD * GIVEN_IRON_SD);
+        dense.add_iron_variance(self.tuning.given_iron_sd * self.tuning.given_iron_sd);
         let mut gaussian = Gaussian::zero();
         if gaussian.keep(&dense) {
             self.question(&dense);
@@ -123,25 +107,25 @@ impl Aided {
             dense.p[FIELD + k][OFFSET + k] = -variance;
             dense.p[OFFSET + k][FIELD + k] = -variance;
         }
-        dense.add_iron_variance(self.config.iron_sd.powi(2));
-        dense.add_variance(BIAS, self.config.bias_sd_rad_s.powi(2));
-        dense.add_variance(LOCAL, tuning::LOCAL_START_UT.powi(2));
-        dense.p[DELAY][DELAY] = self.config.delay_sd_s.powi(2);
-        let scale = self.config.scale_sd.powi(2);
-        dense.add_variance(SCALE, (1.0 - SCALE_COMMON) * scale);
-        dense.add_block(SCALE, &Matrix3::repeat(SCALE_COMMON * scale));
+        dense.add_iron_variance(self.tuning.iron_sd.powi(2));
+        dense.add_variance(BIAS, self.tuning.bias_sd_rad_s.powi(2));
+        dense.add_variance(LOCAL, self.tuning.local_start_ut.powi(2));
+        dense.p[DELAY][DELAY] = self.tuning.delay_sd_s.powi(2);
+        let scale = self.tuning.scale_sd.powi(2);
+        dense.add_variance(SCALE, (1.0 - self.tuning.scale_common) * scale);
+        dense.add_block(SCALE, &Matrix3::repeat(self.tuning.scale_common * scale));
         dense
     }
 
     /// From here on the calibration must prove itself.
     fn question(&mut self, dense: &Dense) {
         self.unproven = Unproven {
-            rest_rad: PROVING_RAD,
-            rest_s: PROVING_S,
+            rest_rad: self.tuning.proving_rad as f32,
+            rest_s: self.tuning.proving_s as f32,
             offset_ut: dense.vector(OFFSET).cast(),
             variance_ut2: (dense.block(OFFSET, OFFSET).trace() / 3.0) as f32,
         };
-        self.unconfirmed = CONTRADICTIONS;
+        self.unconfirmed = self.tuning.confirming as u32;
     }
 
     pub(super) fn is_unproven(&self) -> bool {
@@ -152,7 +136,7 @@ impl Aided {
     /// a wrong strength.
     pub(super) fn refuted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
         let moved_ut: Vector3<f64> = dense.vector(OFFSET) - self.unproven.offset_ut.cast();
-        let limit_ut2 = REFUTING_SIGMAS.powi(2) * f64::from(self.unproven.variance_ut2);
+        let limit_ut2 = self.tuning.refuting_sigmas.powi(2) * f64::from(self.unproven.variance_ut2);
         let moved = self.adopted && self.unproven.rest_s > 0.0 && moved_ut.norm_squared() > limit_ut2;
         moved || (self.is_unproven() && self.contradicted(raw_ut, dense))
     }
@@ -161,8 +145,8 @@ impl Aided {
     fn contradicted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
         let Some((strength_ut, w)) = self.lost_strength_ut.zip(dense.soft_iron().try_inverse()) else { return false };
         let size_ut = (w * (raw_ut - dense.vector(OFFSET))).norm();
-        let off = (size_ut / strength_ut - 1.0).abs() > CONTRADICTION_SHARE;
-        self.unconfirmed = if off { self.unconfirmed.saturating_sub(1) } else { CONTRADICTIONS };
+        let off = (size_ut / strength_ut - 1.0).abs() > self.tuning.contradiction_share;
+        self.unconfirmed = if off { self.unconfirmed.saturating_sub(1) } else { self.tuning.confirming as u32 };
         self.unconfirmed == 0
     }
 
@@ -171,7 +155,7 @@ impl Aided {
         self.lost_strength_ut = None;
         self.unproven = Unproven::default();
         self.watch = Watch::new();
-        self.adaptation = Adaptation::new(&self.config);
+        self.adaptation = Adaptation::new(&self.tuning);
         self.start(raw_ut).open()
     }
 
@@ -185,18 +169,18 @@ impl Aided {
         }
         let trace: f64 = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
         if !self.restarted {
-            if trace < tuning::RESTART_SD_UT.powi(2) {
+            if trace < self.tuning.restart_sd_ut.powi(2) {
                 self.restarted = true;
-                let mut again = self.fresh(tuning::RESTART_SD_UT);
+                let mut again = self.fresh(self.tuning.restart_sd_ut);
                 again.x = dense.x;
                 again.tie_offset();
                 for k in BIAS..BIAS + 3 {
                     // the bias may be known from rest, where nothing was linearised
-                    again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k] + RESTART_BIAS_RAD_S.powi(2));
+                    again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k] + self.tuning.restart_bias_rad_s.powi(2));
                 }
                 *dense = again;
             }
-        } else if trace < self.config.adopt_sd_ut.powi(2) {
+        } else if trace < self.tuning.adopt_sd_ut.powi(2) {
             self.adopted = true;
             self.adaptation.restart_walk();
         }
@@ -223,11 +207,11 @@ impl Aided {
                 let dt_s = dt_s.unwrap_or(0.0);
                 let mut dense = filter.open();
                 self.lost_strength_ut.get_or_insert(dense.vector(FIELD).norm());
-                let walk_ut2 = self.config.gap_offset_walk_ut.powi(2) * dt_s.min(LONGEST_DRIFT_S);
-                if (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() < LONGEST_DRIFT_S * 3.0 {
+                let walk_ut2 = self.tuning.gap_offset_walk_ut.powi(2) * dt_s.min(self.tuning.longest_drift_s);
+                if (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() < self.tuning.longest_drift_s * 3.0 {
                     dense.add_variance(OFFSET, walk_ut2);
                 }
-                if dt_s > LONG_GAP * self.config.gap_s {
+                if dt_s > self.tuning.long_gap * self.tuning.gap_s {
                     self.question(&dense);
                 }
                 if self.is_unproven() {
@@ -237,7 +221,7 @@ impl Aided {
                     dense.set_vector(FIELD, &(w * (raw_ut - dense.vector(OFFSET))));
                 }
                 dense.set_vector(LOCAL, &Vector3::zeros());
-                dense.isolate(FIELD, FAR_SD_UT * FAR_SD_UT);
+                dense.isolate(FIELD, self.tuning.far_sd_ut * self.tuning.far_sd_ut);
                 dense.isolate(LOCAL, self.adaptation.local_ut.powi(2));
                 filter.keep(&dense);
                 filter

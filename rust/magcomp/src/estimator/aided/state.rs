@@ -73,6 +73,8 @@ pub(crate) type Hypothesis = Kept<SHORT, SHORT_PACKED>;
 pub(crate) struct Dense {
     pub(crate) x: [f64; STATES],
     pub(crate) p: [[f64; STATES]; STATES],
+    /// No calibration yet: the measurement is linearised at M = I, so that M, which still moves, feigns no knowledge of b.
+    pub(crate) is_first: bool,
 }
 
 impl<const N: usize, const K: usize> Kept<N, K> {
@@ -81,7 +83,7 @@ impl<const N: usize, const K: usize> Kept<N, K> {
     }
 
     pub(crate) fn open(&self) -> Dense {
-        let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES] };
+        let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES], is_first: false };
         dense.x[..N].copy_from_slice(self.mean.as_slice());
         let mut rest = self.packed.as_slice();
         for i in 0..N {
@@ -208,12 +210,6 @@ impl Dense {
             }
             self.p[k][k] = variance;
         }
-    }
-
-    /// Mean variance of one element of e, in units of the pattern T.
-    pub(crate) fn iron_variance(&self) -> f64 {
-        // the pattern has trace 2 v (diagonal) + 1.5 v (off the diagonal)
-        (IRON..IRON + 6).map(|k| self.p[k][k]).sum::<f64>() / 3.5
     }
 }
 

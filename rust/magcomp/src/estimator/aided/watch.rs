@@ -15,14 +15,8 @@ use nalgebra::{SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::events::Step;
-use super::state::{Dense, Gaussian, IRON, OFFSET, iron_rows, packed_index};
-use super::tuning;
-
-/// A gated sample after a share below this begins a new run.
-const NEW_RUN: f64 = 0.05;
-const MISFIT_GAIN: f64 = 0.1;
-const RECALL_SD_UT: f64 = 1.0;
-const RECALL_IRON: f64 = 1e-4;
+use super::state::{Dense, Gaussian, OFFSET, iron_rows, packed_index};
+use super::tuning::Tuning;
 
 /// A calibration that was in force before a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,7 +24,7 @@ const RECALL_IRON: f64 = 1e-4;
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
-    /// Their covariance, packed lower triangle; what rounding does to it, RECALL_SD_UT and RECALL_IRON cover.
+    /// Their covariance, packed lower triangle; what rounding does to it, what is added covers.
     packed: SVector<f32, 45>,
 }
 
@@ -63,7 +57,7 @@ impl Former {
     }
 
     /// Puts this calibration into a filter, apart from all else in it.
-    pub(crate) fn put_into(&self, dense: &mut Dense) {
+    pub(crate) fn put_into(&self, dense: &mut Dense, tuning: &Tuning) {
         for i in OFFSET..OFFSET + 9 {
             for j in 0..dense.p.len() {
                 dense.p[i][j] = 0.0;
@@ -80,10 +74,7 @@ impl Former {
                 k += 1;
             }
         }
-        dense.add_variance(OFFSET, RECALL_SD_UT * RECALL_SD_UT);
-        for k in IRON..IRON + 6 {
-            dense.p[k][k] += RECALL_IRON * RECALL_IRON;
-        }
+        dense.add_variance(OFFSET, tuning.recall_sd_ut * tuning.recall_sd_ut);
     }
 }
 
@@ -117,17 +108,18 @@ impl Watch {
         gated: Option<&Vector3<f64>>,
         former: Option<Vector3<f64>>,
         clearing: bool,
+        tuning: &Tuning,
     ) {
-        let time_s = if clearing && gated.is_none() { tuning::CLEAR_TIME_S } else { tuning::GATED_TIME_S };
+        let time_s = if clearing && gated.is_none() { tuning.clear_time_s } else { tuning.gated_time_s };
         if let Some(v) = gated {
-            if self.share < NEW_RUN {
+            if self.share < tuning.new_run {
                 self.since_ns = step.time_ns;
                 self.misfit_ut = v.norm();
                 self.former_ut = former.unwrap_or_default();
             }
-            self.misfit_ut += MISFIT_GAIN * (v.norm() - self.misfit_ut);
+            self.misfit_ut += tuning.misfit_gain * (v.norm() - self.misfit_ut);
             if let Some(former) = former {
-                self.former_ut += (former - self.former_ut) * MISFIT_GAIN;
+                self.former_ut += (former - self.former_ut) * tuning.misfit_gain;
             }
             self.rotation_rad += step.angle_rad;
         } else {

@@ -90,7 +90,7 @@ fn the_second_start_knows_the_sample_that_it_explains() {
     let filter = aided.filter.as_ref().expect("a filter").open();
     let soft_iron = filter.soft_iron();
     let fitted = soft_iron * (filter.vector(FIELD) + filter.vector(LOCAL)) + filter.vector(OFFSET);
-    let innovation = filter.innovation(&fitted, &Vector3::zeros(), 0.0, 0.0).expect("positive definite");
+    let innovation = filter.innovation(&fitted, &Vector3::zeros(), 0.0).expect("positive definite");
     let local = (soft_iron * filter.block(LOCAL, LOCAL) * soft_iron.transpose()).trace();
     // half a microtesla of noise an axis; the products of errors (B) of M free by 8 % and the field by 8 uT are 5 uT^2
     assert!(aided.restarted && !aided.adopted);

@@ -18,7 +18,6 @@ const QUIET: ProcessNoise = ProcessNoise {
     offset_ut: 0.0,
     iron: 0.0,
     bias_rad_s: 0.0,
-    delay_s: 0.0,
     local_ut: 0.0,
     local_time_s: 1.0,
 };
