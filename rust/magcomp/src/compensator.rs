@@ -204,7 +204,7 @@ impl Compensator {
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
         match (&*self.active, is_usable) {
             (Active::Adaptive(_), true) => {
-                *self.active = Active::aided(&self.config, self.active.calibration());
+                *self.active = Active::aided(&self.config, &self.tunings, self.active.calibration());
                 // it does not know yet where the field points: this sample goes in as one after a pause
                 PairedInertial { rotation: None, ..paired }
             }

@@ -5,7 +5,7 @@ use crate::calibration::Calibration;
 use crate::config::{Config, Method};
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::{Aided, AidedConfig, calibration_covariance};
+use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::paper::{Clerk, Windowed};
 use crate::quadric::EllipsoidFit;
 use crate::reading::SensorMode;
@@ -41,8 +41,8 @@ impl Active {
     }
 
     /// The aided estimator, from the calibration in force.
-    pub fn aided(config: &Config, calibration: Option<Calibration>) -> Self {
-        let mut aided = Aided::new(AidedConfig::default(), config.field_strength_ut);
+    pub fn aided(config: &Config, tunings: &Tunings, calibration: Option<Calibration>) -> Self {
+        let mut aided = Aided::new(tunings.aided, config.field_strength_ut);
         if let Some(calibration) = calibration {
             aided.begin_from(&calibration);
         }
@@ -52,9 +52,7 @@ impl Active {
     /// Whether a compensator with this config could have come to it.
     pub fn belongs_to(&self, config: &Config) -> bool {
         match (self, config.method) {
-            (Self::Aided(aided), Method::Auto | Method::Aided) => {
-                aided.belongs_to(&Aided::new(AidedConfig::default(), config.field_strength_ut))
-            }
+            (Self::Aided(aided), Method::Auto | Method::Aided) => aided.belongs_to(config.field_strength_ut),
             (Self::Adaptive(adaptive), Method::Auto | Method::Aided | Method::Adaptive) => {
                 adaptive.belongs_to(config.field_strength_ut)
             }

@@ -38,8 +38,7 @@ use start::Unproven;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
 use strength::Strength;
 /// What an aided estimator is made with.
-pub(crate) use tuning::Tuning as AidedConfig;
-use tuning::Tuning;
+pub(crate) use tuning::Tuning;
 use watch::{Former, Watch};
 
 const NANO: f64 = 1e-9;
@@ -55,7 +54,7 @@ const LARGEST_UP_M_S2: f64 = 1000.0;
 #[serde(remote = "Self")]
 pub(crate) struct Aided {
     #[serde(skip)]
-    tuning: Box<Tuning>,
+    tuning: Tuning,
     last_ns: Option<i64>,
     filter: Option<Gaussian>,
     /// The filter has been started anew from its own first answer.
@@ -116,13 +115,13 @@ impl Aided {
             hold_s: 0.0,
             lost_strength_ut: None,
             mode: SensorMode::default(),
-            tuning: Box::new(tuning),
+            tuning,
         }
     }
 
-    /// Whether it was made with the same numbers as another.
-    pub fn belongs_to(&self, other: &Self) -> bool {
-        (*self.tuning, self.known_ut) == (*other.tuning, other.known_ut)
+    /// Whether the same field strength was known to it.
+    pub fn belongs_to(&self, known_ut: Option<f64>) -> bool {
+        self.known_ut == known_ut
     }
 
     /// The calibration in force: M, b and |m|; `None` while collecting.

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, Vector3};
 
 use super::super::state::{DELAY, FIELD, LOCAL, OFFSET, SCALE, STATES};
-use super::super::{Aided, AidedConfig};
+use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{HoldReason, Status};
 use crate::sensing::pairing::PairedInertial;
@@ -29,7 +29,7 @@ fn covariance_stays_positive_definite_over_a_hundred_million_samples() {
 
 fn positive_definite_over(samples: usize) {
     let mut world = World::new(3);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     let rates = [0.01, 0.02, 0.0025, 0.1, 0.04, 0.005];
     for k in 0..samples {
         let mut dt_s = rates[(k / 5_000) % rates.len()] * (0.9 + 0.2 * world.random.uniform());
@@ -56,7 +56,7 @@ fn offset_errors_match_their_covariance() {
     let (mut sum, mut count) = (0.0, 0.0);
     for seed in 10..30 {
         let mut world = World::new(seed);
-        let mut aided = Aided::new(AidedConfig::default(), None);
+        let mut aided = Aided::new(Tuning::default(), None);
         for k in 0..3_000 {
             let sample = world.sample(0.01);
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
@@ -79,7 +79,7 @@ fn offset_errors_match_their_covariance() {
 #[test]
 fn the_second_start_knows_the_sample_that_it_explains() {
     let mut world = World::new(3);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_000 {
         let sample = world.sample(0.01);
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
@@ -101,7 +101,7 @@ fn the_second_start_knows_the_sample_that_it_explains() {
 #[test]
 fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     let mut world = World::new(5);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_000 {
         let sample = world.sample(0.01);
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
@@ -133,7 +133,7 @@ fn the_scale_of_the_gyroscope_is_found() {
     let mut sum = 0.0;
     for seed in 60..70 {
         let mut world = World::new(seed);
-        let mut aided = Aided::new(AidedConfig::default(), None);
+        let mut aided = Aided::new(Tuning::default(), None);
         for _ in 0..3_000 {
             let mut sample = world.sample(0.01);
             if let Some(rotation) = &mut sample.inertial.rotation {
@@ -152,7 +152,7 @@ fn the_scale_of_the_gyroscope_is_found() {
 #[test]
 fn a_late_gyroscope_is_found_and_f_is_not_late() {
     let mut world = World::new(23);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     let mut before = None;
     let mut squares_deg2 = 0.0;
     for k in 0..4_000 {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::{Aided, AidedConfig};
+use super::super::{Aided, Tuning};
 use super::simulator::{Random, World};
 use crate::calibration::{Calibration, LARGEST_RAW_UT};
 use crate::reading::{HoldReason, SensorMode, Status};
@@ -11,7 +11,7 @@ use crate::sensing::pairing::{InertialPairing, PairedInertial, Rotation};
 #[test]
 fn garbage_never_panics_and_never_comes_out() {
     let mut random = Random(8);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     let mut time_ns = i64::MIN / 4;
     for k in 0..200_000 {
         let wild = |random: &mut Random| match (random.uniform() * 12.0) as u32 {
@@ -44,7 +44,7 @@ fn garbage_never_panics_and_never_comes_out() {
 #[test]
 fn the_gyroscope_comes_and_goes() {
     let mut world = World::new(9);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     let mut last = None;
     for k in 0..6_000 {
         let sample = world.sample(0.01);
@@ -71,7 +71,7 @@ fn the_gyroscope_comes_and_goes() {
 #[test]
 fn a_gyroscope_that_reads_nonsense_is_found_out() {
     let mut world = World::new(10);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     for k in 0..1_500 {
         world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
         let mut sample = world.sample(0.01);
@@ -95,7 +95,7 @@ fn state_fits_in_eight_kilobytes() {
 #[test]
 fn a_spike_as_the_first_sample_does_no_harm() {
     let mut world = World::new(9);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     for k in 0..1_000 {
         let sample = world.sample(0.01);
         let spike = if k == 0 { Vector3::new(80.0, -60.0, 50.0) } else { Vector3::zeros() };
@@ -111,7 +111,7 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
         // given at the start, or the device's own from before a pause
         for given in [true, false] {
             let mut world = World::new(seed);
-            let mut aided = Aided::new(AidedConfig::default(), None);
+            let mut aided = Aided::new(Tuning::default(), None);
             if given {
                 let strength_ut = world.field_ut.norm();
                 aided.begin_from(&Calibration::new(world.soft_iron, world.hard_iron_ut, strength_ut).unwrap());
@@ -144,7 +144,7 @@ fn a_field_that_no_place_has_is_told() {
     // Gauss, a tenth, milligauss; and what is found indoors, which is not to be told
     for (factor, possible) in [(0.01, false), (0.1, false), (10.0, false), (0.5, true), (1.0, true), (2.0, true)] {
         let mut world = World::new(9);
-        let mut aided = Aided::new(AidedConfig::default(), None);
+        let mut aided = Aided::new(Tuning::default(), None);
         for k in 0..3_000 {
             let sample = world.sample(0.01);
             let status = aided.push(sample.time_ns, sample.raw_ut * factor, &sample.inertial).status;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::{Aided, AidedConfig};
+use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{EventKind, Status};
 
@@ -10,7 +10,7 @@ const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
 
 fn settled(seed: u64) -> (World, Aided) {
     let mut world = World::new(seed);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_500 {
         let sample = world.sample(0.01);
         let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
@@ -133,7 +133,7 @@ fn a_step_of_the_size_of_the_soft_iron_leaves_no_error_behind() {
 #[test]
 fn a_misfit_soon_after_the_first_calibration_is_relearned_without_an_event() {
     let mut world = World::new(70);
-    let mut aided = Aided::new(AidedConfig::default(), None);
+    let mut aided = Aided::new(Tuning::default(), None);
     while !aided.adopted {
         let sample = world.sample(0.01);
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
