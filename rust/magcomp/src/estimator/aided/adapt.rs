@@ -14,16 +14,13 @@
 //! seen = (D_k . D_{k-1} + max(0, tr P_bb,end - tr P_bb,start)) / (3 T),   q_b^2 += gain (seen - q_b^2),
 //! ```
 //! so that q_b falls while nothing drifts, rises with a drift, and stays when nothing is seen (P_bb grows by 3 q_b^2 T).
-//! A steady drift v is seen as v^2 T / 3 per axis, and b lags by v tau, tau = tr P_bb / (3 q_b^2) the time in which the filter
-//! follows: with T = 3 tau (2 to 6 s, once q_b > 0.4; else 2 s) the square of the lag is a third of P_bb, however slow or noisy the
-//! samples are.
 //! The share of the walk that was seen to happen, rho = mean (D_k . D_{k-1}) / mean (3 q_b^2 T - unseen), says how far P may
 //! be believed: a filter that allows for a walk that does not happen errs by P / 2, one that happens by P (steady state:
 //! dPi/dt = -2 K Pi + K^2 r + rho q^2 = 0 with K = q / sqrt(r), P = q sqrt(r)); after a step all of P is true.
 //! Most of P_mm comes through b, e, g and s, whose walks and errors a good stream hardly has; what m would err were all
 //! those known, A per axis, does happen (gyroscope noise against that of the samples, in even rotation):
 //! ```text
-//! A += |m|^2 (angle variance of the step) + q_m^2 dt,   A <- A v / (A + v),   v = sigma^2 + 2 s_d^2 tau_d / dt
+//! A += |m|^2 (angle variance of the step)    A <- A v / (A + v),   v = sigma^2 + 2 s_d^2 tau_d / dt
 //! P_f = share P_mm + (1 - share) A I,   share = (1 + 2 rho) / 4
 //! ```
 //! (the quarter is measured: the bound of one state in steady state is a half, but P starts from priors that are wide too).
@@ -81,7 +78,7 @@ pub(crate) struct Adaptation {
     /// Mean square of c - f per axis, uT^2.
     power_ut2: f64,
     slow_age_s: f64,
-    useless_share: f32,
+    useless_share: f64,
     pub(crate) useless: bool,
 }
 
@@ -110,7 +107,7 @@ impl Adaptation {
             slow_power_ut2: tuning.uneven_max_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
-            slow_age_s: tuning.slow_time_s,
+            slow_age_s: tuning.quick_s,
             useless_share: 0.0,
             useless: false,
         }
@@ -122,12 +119,12 @@ impl Adaptation {
 
     /// The slow difference between the corrected sample and the carried field.
     pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
-        let gain = 1.0 - (-dt_s / tuning.slow_time_s).exp();
+        let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
         self.slow_ut += (difference_ut - self.slow_ut) * gain;
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * gain / (2.0 - gain);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning.uneven_max_ut.powi(2));
-        self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.uneven_time_s);
+        self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let gain = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
@@ -161,13 +158,10 @@ impl Adaptation {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
             let surprise = size > tuning.useless_step_ut && size > tuning.useless_lever_ut * angle_rad;
-            self.useless_share += (tuning.useless_gain as f32) * (f32::from(u8::from(surprise)) - self.useless_share);
-            if self.useless_share > (tuning.useless_on as f32) {
-                self.useless = true;
-            } else if self.useless_share < (tuning.useless_off as f32) {
-                self.useless = false;
-            }
-            let gain = (dt_s / tuning.noise_time_s).min(0.2);
+            let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
+            self.useless_share += gain * (f64::from(surprise) - self.useless_share);
+            self.useless = self.useless_share > tuning.fit_share;
+            let gain = (dt_s / tuning.memory_s).min(0.2);
             let variance = self.variance_ut2;
             self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(tuning.noise_min_ut.powi(2));
@@ -181,7 +175,7 @@ impl Adaptation {
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
-        let gain = 1.0 - (-dt_s / tuning.slow_time_s).exp();
+        let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
         let slow_ut: Vector3<f64> = self.slow_innovation_ut.cast();
         let slow_ut = slow_ut + (innovation.v - slow_ut) * gain;
         self.slow_innovation_ut = slow_ut.cast();
@@ -204,11 +198,7 @@ impl Adaptation {
         self.walked_ut += correction_ut;
         self.walk_time_s += dt_s;
         let now = self.offset_walk_ut.powi(2);
-        let mut window_s = tuning.offset_walk_time_s;
-        if self.offset_walk_ut > tuning.drift_walk_ut {
-            window_s = (variance_ut2 / now).clamp(window_s, tuning.longest_walk_s);
-        }
-        if self.walk_time_s >= window_s {
+        if self.walk_time_s >= tuning.offset_walk_time_s {
             let unseen = (variance_ut2 - self.walk_start_ut2).max(0.0);
             let given = 3.0 * self.walk_time_s * now;
             let kept = self.walked_ut.dot(&self.walked_before_ut) / given;
@@ -229,7 +219,7 @@ impl Adaptation {
 
     /// rho, the share of the walk of b that was seen to happen: 0 to 3.
     fn walk_share(&self, tuning: &Tuning) -> f64 {
-        (self.walk_seen / self.walk_given.max(tuning.least_given)).clamp(0.0, tuning.largest_walk_share)
+        (self.walk_seen / self.walk_given.max(tuning.walk_gain)).clamp(0.0, tuning.largest_walk_share)
     }
 
     /// How far P of b and e may be believed, (1 + rho) / 2: 0.5 when the walk in it does not happen, 1 when it does, up to 2.

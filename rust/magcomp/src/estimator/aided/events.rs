@@ -5,7 +5,7 @@
 //! device    P_bb += s^2 I, P_ee += T, |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
 //! erratic   neither of the last two explains the samples for longer than a second
-//! l = -(min(NIS, gate) + ln det S) / 2,   L += 0.2 min(dt / 10 ms, 4) (l_device - l_place)
+//! l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
 //! ```
 //! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
@@ -99,8 +99,7 @@ pub(crate) struct Step<'a> {
 
 /// Whether the samples that do not fit now fit the calibration from before the last step.
 fn fits_again(watch: &Watch, tuning: &Tuning) -> bool {
-    let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
-    watch.former_ut.norm() < tuning.recall_limit_ut.min(0.4 * step_ut)
+    watch.former_ut.norm() < 0.5 * tuning.smallest_step_ut
 }
 
 impl Trial {
@@ -137,7 +136,7 @@ impl Trial {
             former.put_into(&mut device, tuning);
         } else {
             device.add_variance(OFFSET, step_ut * step_ut);
-            let iron = (tuning.iron_step * (step_ut / 20.0).min(1.5)).powi(2);
+            let iron = (tuning.iron_sd * (step_ut / tuning.far_sd_ut).min(1.0)).powi(2);
             device.add_iron_variance(iron);
             // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
             let m = device.vector(FIELD);
@@ -204,9 +203,9 @@ impl Trial {
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
-        let weight = tuning.likelihood_weight * (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= tuning.ramp_s);
+        let weight = (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= tuning.ramp_s);
         self.log_ratio += weight * (log(device) - log(place));
-        let gain = 1.0 - (-step.dt_s / tuning.fit_time_s).exp();
+        let gain = 1.0 - (-step.dt_s / tuning.quick_s).exp();
         self.device_misfit += gain * (f64::from(device.nis > tuning.gate) - self.device_misfit);
         self.place_misfit += gain * (f64::from(place.nis > tuning.gate) - self.place_misfit);
         self.rotation_rad += step.angle_rad;

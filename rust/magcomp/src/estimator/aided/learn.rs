@@ -15,7 +15,7 @@ use super::events::{Phase, Step, Trial, Verdict};
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
-use super::strength::{Strength, Witness};
+use super::strength::Strength;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput};
 use crate::reading::{Event, EventKind, SensorMode};
@@ -36,8 +36,8 @@ impl Aided {
         };
         let mut dense = filter.open();
         let bias_sd = (BIAS..BIAS + 3).map(|k| dense.p[k][k]).fold(0.0, f64::max).sqrt();
-        if dt_s > self.tuning.long_gap * self.tuning.gap_s {
-            dense.add_variance(OFFSET, self.tuning.gap_offset_walk_ut.powi(2) * dt_s.min(self.tuning.longest_drift_s));
+        if dt_s > self.tuning.gap_s {
+            self.drift(&mut dense, dt_s);
         }
         self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.tuning);
         let noise = self.process_noise(rotation.variance_rad2);
@@ -74,7 +74,7 @@ impl Aided {
         };
         self.learn(&step, &mut dense, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
-            dense.update_strength(strength_ut, self.tuning.gap_strength_sd_ut.powi(2));
+            dense.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
         if !filter.keep(&dense) {
             filter = self.start(raw_ut);
@@ -109,8 +109,8 @@ impl Aided {
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.tuning);
-        if self.motion.rest_s > self.tuning.rate_time_s {
-            let sd = self.tuning.rest_rate_sd_rad_s * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
+        if self.motion.rest_s > self.tuning.memory_s {
+            let sd = self.tuning.unknown_bias_rad_s * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
             dense.update_bias(step.rate_rad_s, sd * sd);
         }
         self.watch_strength(step, dense);
@@ -122,9 +122,7 @@ impl Aided {
             if !gated {
                 self.update(step, &innovation, dense);
             }
-            if !gated || innovation.nis < self.tuning.spike_nis {
-                self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
-            }
+            self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
             self.adopt(dense);
         }
         if self.adopted {
@@ -135,52 +133,28 @@ impl Aided {
                 }
                 filter.keep(dense);
                 let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
-                trial.young = self.strength.young(&self.tuning);
+                trial.young = self.strength.is_young(&self.tuning);
                 trial.unclean = self
                     .passed_ns
                     .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
                 self.trial = Some(trial);
             }
-        } else if self.watch.share > self.tuning.unadopted_share
-            && self.watch.rotation_rad > self.tuning.decide_rotation_rad
+        } else if self.watch.share > self.tuning.fit_share && self.watch.rotation_rad > self.tuning.decide_rotation_rad
         {
             dense.add_variance(OFFSET, self.watch.misfit_ut.max(self.tuning.smallest_step_ut).powi(2));
             self.watch = Watch::new();
         }
     }
 
-    /// The ordinary update, weakened while the magnitude says that this is not the field of the place, and for a sample
-    /// that hardly fits (variance |v|^2 (1 - 9 / NIS) / 3 more).
+    /// The ordinary update, and what its corrections say about the noises.
     fn update(&mut self, step: &Step<'_>, innovation: &Innovation, dense: &mut Dense) {
         let before = dense.vector(OFFSET);
-        let excess_ut = self.strength.excess_ut();
-        let doubt_ut2 = if self.adopted {
-            innovation.v.norm_squared() * (1.0 - self.tuning.doubt_nis / innovation.nis) / 3.0
-        } else {
-            0.0
-        };
-        let weaker = excess_ut * excess_ut + doubt_ut2.max(0.0);
-        if excess_ut > 0.0 {
-            self.hold_s = self.tuning.hold_s;
-        }
-        self.hold_s = (self.hold_s - step.dt_s * step.motion).max(0.0);
-        let correct = if self.hold_s > 0.0 { Correct::FieldAndBias } else { Correct::All };
-        let variance_ut2 = step.sigma_ut.powi(2) + weaker;
-        self.adaptation.correct(variance_ut2, step.dt_s, &self.tuning);
-        if weaker > 0.0 {
-            let sd = variance_ut2.sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd) {
-                dense.update(&weak, correct);
-            }
-        } else {
-            dense.update(innovation, correct);
+        self.adaptation.correct(step.sigma_ut.powi(2), step.dt_s, &self.tuning);
+        dense.update(innovation, Correct::All);
+        if self.adopted {
             self.watch_unevenness(step, dense);
-        }
-        if correct != Correct::All {
-            self.adaptation.restart_walk();
-        } else if self.adopted {
-            let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
-            self.adaptation.walk(&(dense.vector(OFFSET) - before), variance, step.dt_s, &self.tuning);
+            let correction_ut = dense.vector(OFFSET) - before;
+            self.adaptation.walk(&correction_ut, dense.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
         }
     }
 
@@ -197,7 +171,6 @@ impl Aided {
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
-                self.hold_s = 0.0;
                 self.strength.clear();
                 return self.go_on_with(trial.device(filter), dense);
             }
@@ -205,7 +178,7 @@ impl Aided {
                 let winner = trial.place(filter);
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
                 let moved_ut = displaced_ut + winner.vector(FIELD) - dense.vector(FIELD);
-                let back = moved_ut.norm() < self.tuning.back_share * displaced_ut.norm();
+                let back = moved_ut.norm() < self.tuning.smallest_step_ut.min(0.5 * displaced_ut.norm());
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
                 }
@@ -222,12 +195,11 @@ impl Aided {
             }
             Verdict::Open => {}
         }
-        if self.watch.share < self.tuning.clear_share {
+        if self.watch.share < 0.5 * self.tuning.suspect_share {
             self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
-                self.hold_s = self.tuning.hold_s;
             }
             self.passed_ns = Some(step.time_ns);
             return; // nothing happened, or it is over
@@ -251,9 +223,6 @@ impl Aided {
 
     /// Follows the slow difference between c and f, once there is a calibration.
     fn watch_unevenness(&mut self, step: &Step<'_>, dense: &Dense) {
-        if !self.adopted {
-            return;
-        }
         let Some(w) = dense.soft_iron().try_inverse() else { return };
         let still = w * (step.raw_ut - dense.vector(OFFSET));
         let rate = dense.true_rate(step.rate_rad_s);
@@ -261,27 +230,20 @@ impl Aided {
         self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.tuning);
     }
 
-    /// Follows |c| against its running median, once there is a calibration.
+    /// Follows |c| against |m|, once there is a calibration.
     fn watch_strength(&mut self, step: &Step<'_>, dense: &Dense) {
         if !self.adopted {
             self.strength = Strength::default();
             return;
         }
         let Some(w) = dense.soft_iron().try_inverse() else { return };
-        let variance = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() / 3.0;
-        let witness = Witness {
-            size_ut: (w * (step.raw_ut - dense.vector(OFFSET))).norm(),
-            field_ut: dense.vector(FIELD).norm(),
-            sd_ut: (variance + step.sigma_ut.powi(2)).sqrt(),
-            moving: !step.resting,
-        };
-        self.strength.step(step.time_ns, &witness, step.dt_s, &self.tuning);
+        let ratio = (w * (step.raw_ut - dense.vector(OFFSET))).norm() / dense.vector(FIELD).norm().max(1e-3);
+        self.strength.step(step, ratio, &self.tuning);
     }
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
         let c = &self.tuning;
         ProcessNoise {
-            field_ut: self.tuning.field_walk_ut,
             angle_rad: c.angle_walk_rad,
             scale: self.tuning.scale_walk,
             bridged_rad2,

@@ -79,17 +79,12 @@ pub(crate) struct Aided {
     displaced_ut: Vector3<f32>,
     /// How long it has been the place, s.
     displaced_s: f32,
-    /// Seconds of motion for which the calibration still holds.
-    hold_s: f64,
     /// |m| before the chain of rotations broke.
     lost_strength_ut: Option<f64>,
     mode: SensorMode,
 }
 
-checked!(Aided, |it| {
-    [it.hold_s, f64::from(it.displaced_s)].iter().all(|v| *v >= 0.0)
-        && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0)
-});
+checked!(Aided, |it| it.displaced_s >= 0.0 && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
 
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
@@ -112,7 +107,6 @@ impl Aided {
             unproven: Unproven::default(),
             displaced_ut: Vector3::zeros(),
             displaced_s: 0.0,
-            hold_s: 0.0,
             lost_strength_ut: None,
             mode: SensorMode::default(),
             tuning,
@@ -159,7 +153,7 @@ impl Aided {
         let filter = self.filter.as_ref().filter(|_| self.adopted)?;
         let believed = self.adaptation.believed(&self.tuning);
         let p = publish::calibration_block(filter) * believed;
-        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.gap_strength_sd_ut);
+        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);
         Some(self.regauged(p, (s.0 * believed, s.1 * believed), &filter.soft_iron(), self.strength_of(filter)))
     }
 

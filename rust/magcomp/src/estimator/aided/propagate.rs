@@ -8,7 +8,7 @@
 //! ```
 //! Process noise:
 //! ```text
-//! m += q_m^2 dt I + ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
+//! m += ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
 //! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T
 //! ```
 //! Only the rows of m and d change, so F P F^T costs two 6 x 22 products. Source: docs/METHOD.md; the Jacobian to g
@@ -24,7 +24,6 @@ use super::state::{BIAS, Dense, FIELD, LOCAL, OFFSET, SCALE, STATES, cross};
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProcessNoise {
-    pub(crate) field_ut: f64,
     pub(crate) angle_rad: f64,
     pub(crate) scale: f64,
     /// Variance (not density) of this step's increment per axis, for what the gyroscope did between its events, rad^2.
@@ -45,7 +44,7 @@ impl ProcessNoise {
 
     /// Variance per axis across a field of `field_ut` that one step adds to m, uT^2.
     pub(crate) fn carried_ut2(&self, field_ut: f64, angle_rad: f64, dt_s: f64) -> f64 {
-        field_ut * field_ut * self.turn_rad2(angle_rad, dt_s) + self.field_ut.powi(2) * dt_s
+        field_ut * field_ut * self.turn_rad2(angle_rad, dt_s)
     }
 }
 
@@ -123,7 +122,7 @@ impl Dense {
         }
 
         let turn2 = noise.turn_rad2(theta.norm(), dt_s);
-        let across = Matrix3::identity() * (m.norm_squared() * turn2 + noise.field_ut.powi(2) * dt_s);
+        let across = Matrix3::identity() * (m.norm_squared() * turn2);
         self.add_block(FIELD, &(across - m * m.transpose() * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_iron_variance(noise.iron.powi(2) * dt_s);

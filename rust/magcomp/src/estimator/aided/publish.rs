@@ -14,8 +14,6 @@ use crate::sensing::pairing::Rotation;
 const HELD_NOISE_UT: f64 = 2.0;
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
 const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
-/// Standard deviations of |m| by which it must be outside.
-const BEYOND_DOUBT: f64 = 3.0;
 
 impl Aided {
     /// An answer that says nothing but its status.
@@ -51,13 +49,7 @@ impl Aided {
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let clock_share = if delay_s < 0.0 {
-            self.tuning.clock_share_late_gyroscope
-        } else {
-            self.tuning.clock_share_late_magnetometer
-        };
-        let clock_s2 =
-            (clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY) + self.tuning.clock_s * self.tuning.clock_s;
+        let clock_s2 = (self.tuning.clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY);
         let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.tuning);
@@ -89,7 +81,7 @@ impl Aided {
     }
 
     fn status(&self, filter: &Gaussian) -> Status {
-        let impossible = impossible_field(filter);
+        let impossible = impossible_field(filter, self.tuning.beyond_doubt);
         if !self.adopted {
             return Status::Collecting(impossible.map_or(Missing::Rotation, Missing::Fit));
         }
@@ -109,7 +101,7 @@ impl Aided {
             Status::Held(HoldReason::FitRefused(error))
         } else if self.motion.at_rest() {
             Status::Held(HoldReason::AtRest)
-        } else if self.motion.lately_rad_s < self.tuning.too_little_rad_s {
+        } else if self.motion.lately_rad_s < self.tuning.rest_rate_rad_s {
             Status::Held(HoldReason::TooLittleRotation)
         } else {
             Status::Tracking
@@ -156,10 +148,10 @@ pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64
 }
 
 /// That no place has a field as strong or as weak as m, if so.
-fn impossible_field(filter: &Gaussian) -> Option<FitError> {
+fn impossible_field(filter: &Gaussian, beyond_doubt: f64) -> Option<FitError> {
     let m = filter.vector(FIELD);
     let field_ut = m.norm();
-    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
+    let doubt_ut = beyond_doubt * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
     let (low_ut, high_ut) = POSSIBLE_UT;
     (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
         field_ut,

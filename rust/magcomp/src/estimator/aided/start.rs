@@ -54,7 +54,7 @@ impl Aided {
         self.trial = None;
         self.displaced_ut = Vector3::zeros();
         let near = NEAR_UT.contains(&raw_ut.norm());
-        let mut dense = self.fresh(if near { self.tuning.near_sd_ut } else { self.tuning.far_sd_ut });
+        let mut dense = self.fresh(self.tuning.far_sd_ut);
         dense.set_vector(if near { FIELD } else { OFFSET }, raw_ut);
         if near {
             let (strength_ut, sd_ut) = self.expected_ut();
@@ -82,7 +82,7 @@ impl Aided {
         dense.isolate(FIELD, self.tuning.far_sd_ut * self.tuning.far_sd_ut);
         dense.isolate(IRON, 0.0);
         dense.isolate(IRON + 3, 0.0);
-        dense.add_iron_variance(self.tuning.given_iron_sd * self.tuning.given_iron_sd);
+        dense.add_iron_variance((self.tuning.given_offset_sd_ut / EARTH_UT.0).powi(2));
         let mut gaussian = Gaussian::zero();
         if gaussian.keep(&dense) {
             self.question(&dense);
@@ -121,7 +121,7 @@ impl Aided {
     fn question(&mut self, dense: &Dense) {
         self.unproven = Unproven {
             rest_rad: self.tuning.proving_rad as f32,
-            rest_s: self.tuning.proving_s as f32,
+            rest_s: self.tuning.settled_s as f32,
             offset_ut: dense.vector(OFFSET).cast(),
             variance_ut2: (dense.block(OFFSET, OFFSET).trace() / 3.0) as f32,
         };
@@ -136,7 +136,7 @@ impl Aided {
     /// a wrong strength.
     pub(super) fn refuted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
         let moved_ut: Vector3<f64> = dense.vector(OFFSET) - self.unproven.offset_ut.cast();
-        let limit_ut2 = self.tuning.refuting_sigmas.powi(2) * f64::from(self.unproven.variance_ut2);
+        let limit_ut2 = 3.0 * self.tuning.gate * f64::from(self.unproven.variance_ut2);
         let moved = self.adopted && self.unproven.rest_s > 0.0 && moved_ut.norm_squared() > limit_ut2;
         moved || (self.is_unproven() && self.contradicted(raw_ut, dense))
     }
@@ -145,7 +145,7 @@ impl Aided {
     fn contradicted(&mut self, raw_ut: &Vector3<f64>, dense: &Dense) -> bool {
         let Some((strength_ut, w)) = self.lost_strength_ut.zip(dense.soft_iron().try_inverse()) else { return false };
         let size_ut = (w * (raw_ut - dense.vector(OFFSET))).norm();
-        let off = (size_ut / strength_ut - 1.0).abs() > self.tuning.contradiction_share;
+        let off = (size_ut / strength_ut - 1.0).abs() > self.tuning.fit_share;
         self.unconfirmed = if off { self.unconfirmed.saturating_sub(1) } else { self.tuning.confirming as u32 };
         self.unconfirmed == 0
     }
@@ -169,14 +169,14 @@ impl Aided {
         }
         let trace: f64 = (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum();
         if !self.restarted {
-            if trace < self.tuning.restart_sd_ut.powi(2) {
+            if trace < self.tuning.smallest_step_ut.powi(2) {
                 self.restarted = true;
-                let mut again = self.fresh(self.tuning.restart_sd_ut);
+                let mut again = self.fresh(self.tuning.smallest_step_ut);
                 again.x = dense.x;
                 again.tie_offset();
                 for k in BIAS..BIAS + 3 {
                     // the bias may be known from rest, where nothing was linearised
-                    again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k] + self.tuning.restart_bias_rad_s.powi(2));
+                    again.p[k][k] = again.p[k][k].min(4.0 * dense.p[k][k]);
                 }
                 *dense = again;
             }
@@ -207,11 +207,8 @@ impl Aided {
                 let dt_s = dt_s.unwrap_or(0.0);
                 let mut dense = filter.open();
                 self.lost_strength_ut.get_or_insert(dense.vector(FIELD).norm());
-                let walk_ut2 = self.tuning.gap_offset_walk_ut.powi(2) * dt_s.min(self.tuning.longest_drift_s);
-                if (OFFSET..OFFSET + 3).map(|i| dense.p[i][i]).sum::<f64>() < self.tuning.longest_drift_s * 3.0 {
-                    dense.add_variance(OFFSET, walk_ut2);
-                }
-                if dt_s > self.tuning.long_gap * self.tuning.gap_s {
+                self.drift(&mut dense, dt_s);
+                if dt_s > self.tuning.gap_s {
                     self.question(&dense);
                 }
                 if self.is_unproven() {
@@ -230,6 +227,13 @@ impl Aided {
         };
         self.filter = Some(filter);
         self.held(time_ns, raw_ut)
+    }
+
+    /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
+    pub(super) fn drift(&self, dense: &mut Dense, dt_s: f64) {
+        let room_ut2 = self.tuning.far_sd_ut.powi(2) - dense.block(OFFSET, OFFSET).trace() / 3.0;
+        let walk_ut2 = self.tuning.offset_walk_max_ut.powi(2) * dt_s;
+        dense.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
     }
 }
 

@@ -74,7 +74,7 @@ impl Former {
                 k += 1;
             }
         }
-        dense.add_variance(OFFSET, tuning.recall_sd_ut * tuning.recall_sd_ut);
+        dense.add_variance(OFFSET, tuning.noise_start_ut * tuning.noise_start_ut);
     }
 }
 
@@ -110,9 +110,9 @@ impl Watch {
         clearing: bool,
         tuning: &Tuning,
     ) {
-        let time_s = if clearing && gated.is_none() { tuning.clear_time_s } else { tuning.gated_time_s };
+        let time_s = if clearing && gated.is_none() { tuning.quick_s } else { tuning.gated_time_s };
         if let Some(v) = gated {
-            if self.share < tuning.new_run {
+            if self.share < 0.5 * tuning.suspect_share {
                 self.since_ns = step.time_ns;
                 self.misfit_ut = v.norm();
                 self.former_ut = former.unwrap_or_default();

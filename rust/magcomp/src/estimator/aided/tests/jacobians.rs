@@ -11,7 +11,6 @@ use super::super::state::{Dense, Gaussian, STATES};
 use super::simulator::Random;
 
 const QUIET: ProcessNoise = ProcessNoise {
-    field_ut: 0.0,
     angle_rad: 0.0,
     scale: 0.0,
     bridged_rad2: 0.0,

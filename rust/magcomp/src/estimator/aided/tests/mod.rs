@@ -2,6 +2,7 @@
 
 mod filter;
 mod jacobians;
+mod motion;
 mod robustness;
 mod simulator;
 mod steps;

@@ -1,0 +1,51 @@
+//! Up: what motion does to it, and what is told of that.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::motion::Motion;
+use super::super::propagate::turn;
+use super::super::tuning::Tuning;
+
+#[test]
+fn a_turn_on_an_arm_does_not_tilt_up() {
+    // 4 m/s^2 towards the axis, always the same in the device: gravity and motion together lean by 22 deg
+    let (rate, dt_s) = (Vector3::z() * 3.0, 0.01);
+    let felt = Vector3::new(4.0, 0.0, 9.80665);
+    let (r, _) = turn(&(rate * dt_s));
+    let tuning = Tuning::default();
+    let mut motion = Motion::new();
+    let mut worst_deg: f64 = 0.0;
+    for k in 0..4_000 {
+        motion.carry_up(&r, Some(felt), 0.001, dt_s, &tuning);
+        if k > 2_000 {
+            worst_deg = worst_deg.max(motion.up.unwrap().angle(&Vector3::z()).to_degrees());
+        }
+    }
+    assert!(worst_deg < 2.0, "{worst_deg} deg");
+    // 22 deg of motion over a memory of 5 s
+    let sigma_deg = motion.tilt_rad2(&tuning).sqrt().to_degrees();
+    assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
+}
+
+#[test]
+fn a_car_that_speeds_up_and_brakes_is_told() {
+    // 2 m/s^2 forwards, then backwards, 10 s each; and the same in 0.1 s, which averages out
+    let tuning = Tuning::default();
+    let [slow, quick] = [10.0, 0.1].map(|half_s| {
+        let mut motion = Motion::new();
+        let (mut squares, mut variances) = (0.0, 0.0);
+        for k in 0..12_000 {
+            let t_s = f64::from(k) * 0.01;
+            let felt = Vector3::new(if (t_s / half_s) as i64 % 2 == 0 { 2.0 } else { -2.0 }, 0.0, 9.80665);
+            motion.carry_up(&Matrix3::identity(), Some(felt), 0.001, 0.01, &tuning);
+            if t_s > 20.0 {
+                // the angle is that about both horizontal axes
+                squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
+                variances += motion.tilt_rad2(&tuning) / 1e4;
+            }
+        }
+        [squares, variances].map(|v| f64::sqrt(v).to_degrees())
+    });
+    assert!(slow[0] < 5.0 && (0.7..1.4).contains(&(slow[1] / slow[0])), "{slow:?} deg");
+    assert!(quick[0] < 0.1 && quick[1] == 0.0, "{quick:?} deg");
+}
