@@ -170,7 +170,7 @@ fn a_refused_event_changes_nothing() {
 fn the_count_towards_another_clock_is_no_part_of_a_snapshot() {
     let mut one = compensator(&Config::default());
     let mut phone = Phone::new(12, calibration(&REF, 45.0));
-    phone.run(&mut one, 300);
+    phone.run(&mut one, 600);
     let found = one.calibration().expect("calibrated");
     let sample =
         |k: i64| MagneticSample { time_ns: -(1 << 50) + k * PERIOD_NS, field_ut: Vector3::new(40.0, 1.0, 9.0) };
@@ -548,7 +548,11 @@ fn whatever_calibration_may_be_adopted_does_no_harm() {
                     assert!(is_sound(&reading, &compensator), "{method:?}, {m}, {b}, {field}, sample {k}: {reading:?}");
                     if k % 100 == 50 {
                         let snapshot = compensator.snapshot();
-                        assert_eq!(compensator.restore(&snapshot), Ok(Restored::Everything));
+                        assert_eq!(
+                            compensator.restore(&snapshot),
+                            Ok(Restored::Everything),
+                            "{method:?}, {m}, {b}, {field}, {k}"
+                        );
                     }
                 }
             }

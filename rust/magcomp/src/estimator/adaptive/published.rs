@@ -3,7 +3,7 @@
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
 use super::angle;
-use super::parameters::{Gaussian, centre, distance, is_bounded, see, shape, six, vector_gradient};
+use super::parameters::{Gaussian, centre, distance, see, shape, six, vector_gradient};
 use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::snapshot::checked;
@@ -23,7 +23,7 @@ pub(super) struct Published {
     pub strength_ut: Option<f64>,
 }
 
-checked!(Published, |it| is_bounded(&it.known.mean) && it.error >= 0.0 && it.unit_ut > 0.0);
+checked!(Published, |it| shape(&it.known.mean).cholesky().is_some() && it.error >= 0.0 && it.unit_ut > 0.0);
 
 impl Published {
     pub fn new(known: Gaussian, unit_ut: f64, strength_ut: Option<f64>) -> Self {
