@@ -40,11 +40,14 @@ func tumbling(_ samples: Int) -> [SensorSample] {
     return (0..<samples).flatMap { k -> [SensorSample] in
         let (a, b) = (Double(k) * 0.11, Double(k) * 0.031)
         let timeNs = Int64(k + 1) * stepNs
+        let (x, y, z) = (cos(a) * cos(b), sin(a) * cos(b), sin(b))
         let field = Vector3(
-            x: 50 * cos(a) * cos(b) + hardIronUt.x + noise(), y: 50 * sin(a) * cos(b) + hardIronUt.y + noise(),
-            z: 50 * sin(b) + hardIronUt.z + noise())
+            x: 50 * x + hardIronUt.x + noise(), y: 50 * y + hardIronUt.y + noise(), z: 50 * z + hardIronUt.z + noise())
+        // the field dips by 53 degrees wherever the device points
+        let up = Vector3(
+            x: 9.81 * (-0.8 * x - 0.6 * sin(a)), y: 9.81 * (-0.8 * y + 0.6 * cos(a)), z: -9.81 * 0.8 * z)
         return [
-            .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+            .up(UpSample(timeNs: timeNs, upMS2: up)),
             .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
         ]
     }

@@ -42,13 +42,24 @@ fun tumbling(samples: Int, seed: Long = 1): DoubleArray {
     val random = Random(seed)
     val values = DoubleArray(3 * samples)
     for (k in 0 until samples) {
-        val (a, b) = Pair(k * 0.11, k * 0.031)
-        val field = doubleArrayOf(Math.cos(a) * Math.cos(b), Math.sin(a) * Math.cos(b), Math.sin(b))
+        val field = direction(k)
         for (axis in 0..2) {
             values[3 * k + axis] = 50.0 * field[axis] + HARD_IRON[axis] + 0.3 * random.nextGaussian()
         }
     }
     return values
+}
+
+/** Where the field points in the device, sample by sample. */
+private fun direction(k: Int): DoubleArray {
+    val (a, b) = Pair(k * 0.11, k * 0.031)
+    return doubleArrayOf(Math.cos(a) * Math.cos(b), Math.sin(a) * Math.cos(b), Math.sin(b))
+}
+
+/** Gravity in the device: the field dips by 53 degrees wherever the device points. */
+private fun up(k: Int): Vector3 {
+    val (x, y, z) = direction(k)
+    return Vector3(9.81 * (-0.8 * x - 0.6 * Math.sin(k * 0.11)), 9.81 * (-0.8 * y + 0.6 * Math.cos(k * 0.11)), -9.81 * 0.8 * z)
 }
 
 val HARD_IRON = doubleArrayOf(120.0, -80.0, 300.0)
@@ -61,7 +72,7 @@ fun events(values: DoubleArray, beginNs: Long = 0): List<SensorSample> = (0 unti
     val timeNs = beginNs + (k + 1) * STEP_NS
     val field = Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2])
     listOf(
-        SensorSample.Up(UpSample(timeNs, Vector3(0.3, 0.2, 9.7))),
+        SensorSample.Up(UpSample(timeNs, up(k))),
         SensorSample.Magnetic(MagneticSample(timeNs, field)),
     )
 }
