@@ -157,7 +157,8 @@ import Testing
 
     @Test func theScreenMayTurnWhileReadingsCome() async throws {
         let half = events.count / 2
-        let (events, frame) = (events, Shared(HeadingFrame(axis: .topEdge, screenRotation: .deg0)))
+        // at last it lies flat: a turned screen is a turned heading
+        let (events, frame) = (events + flat(1500), Shared(HeadingFrame(axis: .topEdge, screenRotation: .deg0)))
         let turning = SensorSamples {
             AsyncStream(unfolding: { [count = Shared(0)] in
                 let k = count.value
@@ -168,7 +169,7 @@ import Testing
                 return k < events.count ? events[k] : nil
             })
         }
-        let readings = try await turning.compensated(capacity: 1500) { frame.value }.collected().map(\.reading)
+        let readings = try await turning.compensated(capacity: 1501) { frame.value }.collected().map(\.reading)
         let still = try Compensator().pushAll(events)
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))

@@ -179,14 +179,15 @@ import Testing
 
     /// A device that lies still where the tumbling of 1500 samples left it, and noise.
     func still(_ samples: Range<Int>) -> [SensorSample] {
-        guard case .magnetic(let last)? = tumbling(1500).last else { return [] }
+        let before = tumbling(1500).suffix(2)
+        guard case .up(let up)? = before.first, case .magnetic(let last)? = before.last else { return [] }
         return samples.flatMap { k -> [SensorSample] in
             let timeNs = Int64(k + 1) * stepNs
             let noise = { (n: Int) in 0.1 * Double((k * n) % 11 - 5) }
             let field = Vector3(
                 x: last.fieldUt.x + noise(3), y: last.fieldUt.y + noise(5), z: last.fieldUt.z + noise(7))
             return [
-                .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .up(UpSample(timeNs: timeNs, upMS2: up.upMS2)),
                 .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
             ]
         }

@@ -53,6 +53,16 @@ func tumbling(_ samples: Int) -> [SensorSample] {
     }
 }
 
+/// One more sample, number `k`, of a device that lies flat.
+func flat(_ k: Int) -> [SensorSample] {
+    let timeNs = Int64(k + 1) * stepNs
+    let field = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
+    return [
+        .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+        .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
+    ]
+}
+
 /// All at once, as often as it is asked.
 struct Played: MagneticFieldSource {
     let events: [SensorSample]

@@ -137,6 +137,8 @@ class CompassTest {
 
     @Test
     fun `the screen may turn while readings come`(): Unit = runBlocking {
+        // at last it lies flat: a turned screen is a turned heading
+        val events = events + flat(1500)
         val frames = MutableStateFlow(headingFrame(0, ReferenceAxis.TOP_EDGE))
         val half = events.size / 2
         val turning = flow {

@@ -198,7 +198,7 @@ class SavingTest {
         val last = tumbling(1500).takeLast(3)
         return samples.flatMap { k ->
             val values = DoubleArray(3) { last[it] + 0.3 * random.nextGaussian() }
-            events(values, beginNs = k * STEP_NS)
+            events(values, beginNs = k * STEP_NS, at = 1499)
         }
     }
 }

@@ -57,7 +57,7 @@ private fun direction(k: Int): DoubleArray {
 }
 
 /** Gravity in the device: the field dips by 53 degrees wherever the device points. */
-private fun up(k: Int): Vector3 {
+fun up(k: Int): Vector3 {
     val (x, y, z) = direction(k)
     return Vector3(9.81 * (-0.8 * x - 0.6 * Math.sin(k * 0.11)), 9.81 * (-0.8 * y + 0.6 * Math.cos(k * 0.11)), -9.81 * 0.8 * z)
 }
@@ -67,12 +67,19 @@ val HARD_IRON = doubleArrayOf(120.0, -80.0, 300.0)
 /** 100 Hz. */
 const val STEP_NS = 10_000_000L
 
-/** The same as events, with `up` beside every sample. */
-fun events(values: DoubleArray, beginNs: Long = 0): List<SensorSample> = (0 until values.size / 3).flatMap { k ->
+/** The same as events, with `up` beside every sample: the one that belongs to sample [at] and the next ones. */
+fun events(values: DoubleArray, beginNs: Long = 0, at: Int = 0): List<SensorSample> = (0 until values.size / 3).flatMap { k ->
     val timeNs = beginNs + (k + 1) * STEP_NS
     val field = Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2])
     listOf(
-        SensorSample.Up(UpSample(timeNs, up(k))),
+        SensorSample.Up(UpSample(timeNs, up(at + k))),
         SensorSample.Magnetic(MagneticSample(timeNs, field)),
     )
+}
+
+/** One more sample, number [k], of a device that lies flat. */
+fun flat(k: Int): List<SensorSample> {
+    val timeNs = (k + 1) * STEP_NS
+    val field = Vector3(HARD_IRON[0] + 10.0, HARD_IRON[1] + 28.0, HARD_IRON[2] - 40.0)
+    return listOf(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
 }
