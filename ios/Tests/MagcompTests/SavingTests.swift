@@ -75,7 +75,7 @@ import Testing
         let rested = tumbling(1500) + still(1500..<6000)
         let turned = rested + tumbling(600).map { moved($0, byNs: 6000 * stepNs) }
         let changedS = try changes(turned).map(\.seconds)
-        #expect(try #require(changedS.last { $0 <= 60 }) < 20, "the data show a rest")
+        #expect(try #require(changedS.last { $0 <= 60 }) < 40, "the data show a rest")
         let after = try #require(changedS.first { $0 > 60 })
 
         let again = Kept()
