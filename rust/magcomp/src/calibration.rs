@@ -72,6 +72,10 @@ pub(crate) const FIELD_STRENGTHS_UT: (f64, f64) = (1.0, 1000.0);
 /// What the Earth's field spans at its surface, uT (world magnetic model).
 pub(crate) const EARTH_FIELD_UT: (f64, f64) = (22.0, 67.0);
 
+/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
+/// in two laboratories.
+pub(crate) const UNEVEN_UT: f64 = 1.3;
+
 /// The field strength to count in before one is found, uT: that which is known, else the middle of the Earth's.
 pub(crate) fn typical_field_ut(known_ut: Option<f64>) -> f64 {
     known_ut.unwrap_or((EARTH_FIELD_UT.0 * EARTH_FIELD_UT.1).sqrt())

@@ -1,7 +1,7 @@
 //! The estimator that answers. There is one at a time; another takes its place in the same memory.
 
 use crate::answer::Answer;
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, UNEVEN_UT};
 use crate::config::{Config, Method};
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
@@ -13,10 +13,6 @@ use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
-
-/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
-/// in two laboratories.
-const UNEVEN_UT: f64 = 1.3;
 
 /// One of the estimators.
 #[derive(Clone, Debug, Serialize, Deserialize)]

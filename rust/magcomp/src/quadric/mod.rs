@@ -1,5 +1,6 @@
 //! The least-squares ellipsoid of eq. (9) and (10): moments, closed-form start, iteration, report.
 
+mod exact;
 mod fit;
 mod iteration;
 pub(crate) mod ldl;
@@ -8,9 +9,9 @@ mod options;
 mod report;
 mod start;
 
+pub(crate) use exact::ExactSum;
 pub use fit::fit_ellipsoid;
 pub use iteration::Termination;
-pub(crate) use moments::ExactSum;
 pub use moments::Moments;
 pub use options::{FitError, FitOptions, Residual, SMALLEST_SAMPLE_COUNT};
 pub use report::{EllipsoidFit, direction_sigma_deg};

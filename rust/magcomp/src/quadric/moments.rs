@@ -10,6 +10,7 @@
 //! The sums are kept in fixed point, so that they are exact: adding a sample and removing it again leaves every
 //! bit as it was, and the moments of a window depend on its content alone, not on how it came about.
 
+use super::exact::ExactSum;
 use crate::snapshot::LARGEST_COUNT;
 use nalgebra::{SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
@@ -46,50 +47,6 @@ const PLACES: [[usize; 10]; 10] = {
     places
 };
 
-/// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
-///
-/// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct ExactSum {
-    high: i64,
-    low: i64,
-}
-
-const HIGH_UNIT: f64 = (1u64 << 20) as f64;
-const LOW_BITS: u32 = 40;
-const LOW_UNIT: f64 = (1u64 << LOW_BITS) as f64;
-const LOW_MASK: i64 = (1 << LOW_BITS) - 1;
-const LARGEST: f64 = (1u64 << 40) as f64;
-
-impl ExactSum {
-    #[inline]
-    fn split(value: f64) -> (i64, i64) {
-        // far beyond any field: only keeps absurd input from overflowing
-        let scaled = value.clamp(-LARGEST, LARGEST) * HIGH_UNIT;
-        let high = scaled as i64;
-        (high, ((scaled - high as f64) * LOW_UNIT) as i64)
-    }
-
-    #[inline]
-    fn add(&mut self, (high, low): (i64, i64)) {
-        let low = self.low + low;
-        self.high = self.high.wrapping_add(high).wrapping_add(low >> LOW_BITS);
-        self.low = low & LOW_MASK;
-    }
-
-    /// A value enters as often as `times` says.
-    #[inline]
-    pub fn add_times(&mut self, value: f64, times: i64) {
-        let (high, low) = Self::split(value);
-        self.add((high.wrapping_mul(times), low * times));
-    }
-
-    #[inline]
-    pub fn value(self) -> f64 {
-        (self.high as f64 + self.low as f64 / LOW_UNIT) / HIGH_UNIT
-    }
-}
-
 /// Exact sums of the monomials of a set of raw samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "MomentsParts", into = "MomentsParts")]
@@ -108,19 +65,19 @@ pub(crate) struct Terms {
     parts: [(i64, i64); MONOMIALS],
 }
 
-/// [`Moments`] as they are written down: the sums as (2^-20, 2^-60) units.
+/// [`Moments`] as they are written down.
 #[derive(Serialize, Deserialize)]
 struct MomentsParts {
     centre_ut: Vector3<f64>,
     scale_ut: f64,
     count: usize,
     not_finite: usize,
-    sums: Vec<(i64, i64)>,
+    sums: Vec<ExactSum>,
 }
 
 impl From<Moments> for MomentsParts {
     fn from(m: Moments) -> Self {
-        let sums = m.sums.iter().map(|sum| (sum.high, sum.low)).collect();
+        let sums = m.sums.to_vec();
         Self { centre_ut: m.centre_ut, scale_ut: m.scale_ut, count: m.count, not_finite: m.not_finite, sums }
     }
 }
@@ -129,8 +86,7 @@ impl TryFrom<MomentsParts> for Moments {
     type Error = &'static str;
     fn try_from(parts: MomentsParts) -> Result<Self, Self::Error> {
         let MomentsParts { centre_ut, scale_ut, count, not_finite, sums } = parts;
-        let sums: [(i64, i64); MONOMIALS] = sums.try_into().map_err(|_| "34 moments expected")?;
-        let sums = sums.map(|(high, low)| ExactSum { high, low: low & LOW_MASK });
+        let sums = sums.try_into().map_err(|_| "34 moments expected")?;
         if !(is_finite(&centre_ut) && scale_ut > 0.0 && scale_ut.is_finite()) {
             return Err("centre and scale must be finite");
         }

@@ -10,7 +10,7 @@ use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
 /// Standard gravity, m/s^2.
-const GRAVITY_M_S2: f64 = 9.80665;
+pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const MEMORY_S: f64 = 1.0;
 /// Free fall or a blow: more says nothing, rad.
 const LARGEST_RAD: f64 = 1.0;

@@ -6,6 +6,7 @@
 
 use super::angle;
 use super::hypothesis::{Hypothesis, Kind};
+use super::motion::Motion;
 use super::parameters::{Gaussian, Tau, TauMatrix, shape};
 use super::setting::{Sample, Setting};
 use super::tuning::Tuning;
@@ -122,13 +123,17 @@ impl Bank {
         }
     }
 
-    /// A mean of neighbouring samples, `seconds` after the one before.
-    pub fn push(&mut self, time_ns: i64, sample: &Sample, seconds: f64, at: &Setting) {
+    /// By how much a sample, in units, misses what the best hypothesis expects, where it knows enough to call that a surprise.
+    pub fn surprise(&self, sample: &Sample, at: &Setting) -> Option<f64> {
+        let best = self.best().filter(|best| best.judges(at))?;
+        best.surprise(&sample.u, sample.count as f64, at).map(f64::abs)
+    }
+
+    /// A mean of neighbouring samples, `seconds` after the one before, and by how much it surprises.
+    pub fn push(&mut self, time_ns: i64, sample: &Sample, surprise: Option<f64>, seconds: f64, at: &Setting) {
         let Some(place) = self.best_place() else { return };
         let Some(best) = &self.all[place] else { return };
-        let (n, tuning) = (sample.count as f64, at.tuning);
-        let judged = best.judges(at);
-        let surprise = best.surprise(&sample.u, n, &at.level).filter(|(_, z2)| judged && 0.5 * z2 > at.half_square * n);
+        let tuning = at.tuning;
         self.since_look_s += seconds;
         if best.error > tuning.unsure_deg.to_radians().powi(2) * at.level.kappa {
             if self.since_look_s >= 8.0 * tuning.look_s {
@@ -136,8 +141,8 @@ impl Bank {
                 self.begin_cold(time_ns, &sample.u, base, at);
                 self.since_look_s = 0.0;
             }
-        } else if let Some((e, _)) = surprise {
-            self.spawn(place, time_ns, sample, Some(e.abs()), seconds.max(1e-3), at);
+        } else if surprise.is_some() {
+            self.spawn(place, time_ns, sample, surprise, seconds.max(1e-3), at);
             self.since_look_s = 0.0;
         } else if !sample.stale && self.since_look_s >= tuning.look_s && best.age * at.period_s > YOUNG_S {
             self.spawn(place, time_ns, sample, None, self.since_look_s, at);
@@ -205,7 +210,7 @@ impl Bank {
                 (child.size, child.parent) = (size as u8, id);
                 child.former = Some(*known);
                 (child.in_progress, child.missed_before) = born;
-                child.set_motion(parent.moves, parent.rate(), at);
+                child.motion = Motion::new(parent.motion.moves, parent.motion.rate, at);
                 bank.begin_one(child, time_ns);
             }
         };
@@ -239,20 +244,20 @@ impl Bank {
         if parent.error.sqrt() >= 0.5 * tuning.absorb_moving_deg.to_radians() {
             return;
         }
-        let moves = !parent.moves;
+        let moves = !parent.motion.moves;
         let log = parent.log_joint() + if moves { tuning.log_moves } else { tuning.log_rests };
-        if self.each().any(|h| h.moves == moves && h.log_joint() > parent.log_joint() + tuning.log_moves - 2.0) {
+        if self.each().any(|h| h.motion.moves == moves && h.log_joint() > parent.log_joint() + tuning.log_moves - 2.0) {
             return;
         }
         for slot in &mut self.all {
-            if slot.as_ref().is_some_and(|h| h.moves == moves) {
+            if slot.as_ref().is_some_and(|h| h.motion.moves == moves) {
                 *slot = None;
             }
         }
         let prior =
             if moves { after(&parent.known, tuning.moved_iron, tuning.moved_ut / at.unit_ut) } else { parent.known };
         if let Some(mut child) = Hypothesis::new(parent.kind, &prior, parent.centre(), log, at) {
-            child.set_motion(moves, Vector3::zeros(), at);
+            child.motion = Motion::new(moves, Vector3::zeros(), at);
             child.continues(parent);
             self.insert(child);
         }
@@ -328,17 +333,19 @@ impl Bank {
     /// Mean and second moment of all hypotheses by their probability; None while there are none.
     pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
         let best = self.best()?;
-        let top = best.log_joint();
         let changing = best.former.map(|former| {
             let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut);
-            (elsewhere(&wide, at.tuning.large_place), best.in_progress)
+            elsewhere(&wide, at.tuning.large_place)
         });
-        let all =
-            || self.each().map(|h| (h.known, h.log_joint())).chain(changing).map(|(g, log)| (g, (log - top).exp()));
-        let sum: f64 = all().map(|(_, weight)| weight).sum();
-        let mean: Tau = all().map(|(known, weight)| known.mean * (weight / sum)).sum();
+        let mut parts = [None; MOST + 1];
+        for (part, slot) in parts.iter_mut().zip(&self.all) {
+            *part = slot.as_ref().map(|h| (&h.known, (h.log_joint() - best.log_joint()).exp()));
+        }
+        parts[MOST] = changing.as_ref().map(|known| (known, (best.in_progress - best.log_joint()).exp()));
+        let sum: f64 = parts.iter().flatten().map(|(_, weight)| weight).sum();
+        let mean: Tau = parts.iter().flatten().map(|(known, weight)| known.mean * (weight / sum)).sum();
         let mut covariance = TauMatrix::zeros();
-        for (known, weight) in all().filter(|(_, weight)| *weight > NO_WEIGHT * sum) {
+        for (known, weight) in parts.iter().flatten().filter(|(_, weight)| *weight > NO_WEIGHT * sum) {
             let off = known.mean - mean;
             covariance += (known.covariance + off * off.transpose()) * (weight / sum);
         }

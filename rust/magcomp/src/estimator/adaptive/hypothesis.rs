@@ -8,10 +8,10 @@
 //! Between fits each sample adds its predictive probability, so that hypotheses are comparable at every sample and need no
 //! common schedule:  log joint = base + evidence of the moments + predictive terms since the latest fit - price of samples left out.
 //!
-//! When tau is known well the moments are absorbed into the Gaussian, and b walks on:
-//!     b <- b + rate T + walk,   for a b that moves also rate = rate_0 + K (tau - tau_0) + e, e ~ N(0, D)
+//! When tau is known well the moments are absorbed into the Gaussian, and b goes on (`motion`).
 
 use super::likelihood::{Expansion, Likelihood, Point};
+use super::motion::Motion;
 use super::noise::Level;
 use super::parameters::{COUNT, Gaussian, Tau, TauMatrix, distance, is_bounded};
 use super::setting::{Sample, Setting};
@@ -19,7 +19,7 @@ use super::vertical::{VerticalLikelihood, VerticalMoments, miss};
 use crate::quadric::Moments;
 use crate::quadric::ldl::{self, Ldl};
 use crate::snapshot::{checked, is_covariance};
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// What a hypothesis says has changed at its onset.
@@ -47,10 +47,7 @@ pub(super) struct Hypothesis {
     /// Names the change: twins, which explain the samples from two places, share it.
     pub id: u32,
     pub onset_ns: i64,
-    pub moves: bool,
-    rate: Vector3<f64>,
-    gain: SMatrix<f64, 3, COUNT>,
-    rate_covariance: Matrix3<f64>,
+    pub motion: Motion,
     prior: Tau,
     information: TauMatrix,
     log_det: f64,
@@ -66,9 +63,8 @@ pub(super) struct Hypothesis {
     /// Price of the samples that were left out since the moments began.
     paid: f64,
     next_fit: f64,
-    /// Samples since the onset, and those among them that were left out.
+    /// Samples since the onset.
     pub age: f64,
-    pub missed: f64,
     damping: f64,
     /// What was known before the change, until the change is certain.
     pub former: Option<Gaussian>,
@@ -82,10 +78,7 @@ pub(super) struct Hypothesis {
 }
 
 checked!(Hypothesis, |it| is_covariance(&it.information)
-    && is_covariance(&it.rate_covariance)
-    && [it.groups, it.age, it.missed, it.damping, it.error, it.next_fit, it.next_twin]
-        .iter()
-        .all(|value| *value >= 0.0));
+    && [it.groups, it.age, it.damping, it.error, it.next_fit, it.next_twin].iter().all(|value| *value >= 0.0));
 
 /// Reference for the level of the noise, units^2: only keeps numbers small.
 const LEVEL: f64 = 1e-4;
@@ -109,8 +102,6 @@ const TWIN_WORSE: f64 = 20.0;
 const NO_EVIDENCE: f64 = -1e3;
 /// Share of V that keeps Y finite where there are fewer samples than parameters.
 const SOFTENED: f64 = 0.5;
-/// The dip of a place differs along the way: per root second, field strengths.
-const DIP_WALK: f64 = 0.003;
 
 /// L + L_v.
 struct Both {
@@ -146,10 +137,7 @@ impl Hypothesis {
             size: 0,
             id: 0,
             onset_ns: 0,
-            moves: false,
-            rate: Vector3::zeros(),
-            gain: SMatrix::zeros(),
-            rate_covariance: Matrix3::zeros(),
+            motion: Motion::new(false, Vector3::zeros(), at),
             prior: prior.mean,
             information: factors.inverse(),
             log_det: -factors.log_det,
@@ -164,7 +152,6 @@ impl Hypothesis {
             paid: 0.0,
             next_fit: 1.0,
             age: 0.0,
-            missed: 0.0,
             damping: 0.0,
             former: None,
             in_progress: base,
@@ -196,17 +183,6 @@ impl Hypothesis {
         self.pending != 0.0
     }
 
-    /// What b does from now on: with a rate that lasts, or hardly anything.
-    pub fn set_motion(&mut self, moves: bool, rate: Vector3<f64>, at: &Setting) {
-        (self.moves, self.rate) = (moves, rate);
-        self.gain = SMatrix::zeros();
-        self.rate_covariance = Matrix3::identity() * (at.tuning.rate_ut_s / at.unit_ut).powi(2);
-    }
-
-    pub fn rate(&self) -> Vector3<f64> {
-        self.rate
-    }
-
     /// What sets a fork from this hypothesis apart is only how b moves: it tells the same change, and is as old.
     pub fn continues(&mut self, other: &Self) {
         (self.id, self.size, self.parent) = (other.id, other.size, other.parent);
@@ -220,11 +196,17 @@ impl Hypothesis {
         self.age > PARAMETERS && self.error < at.tuning.unsure_deg.to_radians().powi(2) * at.level.kappa
     }
 
-    /// A sample's distance, units, from what is predicted, in squared standard deviations; where it is judged.
-    pub fn surprise(&self, u: &Vector3<f64>, count: f64, level: &Level) -> Option<(f64, f64)> {
+    /// Whether a miss of a mean of so many samples, which its prediction knows within rho, is likelier a disturbance.
+    fn is_off(e: f64, rho: f64, count: f64, at: &Setting) -> bool {
+        let variance = at.level.white / count + at.level.uneven + DOUBT * rho / at.level.kappa;
+        0.5 * e * e / variance > at.half_square * count
+    }
+
+    /// A mean's distance from what is predicted, units, where that is a surprise.
+    pub fn surprise(&self, u: &Vector3<f64>, count: f64, at: &Setting) -> Option<f64> {
         let (e, g) = distance(&self.known.mean, u)?;
         let rho = g.dot(&(self.known.covariance * g)).max(0.0);
-        Some((e, e * e / (level.white / count + level.uneven + DOUBT * rho / level.kappa)))
+        Self::is_off(e, rho, count, at).then_some(e)
     }
 
     /// A mean of samples enters, or pays the price of a disturbed one.
@@ -236,7 +218,6 @@ impl Hypothesis {
         let per_sample = |variance: f64, kappa: f64| (0.5 - 0.5 * (variance / LEVEL).ln()) / kappa;
         let vertical = sample.up.map_or(0.0, |_| n * per_sample(level.vertical.0, level.vertical.1));
         let baseline = per_sample(level.white, level.kappa) + vertical;
-        let z2 = e * e / (level.white / n + level.uneven + DOUBT * rho / level.kappa);
         self.age += n;
         if sample.stale {
             return;
@@ -247,11 +228,10 @@ impl Hypothesis {
             self.in_progress -= (small / level.white.sqrt()).ln() + 0.5 * step * step;
             self.missed_before = miss;
         }
-        if self.judges(at) && 0.5 * z2 > at.half_square * n || e.abs() > FARTHEST {
+        if self.judges(at) && Self::is_off(e, rho, n, at) || e.abs() > FARTHEST {
             let cost = at.price * n - baseline;
             self.pending -= cost;
             self.paid += cost;
-            self.missed += n;
             return;
         }
         let own = level.kappa * level.white / n;
@@ -448,13 +428,15 @@ impl Hypothesis {
 
     /// Whether both are of the same change and in the same place.
     pub fn is_twin(&self, other: &Self) -> bool {
-        self.id == other.id && self.moves == other.moves && (self.known.mean - other.known.mean).norm() < SAME_PLACE
+        self.id == other.id
+            && self.motion.moves == other.motion.moves
+            && (self.known.mean - other.known.mean).norm() < SAME_PLACE
     }
 
     /// Whether both say the same of nearly the same time: onsets are kept on a grid that doubles with their age.
     pub fn is_neighbour(&self, other: &Self, time_ns: i64) -> bool {
         let age = |h: &Self| time_ns.saturating_sub(h.onset_ns) as f64;
-        let says = |h: &Self| (h.kind, h.size, h.moves, h.parent);
+        let says = |h: &Self| (h.kind, h.size, h.motion.moves, h.parent);
         let same = says(self) == says(other) && self.id != other.id;
         same && self.kind != Kind::Cold && age(self).max(age(other)) < 2.0 * age(self).min(age(other))
     }
@@ -462,57 +444,21 @@ impl Hypothesis {
     /// Moments become prior where that is near enough to Gaussian, and b walks on.
     pub fn absorb_if_known(&mut self, at: &Setting) {
         let (seconds, tuning) = (self.samples() * at.period_s, at.tuning);
-        let below = if self.moves { tuning.absorb_moving_deg } else { tuning.absorb_deg };
+        let below = if self.motion.moves { tuning.absorb_moving_deg } else { tuning.absorb_deg };
         if seconds >= tuning.absorb_s && self.samples() >= PARAMETERS && self.error.sqrt() < below.to_radians() {
             self.absorb(seconds, at);
         }
     }
 
     fn absorb(&mut self, seconds: f64, at: &Setting) {
-        let tuning = at.tuning;
-        let Gaussian { mut mean, mut covariance } = self.known;
-        let walk = if self.moves { tuning.moving_walk_ut } else { tuning.walk_ut } / at.unit_ut;
-        (6..9).for_each(|i| covariance[(i, i)] += walk * walk * seconds);
-        covariance[(9, 9)] += DIP_WALK * DIP_WALK * seconds;
-        if self.moves {
-            let mut rate = self.rate + self.gain * (mean - self.prior);
-            let mut cross = self.gain * self.known.covariance;
-            let mut variance = cross * self.gain.transpose() + self.rate_covariance;
-            let mut moved = TauMatrix::zeros();
-            for i in 0..COUNT {
-                for j in 0..3 {
-                    moved[(i, 6 + j)] = cross[(j, i)] * seconds;
-                }
-            }
-            covariance += moved + moved.transpose();
-            for i in 0..3 {
-                mean[6 + i] += rate[i] * seconds;
-                for j in 0..3 {
-                    covariance[(6 + i, 6 + j)] += variance[(i, j)] * seconds * seconds;
-                    cross[(i, 6 + j)] += variance[(i, j)] * seconds;
-                }
-            }
-            let lasts = (-seconds / tuning.rate_s).exp();
-            let fresh = (1.0 - lasts * lasts) * (tuning.rate_ut_s / at.unit_ut).powi(2);
-            rate *= lasts;
-            cross *= lasts;
-            variance = variance * (lasts * lasts) + Matrix3::identity() * fresh;
-            let Some(factors) = Ldl::new(&covariance) else { return };
-            let inverse = factors.inverse();
-            self.rate = rate;
-            self.gain = cross * inverse;
-            self.rate_covariance = variance - self.gain * cross.transpose();
-        }
-        let Some(factors) = Ldl::new(&covariance) else { return };
-        if !is_bounded(&mean) {
+        let Some((known, factors, motion)) = self.motion.carry(&self.known, &self.prior, seconds, at) else { return };
+        if !is_bounded(&known.mean) {
             return;
         }
         self.base += self.fitted;
         (self.fitted, self.paid) = (0.0, 0.0);
-        self.prior = mean;
-        self.known = Gaussian { mean, covariance };
-        self.information = factors.inverse();
-        self.log_det = -factors.log_det;
+        (self.known, self.prior, self.motion) = (known, known.mean, motion);
+        (self.information, self.log_det) = (factors.inverse(), -factors.log_det);
         self.moments.clear();
         self.vertical.clear();
         self.groups = 0.0;

@@ -3,7 +3,7 @@
 //! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; when that change was, and what it changed, is
 //! not known. A bank of hypotheses says each what it may be; the samples weigh them; the mixture is published.
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
-//! `hypothesis` (prior, fit, evidence) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
+//! `hypothesis` (prior, fit, evidence) · `motion` (b that moves) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
 //! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `angle` (errors as angles) · `decision` (what is
 //! told of changes) · `published` (what is in force).
 //! The derivation is in docs/METHOD.md.
@@ -14,6 +14,7 @@ mod decision;
 mod grouping;
 mod hypothesis;
 mod likelihood;
+mod motion;
 mod noise;
 mod parameters;
 mod published;
@@ -21,8 +22,9 @@ mod setting;
 mod tuning;
 mod vertical;
 
-use crate::calibration::{Calibration, typical_field_ut};
+use crate::calibration::{Calibration, UNEVEN_UT, typical_field_ut};
 use crate::reading::{Event, HoldReason, Missing, ModelOrder, Status};
+use crate::sensing::tilt::GRAVITY_M_S2;
 use bank::Bank;
 use decision::Decision;
 use grouping::{Group, Grouping};
@@ -34,12 +36,8 @@ use serde::{Deserialize, Serialize};
 use setting::{Sample, Setting};
 pub(crate) use tuning::Tuning;
 
-/// Standard gravity, and the share of it by which a vertical may be accelerated to be one.
-const GRAVITY_M_S2: f64 = 9.806_65;
+/// The share of gravity by which a vertical may be accelerated to be one.
 const CALM: f64 = 0.1;
-/// What the field differs by from one place where the device rests to another, uT: measured against optical references in two
-/// laboratories.
-const PLACE_UT: f64 = 1.3;
 /// Samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
@@ -161,21 +159,19 @@ impl Adaptive {
         self.group_ns = Some(group.began_ns());
         let stale = self.stays(&u, count as f64, &at.level);
         let sample = Sample { u, raw_ut: u * self.unit_ut, up: group.up(), count, stale };
+        let surprise = self.bank.surprise(&sample, &at);
         if !stale {
-            self.learn_noise(group, &at);
+            self.learn_noise(group, surprise.is_some(), &at.level);
         }
-        self.bank.push(group.began_ns(), &sample, seconds.min(1.0), &at);
-        self.publish(group.began_ns());
+        self.bank.push(group.began_ns(), &sample, surprise, seconds.min(1.0), &at);
+        self.publish(group.began_ns(), &at);
     }
 
     /// What the best hypothesis misses tells of the noise, where it is known well enough.
-    fn learn_noise(&mut self, group: &Group, at: &Setting) {
-        let level = &at.level;
+    fn learn_noise(&mut self, group: &Group, surprised: bool, level: &Level) {
         let Some(best) = self.bank.best() else { return };
         let white = best.error / level.kappa;
         let count = group.samples().len() as f64;
-        let surprised = best.judges(at)
-            && best.surprise(&group.mean(), count, level).is_some_and(|(_, z2)| 0.5 * z2 > at.half_square * count);
         if best.age * self.noise.period_s() <= 0.5 || white.sqrt() >= 5.0_f64.to_radians() || surprised {
             self.noise.interrupt();
             return;
@@ -201,15 +197,14 @@ impl Adaptive {
             self.stay = Stay { at: *u, samples: 0.0 };
         }
         self.stay.samples += count;
-        let place = level.uneven.max((PLACE_UT / self.unit_ut).powi(2));
+        let place = level.uneven.max((UNEVEN_UT / self.unit_ut).powi(2));
         let worth = if level.kappa > 2.0 { level.kappa * level.white / place } else { 1.0 / self.noise.period_s() };
         self.stay.samples > worth.max(count)
     }
 
     /// The mixture, where it is known well enough or much better than what is in force; else that, as sure as the mixture says.
-    fn publish(&mut self, time_ns: i64) {
-        let tuning = self.tuning;
-        let Some(mixture) = self.bank.mixture(&self.setting(&tuning)) else { return };
+    fn publish(&mut self, time_ns: i64, at: &Setting) {
+        let Some(mixture) = self.bank.mixture(at) else { return };
         let mixture = Published::new(mixture, self.unit_ut, self.strength_ut);
         let narrow = self.tuning.publish_deg.to_radians().powi(2);
         let held = self.published.filter(|_| mixture.error >= narrow).map(|published| {
@@ -224,7 +219,7 @@ impl Adaptive {
         } else if held.is_some() {
             self.published = held;
         }
-        self.decision.watch(&self.bank, &tuning);
+        self.decision.watch(&self.bank, &self.tuning);
         if self.count.is_multiple_of(16)
             && let Some(published) = &self.published
         {
@@ -233,8 +228,7 @@ impl Adaptive {
     }
 
     fn output(&self, u: &Vector3<f64>) -> AdaptiveOutput {
-        let tuning = self.tuning;
-        let at = self.setting(&tuning);
+        let at = self.setting(&self.tuning);
         let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
         AdaptiveOutput {
             corrected_ut: self.published.and_then(|published| published.correct(u, &at)),

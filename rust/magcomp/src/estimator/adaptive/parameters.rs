@@ -47,10 +47,21 @@ pub(super) fn six(m: &Matrix3<f64>) -> [f64; 6] {
     [m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]
 }
 
+/// Ten numbers in the order of tau.
+pub(super) fn ten(six: [f64; 6], three: &Vector3<f64>, last: f64) -> Tau {
+    let [xx, yy, zz, xy, xz, yz] = six;
+    Tau::from_column_slice(&[xx, yy, zz, xy, xz, yz, three.x, three.y, three.z, last])
+}
+
+/// d(a^T T b)/dT.
+pub(super) fn products(a: &Vector3<f64>, b: &Vector3<f64>) -> [f64; 6] {
+    let crossed = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
+    [a.x * b.x, a.y * b.y, a.z * b.z, crossed(0, 1), crossed(0, 2), crossed(1, 2)]
+}
+
 /// tau of T and beta, without a vertical part.
 pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Tau {
-    let [xx, yy, zz, xy, xz, yz] = six(t);
-    Tau::from_column_slice(&[xx, yy, zz, xy, xz, yz, beta.x, beta.y, beta.z, 0.0])
+    ten(six(t), beta, 0.0)
 }
 
 /// E v for the elementary symmetric matrix E of element k.
@@ -147,20 +158,7 @@ pub(super) fn distance(tau: &Tau, u: &Vector3<f64>) -> Option<(f64, Tau)> {
 
 /// dr/dtau at a sample.
 pub(super) fn radius_gradient(tau: &Tau, seen: &Seen) -> Tau {
-    let (n, o) = (&seen.direction, &seen.offset);
-    let tn = shape(tau) * n;
-    Tau::from_column_slice(&[
-        n.x * o.x,
-        n.y * o.y,
-        n.z * o.z,
-        n.x * o.y + n.y * o.x,
-        n.x * o.z + n.z * o.x,
-        n.y * o.z + n.z * o.y,
-        -tn.x,
-        -tn.y,
-        -tn.z,
-        0.0,
-    ])
+    ten(products(&seen.direction, &seen.offset), &-(shape(tau) * seen.direction), 0.0)
 }
 
 /// d(T (u - beta))/dtau at a sample: 3 x 10.

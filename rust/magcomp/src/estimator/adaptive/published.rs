@@ -3,7 +3,7 @@
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
 use super::angle;
-use super::parameters::{Gaussian, centre, distance, see, shape, six, vector_gradient};
+use super::parameters::{Gaussian, centre, radius_gradient, see, shape, six, vector_gradient};
 use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::snapshot::checked;
@@ -47,10 +47,15 @@ impl Published {
         let g = vector_gradient(&self.known.mean, &seen.offset);
         let level = &at.level;
         // by what a sample that nothing explains misses the sphere it may be off across it, too
-        let (miss, along) = distance(&self.known.mean, u)?;
-        let variance = level.white + level.uneven + along.dot(&(self.known.covariance * along)).max(0.0);
-        let missed = if 0.5 * miss * miss > at.half_square * variance { (seen.radius - 1.0).powi(2) } else { 0.0 };
-        let noise = t * t * (level.white + level.uneven) + Matrix3::from_diagonal_element(missed);
+        let miss = (seen.radius - 1.0) / seen.slope;
+        let known = || {
+            let along = radius_gradient(&self.known.mean, &seen) / seen.slope;
+            along.dot(&(self.known.covariance * along)).max(0.0)
+        };
+        let is_off = |variance: f64| 0.5 * miss * miss > at.half_square * variance;
+        let noise = level.white + level.uneven;
+        let missed = if is_off(noise) && is_off(noise + known()) { (seen.radius - 1.0).powi(2) } else { 0.0 };
+        let noise = t * t * noise + Matrix3::from_diagonal_element(missed);
         let covariance = g * self.known.covariance * g.transpose() + noise;
         let strength = self.strength_of(&t);
         let field = seen.direction * (seen.radius * strength);

@@ -5,7 +5,7 @@
 //!     L_v(tau) = w theta^T Y theta,   w = n / (kappa v)
 //! Derivatives: dg = dT (beta - centre) + T dbeta, all else is the identity.
 
-use super::parameters::{COUNT, Tau, TauMatrix, centre, shape};
+use super::parameters::{COUNT, Tau, TauMatrix, centre, products, shape, ten};
 use crate::quadric::ExactSum;
 use crate::quadric::ldl::{add, times};
 use nalgebra::{Matrix3, Vector3};
@@ -40,18 +40,7 @@ mod sums {
 
 /// y of a sample about a centre.
 fn row(u: &Vector3<f64>, up: &Vector3<f64>) -> Tau {
-    Tau::from_column_slice(&[
-        up.x * u.x,
-        up.y * u.y,
-        up.z * u.z,
-        up.x * u.y + up.y * u.x,
-        up.x * u.z + up.z * u.x,
-        up.y * u.z + up.z * u.y,
-        -up.x,
-        -up.y,
-        -up.z,
-        -1.0,
-    ])
+    ten(products(up, u), &-up, -1.0)
 }
 
 /// theta of a tau about a centre.

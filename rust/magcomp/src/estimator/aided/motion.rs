@@ -16,14 +16,12 @@
 //! (a late gyroscope feigns a degree).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
+use crate::sensing::tilt::GRAVITY_M_S2;
 use crate::snapshot::checked;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::tuning::Tuning;
-
-/// What an accelerometer at rest reads.
-pub(super) const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Motion statistics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

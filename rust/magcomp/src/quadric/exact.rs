@@ -1,0 +1,60 @@
+//! Sums without rounding: what enters and leaves again leaves nothing behind, in whatever order.
+
+use serde::{Deserialize, Serialize};
+
+/// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
+///
+/// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(i64, i64)", into = "(i64, i64)")]
+pub(crate) struct ExactSum {
+    high: i64,
+    low: i64,
+}
+
+impl From<ExactSum> for (i64, i64) {
+    fn from(sum: ExactSum) -> Self {
+        (sum.high, sum.low)
+    }
+}
+
+impl From<(i64, i64)> for ExactSum {
+    fn from((high, low): (i64, i64)) -> Self {
+        Self { high, low: low & LOW_MASK }
+    }
+}
+
+const HIGH_UNIT: f64 = (1u64 << 20) as f64;
+const LOW_BITS: u32 = 40;
+const LOW_UNIT: f64 = (1u64 << LOW_BITS) as f64;
+const LOW_MASK: i64 = (1 << LOW_BITS) - 1;
+const LARGEST: f64 = (1u64 << 40) as f64;
+
+impl ExactSum {
+    #[inline]
+    pub(super) fn split(value: f64) -> (i64, i64) {
+        // far beyond any field: only keeps absurd input from overflowing
+        let scaled = value.clamp(-LARGEST, LARGEST) * HIGH_UNIT;
+        let high = scaled as i64;
+        (high, ((scaled - high as f64) * LOW_UNIT) as i64)
+    }
+
+    #[inline]
+    pub(super) fn add(&mut self, (high, low): (i64, i64)) {
+        let low = self.low + low;
+        self.high = self.high.wrapping_add(high).wrapping_add(low >> LOW_BITS);
+        self.low = low & LOW_MASK;
+    }
+
+    /// A value enters as often as `times` says.
+    #[inline]
+    pub fn add_times(&mut self, value: f64, times: i64) {
+        let (high, low) = Self::split(value);
+        self.add((high.wrapping_mul(times), low * times));
+    }
+
+    #[inline]
+    pub fn value(self) -> f64 {
+        (self.high as f64 + self.low as f64 / LOW_UNIT) / HIGH_UNIT
+    }
+}
