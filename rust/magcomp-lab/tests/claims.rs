@@ -41,3 +41,17 @@ fn without_motion_nothing_is_followed_and_nothing_breaks() {
     let result = step::run(&StepOptions { runs: 1, motion: Motion::Still, ..StepOptions::default() }).unwrap();
     assert!(result.normalisations.iter().all(|one| one.transient_samples.is_none()));
 }
+
+/// docs/TUNING.md has a line for every choice, in order, with the value in use.
+#[test]
+fn the_choices_are_documented_with_their_values() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/TUNING.md");
+    let text = std::fs::read_to_string(path).expect("docs/TUNING.md");
+    let lines = text.lines().filter(|line| line.starts_with("| adaptive |") || line.starts_with("| aided |"));
+    let documented: Vec<String> =
+        lines.map(|line| line.split(" | ").take(3).collect::<Vec<_>>().join(" ").replacen("| ", "", 1)).collect();
+    let used: Vec<String> = magcomp::Tunings::list()
+        .map(|(estimator, choice)| format!("{estimator} {} {}", choice.name, choice.value))
+        .collect();
+    assert_eq!(documented, used, "run `cargo run --release -- sensitivity > docs/TUNING.md`");
+}
