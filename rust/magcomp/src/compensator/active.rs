@@ -40,7 +40,7 @@ impl Active {
     pub fn aided(config: &Config, tunings: &Tunings, calibration: Option<Calibration>) -> Self {
         let mut aided = Aided::new(tunings.aided, config.field_strength_ut);
         if let Some(calibration) = calibration {
-            aided.begin_from(&calibration);
+            aided.begin_from(&calibration, tunings.aided.given_offset_sd_ut);
         }
         Self::Aided(aided)
     }

@@ -15,10 +15,9 @@ use super::events::{Phase, Step, Trial, Verdict};
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
-use super::strength::Strength;
 use super::watch::{Former, Watch};
-use super::{Aided, AidedOutput};
-use crate::reading::{Event, EventKind, SensorMode};
+use super::{Aided, AidedOutput, propagate};
+use crate::reading::{Event, EventKind, Missing, SensorMode, Status};
 use crate::sensing::pairing::Rotation;
 
 impl Aided {
@@ -31,8 +30,7 @@ impl Aided {
         dt_s: f64,
     ) -> AidedOutput {
         let Some(mut filter) = self.filter.take() else {
-            self.adaptation.forget_previous();
-            return self.without_rotation(time_ns, raw_ut, up, None);
+            return self.collect(time_ns, raw_ut, rotation, up, dt_s);
         };
         let mut dense = filter.open();
         let bias_sd = (BIAS..BIAS + 3).map(|k| dense.p[k][k]).fold(0.0, f64::max).sqrt();
@@ -50,68 +48,118 @@ impl Aided {
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.tuning);
         self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
-        self.mode = match (self.adaptation.useless, up.is_some()) {
-            (false, true) => SensorMode::GyroscopeAndGravity,
-            (false, false) => SensorMode::GyroscopeOnly,
-            (true, true) => SensorMode::GravityOnly,
-            (true, false) => SensorMode::MagnetometerOnly,
-        };
+        self.name_mode(up.is_some());
         if self.adaptation.useless {
             self.filter = Some(filter);
             return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
         }
-        let step = Step {
-            time_ns,
-            raw_ut,
-            rate_rad_s: &rotation.rate_rad_s,
-            increment_rad: &rotation.increment_rad,
-            angle_rad,
-            dt_s,
-            noise: &noise,
-            sigma_ut: self.adaptation.sigma_ut(),
-            resting: self.motion.at_rest(),
-            motion: self.motion.amount(&self.tuning),
-        };
+        let step = self.step(time_ns, raw_ut, rotation, &noise, angle_rad, dt_s);
         self.learn(&step, &mut dense, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
             dense.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
         if !filter.keep(&dense) {
-            filter = self.start(raw_ut);
+            self.begin(None);
+            return self.blank(time_ns, Status::Collecting(Missing::Rotation));
         }
         let output = self.published(time_ns, raw_ut, rotation, &filter);
         self.filter = Some(filter);
         output
     }
 
+    /// One sample of a start.
+    fn collect(
+        &mut self,
+        time_ns: i64,
+        raw_ut: &Vector3<f64>,
+        rotation: &Rotation,
+        up: Option<Vector3<f64>>,
+        dt_s: f64,
+    ) -> AidedOutput {
+        let (bias_rad_s, scale) = self.first.gyroscope();
+        let bias_sd = self.first.bias_sd();
+        self.motion.step(&rotation.rate_rad_s, &bias_rad_s, bias_sd, dt_s, &self.tuning);
+        let turned = rotation.increment_rad - rotation.increment_rad.component_mul(&scale) - bias_rad_s * dt_s;
+        let (turn, _) = propagate::turn(&turned);
+        let (offset_ut, soft_iron) = self.first.calibration();
+        let increment = Increment { offset_ut, soft_iron, turn, angle_rad: turned.norm(), dt_s };
+        self.adaptation.step(raw_ut, &increment, &self.tuning);
+        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
+        self.name_mode(up.is_some());
+        if self.adaptation.useless {
+            return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
+        }
+        let noise = self.process_noise(rotation.variance_rad2);
+        self.first.turn(&rotation.increment_rad, dt_s, &noise);
+        if self.motion.rest_s > self.tuning.memory_s {
+            self.first.rest(&rotation.rate_rad_s, self.rest_variance(dt_s));
+        }
+        if !self.motion.at_rest() || (self.first.given().is_some() && self.first.is_blind()) {
+            let step = self.step(time_ns, raw_ut, rotation, &noise, turned.norm(), dt_s);
+            self.first.add(&step, self.motion.up.as_ref(), &self.tuning);
+        }
+        self.filter = self.first.take();
+        if self.filter.is_some() {
+            self.adaptation.restart_walk();
+        }
+        if !self.first.is_blind() {
+            self.lost_strength_ut = None;
+        }
+        match self.filter.as_ref().or(self.first.answer.as_ref()) {
+            Some(filter) => self.published(time_ns, raw_ut, rotation, filter),
+            None => self.blank(time_ns, Status::Collecting(self.first.missing())),
+        }
+    }
+
+    /// What the estimator needs to know of one sample.
+    fn step<'a>(
+        &self,
+        time_ns: i64,
+        raw_ut: &'a Vector3<f64>,
+        rotation: &'a Rotation,
+        noise: &'a ProcessNoise,
+        angle_rad: f64,
+        dt_s: f64,
+    ) -> Step<'a> {
+        Step {
+            time_ns,
+            raw_ut,
+            rate_rad_s: &rotation.rate_rad_s,
+            increment_rad: &rotation.increment_rad,
+            angle_rad,
+            dt_s,
+            noise,
+            sigma_ut: self.adaptation.sigma_ut(),
+            resting: self.motion.at_rest(),
+            motion: self.motion.amount(&self.tuning),
+        }
+    }
+
+    /// Variance of a rate at rest about the bias, (rad/s)^2.
+    fn rest_variance(&self, dt_s: f64) -> f64 {
+        (self.tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0)).powi(2)
+    }
+
+    fn name_mode(&mut self, has_up: bool) {
+        self.mode = match (self.adaptation.useless, has_up) {
+            (false, true) => SensorMode::GyroscopeAndGravity,
+            (false, false) => SensorMode::GyroscopeOnly,
+            (true, true) => SensorMode::GravityOnly,
+            (true, false) => SensorMode::MagnetometerOnly,
+        };
+    }
+
     /// The magnetometer's part of one sample.
     fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
-        dense.is_first = !self.adopted;
         let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
         let gated = innovation.nis > self.tuning.gate;
-        if self.unconfirmed > 0 && !self.adopted {
-            self.unconfirmed = if gated { self.unconfirmed - 1 } else { 0 };
-            if gated && self.unconfirmed == 0 {
-                *dense = self.start(step.raw_ut).open();
-                return;
-            }
-        }
-        if self.refuted(step.raw_ut, dense) {
-            *dense = self.start_anew(step.raw_ut);
-            return;
-        }
-        if !gated && !step.resting {
-            self.unproven.rest_rad = (self.unproven.rest_rad - step.angle_rad as f32).max(0.0);
-            self.unproven.rest_s = (self.unproven.rest_s - (step.dt_s * step.motion) as f32).max(0.0);
-        }
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.tuning);
         if self.motion.rest_s > self.tuning.memory_s {
-            let sd = self.tuning.unknown_bias_rad_s * (0.01 / step.dt_s).sqrt().clamp(0.3, 3.0);
-            dense.update_bias(step.rate_rad_s, sd * sd);
+            dense.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
         self.watch_strength(step, dense);
         if self.trial.is_some() {
@@ -123,26 +171,15 @@ impl Aided {
                 self.update(step, &innovation, dense);
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
-            self.adopt(dense);
         }
-        if self.adopted {
-            if self.watch.share > self.tuning.suspect_share {
-                if self.is_unproven() {
-                    *dense = self.start_anew(step.raw_ut);
-                    return;
-                }
-                filter.keep(dense);
-                let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
-                trial.young = self.strength.is_young(&self.tuning);
-                trial.unclean = self
-                    .passed_ns
-                    .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
-                self.trial = Some(trial);
-            }
-        } else if self.watch.share > self.tuning.fit_share && self.watch.rotation_rad > self.tuning.decide_rotation_rad
-        {
-            dense.add_variance(OFFSET, self.watch.misfit_ut.max(self.tuning.smallest_step_ut).powi(2));
-            self.watch = Watch::new();
+        if self.watch.share > self.tuning.suspect_share {
+            filter.keep(dense);
+            let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
+            trial.young = self.strength.is_young(&self.tuning);
+            trial.unclean = self
+                .passed_ns
+                .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
+            self.trial = Some(trial);
         }
     }
 
@@ -151,11 +188,9 @@ impl Aided {
         let before = dense.vector(OFFSET);
         self.adaptation.correct(step.sigma_ut.powi(2), step.dt_s, &self.tuning);
         dense.update(innovation, Correct::All);
-        if self.adopted {
-            self.watch_unevenness(step, dense);
-            let correction_ut = dense.vector(OFFSET) - before;
-            self.adaptation.walk(&correction_ut, dense.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
-        }
+        self.watch_unevenness(step, dense);
+        let correction_ut = dense.vector(OFFSET) - before;
+        self.adaptation.walk(&correction_ut, dense.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
     }
 
     /// One sample while the hypotheses run; `dense` is the filter as it was, predicted.
@@ -221,7 +256,7 @@ impl Aided {
         self.adaptation.stepped();
     }
 
-    /// Follows the slow difference between c and f, once there is a calibration.
+    /// Follows the slow difference between c and f.
     fn watch_unevenness(&mut self, step: &Step<'_>, dense: &Dense) {
         let Some(w) = dense.soft_iron().try_inverse() else { return };
         let still = w * (step.raw_ut - dense.vector(OFFSET));
@@ -230,12 +265,8 @@ impl Aided {
         self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.tuning);
     }
 
-    /// Follows |c| against |m|, once there is a calibration.
+    /// Follows |c| against |m|.
     fn watch_strength(&mut self, step: &Step<'_>, dense: &Dense) {
-        if !self.adopted {
-            self.strength = Strength::default();
-            return;
-        }
         let Some(w) = dense.soft_iron().try_inverse() else { return };
         let ratio = (w * (step.raw_ut - dense.vector(OFFSET))).norm() / dense.vector(FIELD).norm().max(1e-3);
         self.strength.step(step, ratio, &self.tuning);

@@ -6,8 +6,7 @@
 //! dr/dtau = M (w x h0)
 //! S = H P H^T + sigma^2 I + B
 //! ```
-//! Until a calibration is adopted M in these derivatives is I: from update to update M moves, which would feign knowledge of
-//! b along an axis that the motion does not contain. B is the second-order term of the bilinear E h (it matters at the start: without it the offset is over-trusted). The update is P <- P - V V^T with V = P H^T L^-T, S = L L^T: symmetric by
+//! B is the second-order term of the bilinear E h. The update is P <- P - V V^T with V = P H^T L^-T, S = L L^T: symmetric by
 //! construction. A `Consider` update (Schmidt) corrects m and d only and leaves b, e, g, tau, s as they are, yet counts
 //! their uncertainty. Source: docs/METHOD.md.
 
@@ -59,7 +58,7 @@ pub(crate) fn jacobian(x: &Dense, rate_rad_s: &Vector3<f64>) -> [[f64; STATES]; 
     let w = x.true_rate(rate_rad_s);
     let tau = x.x[DELAY];
     let wh = w.cross(&h0);
-    let m = if x.is_first { Matrix3::identity() } else { x.soft_iron() };
+    let m = x.soft_iron();
     let to_field = m * (Matrix3::identity() + cross(&w) * tau);
     let to_bias = m * cross(&h0) * tau;
     let to_delay = m * wh;

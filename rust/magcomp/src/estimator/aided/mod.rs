@@ -8,6 +8,8 @@
 
 mod adapt;
 mod events;
+mod first_fit;
+mod groups;
 mod learn;
 mod measure;
 mod motion;
@@ -33,8 +35,8 @@ use crate::reading::{Event, SensorMode};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use events::Trial;
+use first_fit::FirstFit;
 use motion::Motion;
-use start::Unproven;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
 use strength::Strength;
 /// What an aided estimator is made with.
@@ -56,15 +58,11 @@ pub(crate) struct Aided {
     #[serde(skip)]
     tuning: Tuning,
     last_ns: Option<i64>,
+    /// None until a first calibration is found.
     filter: Option<Gaussian>,
-    /// The filter has been started anew from its own first answer.
-    restarted: bool,
-    adopted: bool,
+    first: FirstFit,
     /// The strength of the field where it is known, uT.
     known_ut: Option<f64>,
-    /// Misfits still allowed: to the samples right after the first before that one is dropped (0: one has fitted), or to the
-    /// strength of the field before an unproven calibration is.
-    unconfirmed: u32,
     adaptation: Adaptation,
     motion: Motion,
     watch: Watch,
@@ -74,7 +72,6 @@ pub(crate) struct Aided {
     strength: Strength,
     /// When the latest misfit passed by itself.
     passed_ns: Option<i64>,
-    unproven: Unproven,
     /// What the field of a new place differs by from the one carried there, device frame, uT.
     displaced_ut: Vector3<f32>,
     /// How long it has been the place, s.
@@ -93,9 +90,7 @@ impl Aided {
             known_ut,
             last_ns: None,
             filter: None,
-            restarted: false,
-            adopted: false,
-            unconfirmed: 0,
+            first: FirstFit::new(None, known_ut, &tuning),
             adaptation: Adaptation::new(&tuning),
             motion: Motion::new(),
             watch: Watch::new(),
@@ -104,7 +99,6 @@ impl Aided {
             event: None,
             strength: Strength::default(),
             passed_ns: None,
-            unproven: Unproven::default(),
             displaced_ut: Vector3::zeros(),
             displaced_s: 0.0,
             lost_strength_ut: None,
@@ -118,11 +112,16 @@ impl Aided {
         self.known_ut == known_ut
     }
 
-    /// The calibration in force: M, b and |m|; `None` while collecting.
+    /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
     pub fn calibration(&self) -> Option<Calibration> {
-        let filter = self.filter.as_ref().filter(|_| self.adopted)?;
+        let filter = self.known()?;
         let (strength_ut, scale) = self.gauge(self.strength_of(filter));
         Calibration::new(filter.soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
+    }
+
+    /// The filter, or what a start knows so far.
+    fn known(&self) -> Option<&Gaussian> {
+        self.filter.as_ref().or(self.first.answer.as_ref())
     }
 
     /// |m|, uT.
@@ -140,7 +139,9 @@ impl Aided {
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
     pub fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
-        self.filter.as_ref().map_or_else(Default::default, |filter| (filter.vector(BIAS), filter.vector(SCALE)))
+        self.filter
+            .as_ref()
+            .map_or_else(|| self.first.gyroscope(), |filter| (filter.vector(BIAS), filter.vector(SCALE)))
     }
 
     /// Whether what the gyroscope reads explains nothing.
@@ -150,7 +151,7 @@ impl Aided {
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        let filter = self.filter.as_ref().filter(|_| self.adopted)?;
+        let filter = self.known()?;
         let believed = self.adaptation.believed(&self.tuning);
         let p = publish::calibration_block(filter) * believed;
         let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);

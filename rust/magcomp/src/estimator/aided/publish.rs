@@ -42,7 +42,7 @@ impl Aided {
         let mut output = self.blank(time_ns, self.status(filter));
         output.up = self.motion.up;
         output.tilt_rad2 = Some(self.motion.tilt_rad2(&self.tuning));
-        let Some(w) = filter.soft_iron().try_inverse().filter(|_| self.adopted) else { return output };
+        let Some(w) = filter.soft_iron().try_inverse() else { return output };
         let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
         let delay_s = filter.mean[DELAY];
@@ -82,8 +82,8 @@ impl Aided {
 
     fn status(&self, filter: &Gaussian) -> Status {
         let impossible = impossible_field(filter, self.tuning.beyond_doubt);
-        if !self.adopted {
-            return Status::Collecting(impossible.map_or(Missing::Rotation, Missing::Fit));
+        if self.filter.is_none() && self.first.answer.is_some() {
+            return Status::Collecting(self.first.missing());
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
@@ -110,7 +110,7 @@ impl Aided {
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
     pub(super) fn held(&self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
-        let kept = self.filter.as_ref().filter(|_| self.adopted);
+        let kept = self.known();
         let status = kept.map_or(Status::Collecting(Missing::Directions), |_| Status::Held(HoldReason::NoGyroscope));
         let mut output = self.blank(time_ns, status);
         output.up = self.motion.up;
@@ -148,7 +148,7 @@ pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64
 }
 
 /// That no place has a field as strong or as weak as m, if so.
-fn impossible_field(filter: &Gaussian, beyond_doubt: f64) -> Option<FitError> {
+pub(super) fn impossible_field(filter: &Gaussian, beyond_doubt: f64) -> Option<FitError> {
     let m = filter.vector(FIELD);
     let field_ut = m.norm();
     let doubt_ut = beyond_doubt * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;

@@ -73,8 +73,6 @@ pub(crate) type Hypothesis = Kept<SHORT, SHORT_PACKED>;
 pub(crate) struct Dense {
     pub(crate) x: [f64; STATES],
     pub(crate) p: [[f64; STATES]; STATES],
-    /// No calibration yet: the measurement is linearised at M = I, so that M, which still moves, feigns no knowledge of b.
-    pub(crate) is_first: bool,
 }
 
 impl<const N: usize, const K: usize> Kept<N, K> {
@@ -83,7 +81,7 @@ impl<const N: usize, const K: usize> Kept<N, K> {
     }
 
     pub(crate) fn open(&self) -> Dense {
-        let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES], is_first: false };
+        let mut dense = Dense { x: [0.0; STATES], p: [[0.0; STATES]; STATES] };
         dense.x[..N].copy_from_slice(self.mean.as_slice());
         let mut rest = self.packed.as_slice();
         for i in 0..N {

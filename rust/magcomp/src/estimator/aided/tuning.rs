@@ -46,6 +46,10 @@ choices! {
         local_start_ut: 1.0, "uT", "rooms";
         /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
         local_min_ut: 0.03, "uT", "families";
+        /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
+        place_ut: 0.15, "uT", "the quiet recordings";
+        /// What the chain of the gyroscope's rotations is off in shape: turns about another axis by less tell nothing
+        chain_rad: 8.7e-4, "rad", "0.05 deg: cross axes, timing";
         /// Largest: above it an anomaly would be swallowed instead of declared
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
@@ -112,14 +116,12 @@ choices! {
         beyond_doubt: 3.0, "", "one in 400";
         /// Share of the delay found by which the clocks of the sensors differ beyond it
         clock_share: 0.35, "", "phones";
-        /// So many samples in a row that do not fit refute a first sample or a calibration that must prove itself
-        confirming: 3.0, "", "spikes";
-        /// Standard deviation of the hard iron (root of the trace) up to which a calibration counts as found
-        adopt_sd_ut: 6.0, "uT", "7 degrees in a weak field";
+        /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
+        adopt_sd_ut: 4.0, "uT", "a filter that begins less sure trusts its first turns too much";
+        /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
+        publish_deg: 10.0, "deg", "as the adaptive estimator";
         /// How well a calibration that was given is believed: b, per axis
         given_offset_sd_ut: 2.0, "uT", "a day's drift of a phone";
-        /// Turn in which such a calibration must prove itself
-        proving_rad: 0.8, "rad", "a b wrong by 20 uT leaves a misfit of 16 uT";
         /// Rate of turn below which the device rests: slower turns cannot be told from bias
         rest_rate_rad_s: 0.06, "rad/s", "phones";
         /// A longer gap between samples lets the offset drift

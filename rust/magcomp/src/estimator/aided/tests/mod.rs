@@ -5,4 +5,5 @@ mod jacobians;
 mod motion;
 mod robustness;
 mod simulator;
+mod starts;
 mod steps;

@@ -38,6 +38,11 @@ pub(super) struct World {
     pub(super) hard_iron_ut: Vector3<f64>,
     pub(super) noise_ut: f64,
     pub(super) gyro_bias: Vector3<f64>,
+    /// The device turns about this axis of its own alone, if there is one.
+    pub(super) axis: Option<Vector3<f64>>,
+    /// Angle of a wobble about all axes beside it, rad rms.
+    pub(super) wobble_rad: f64,
+    wobble: Vector3<f64>,
     pub(super) time_ns: i64,
 }
 
@@ -65,6 +70,9 @@ impl World {
             hard_iron_ut,
             noise_ut: 0.5,
             gyro_bias: Vector3::new(0.01, -0.02, 0.015),
+            axis: None,
+            wobble_rad: 0.0,
+            wobble: Vector3::zeros(),
             time_ns: 0,
         }
     }
@@ -78,8 +86,16 @@ impl World {
         } else {
             Vector3::zeros()
         };
-        let turn = (self.rate + next) * (0.5 * dt_s);
+        let next = self.axis.map_or(next, |axis| axis * axis.dot(&next));
+        let mut turn = (self.rate + next) * (0.5 * dt_s);
         self.rate = next;
+        if self.wobble_rad > 0.0 {
+            let fade = (-dt_s / 0.4).exp();
+            let wobble =
+                self.wobble * fade + self.random.vector(self.wobble_rad / 3.0_f64.sqrt() * (1.0 - fade * fade).sqrt());
+            turn += wobble - self.wobble;
+            self.wobble = wobble;
+        }
         self.attitude *= Rotation3::new(turn);
         self.time_ns += (dt_s * 1e9).round() as i64;
         let field_ut = self.attitude.inverse() * self.field_ut;
@@ -87,7 +103,7 @@ impl World {
         let noise = self.random.vector(0.003);
         let rotation = Rotation {
             increment_rad: turn + (self.gyro_bias + noise) * dt_s,
-            rate_rad_s: self.rate + self.gyro_bias + noise,
+            rate_rad_s: turn / dt_s + self.gyro_bias + noise,
             variance_rad2: 0.0,
         };
         let up = self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.80665) + self.random.vector(0.05);

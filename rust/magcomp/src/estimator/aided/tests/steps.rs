@@ -134,7 +134,7 @@ fn a_step_of_the_size_of_the_soft_iron_leaves_no_error_behind() {
 fn a_misfit_soon_after_the_first_calibration_is_relearned_without_an_event() {
     let mut world = World::new(70);
     let mut aided = Aided::new(Tuning::default(), None);
-    while !aided.adopted {
+    while aided.filter.is_none() {
         let sample = world.sample(0.01);
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
     }

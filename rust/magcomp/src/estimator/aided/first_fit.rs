@@ -1,0 +1,459 @@
+//! The first calibration: one fit of all samples of the start, made anew after each group of them.
+//!
+//! ```text
+//! mean raw of a group = M (u + tau w x u) + b,   u = back h,   M = I + E
+//! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 19 numbers
+//! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
+//! ```
+//! b and e enter linearly for given (h, g, tau, s): each step solves for them exactly, so that the valley along which the field and
+//! the offset trade places is crossed and not climbed (variable projection; a joint step stalls there, and its
+//! covariance is falsely small). Nothing is linearised for good, so no sample says more than it knows.
+//!
+//! What the motion shows of the split between field and offset is judged by the rotations alone: the chain of a gyroscope is off
+//! in shape by `chain` = 0.05 deg, so that with Q = mean back, (lambda_i, v_i) = eig(I - Q' Q)
+//! ```text
+//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2) v_i v_i'
+//! ```
+//! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
+//! feigns one) and (e, g, tau, s) are plausible under their prior.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::events::Step;
+use super::groups::{Groups, Mean};
+use super::propagate::ProcessNoise;
+use super::publish::impossible_field;
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, OFFSET, SCALE, cross, iron_rows};
+use super::tuning::Tuning;
+use crate::quadric::FitError;
+use crate::reading::Missing;
+use crate::snapshot::checked;
+
+/// Length of x: (h, b, e, g, tau, s).
+const UNKNOWNS: usize = 19;
+/// First index of g, index of tau, first index of s in x; h, b and e are where the state has them.
+const G: usize = 12;
+const TAU: usize = 15;
+const S: usize = 16;
+/// Steps of a fit at most; one that has not converged then goes on with the next group.
+const STEPS: usize = 8;
+/// A step that lowers the cost by less than this is the last.
+const CONVERGED: f64 = 0.01;
+/// Offset of a phone before anything is known, uT: several hundred at the most.
+const OFFSET_SD_UT: f64 = 150.0;
+/// Variance of the trace of E, a gauge: as good as none.
+const TRACE_VARIANCE: f64 = 1e-8;
+/// Correlation of a room's field along the way of a hand, s.
+const CORRELATION_S: f64 = 1.0;
+/// A device that was turned so far, root mean square, about one axis lacks others.
+const ONE_AXIS_RAD2: f64 = 0.1;
+
+/// Strength of the Earth's field with what buildings do to it, uT (world magnetic model: 22 to 67).
+const EARTH_UT: (f64, f64) = (18.0, 72.0);
+
+type Vector = SVector<f64, UNKNOWNS>;
+type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// A start under way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(super) struct FirstFit {
+    groups: Groups,
+    /// The latest fit.
+    x: Vector,
+    /// The same as a filter, carried on to the latest sample, while the field's direction is known well enough to be told.
+    pub(super) answer: Option<Gaussian>,
+    /// The samples alone, without what was given, know the offset well enough for the filter to go on.
+    is_settled: bool,
+    given: Option<Given>,
+    /// Strengths that a fit may find, uT.
+    earth_ut: (f64, f64),
+    /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
+    bias_rad_s: Vector3<f64>,
+    bias_variance: f64,
+    /// Variance per axis of what the latest fit left beyond noise, uT^2.
+    misfit_ut2: f64,
+    /// Why the latest fit counts for nothing, if that can be said.
+    refused: Option<FitError>,
+    /// Largest eigenvalue of I - Q' Q: how far the device was turned about at least one axis, rad^2.
+    widest_rad2: f64,
+}
+
+checked!(FirstFit, |it| it.earth_ut.0.is_finite()
+    && it.earth_ut.1.is_finite()
+    && it.bias_variance > 0.0
+    && it.misfit_ut2 >= 0.0
+    && it.widest_rad2.is_finite());
+
+/// A calibration from elsewhere, or from before a pause: b and e, and their variance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(super) struct Given {
+    pub(super) mean: SVector<f64, 9>,
+    /// Of b, per axis, uT^2.
+    pub(super) offset_ut2: f64,
+    /// Of an element of M - I.
+    pub(super) iron: f64,
+    /// |h|, uT.
+    pub(super) strength_ut: f64,
+}
+
+checked!(Given, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0.0);
+
+/// What a fit knows beside the samples.
+struct Prior {
+    mean: Vector,
+    precision: Matrix,
+    noise_ut2: f64,
+    place_ut2: f64,
+}
+
+/// The cost at x with its derivatives, and what the samples say of the residuals.
+struct Normal {
+    cost: f64,
+    curvature: Matrix,
+    slope: Vector,
+    /// Sum of |raw - model|^2, groups, their samples and seconds.
+    residual_ut2: f64,
+    groups: f64,
+    count: f64,
+    moved_s: f64,
+    /// Mean of `back`.
+    back: Matrix3<f64>,
+}
+
+impl FirstFit {
+    pub(super) fn new(given: Option<Given>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
+        let mut it = Self {
+            groups: Groups::new(),
+            x: Vector::zeros(),
+            answer: None,
+            is_settled: false,
+            given,
+            // M may scale a known strength by three standard deviations
+            earth_ut: known_ut
+                .map_or(EARTH_UT, |it| (it * (1.0 - 3.0 * tuning.iron_sd), it * (1.0 + 3.0 * tuning.iron_sd))),
+            bias_rad_s: Vector3::zeros(),
+            bias_variance: tuning.bias_sd_rad_s.powi(2),
+            misfit_ut2: 0.0,
+            refused: None,
+            widest_rad2: 0.0,
+        };
+        if given.is_some() {
+            let prior = it.prior(given.as_ref(), 0.0, tuning);
+            it.x = prior.mean;
+            it.answer = prior.precision.cholesky().and_then(|p| filter(&it.x, &p.inverse(), tuning));
+        }
+        it
+    }
+
+    /// No sample has shown the field yet.
+    pub(super) fn is_blind(&self) -> bool {
+        self.field() == Vector3::zeros()
+    }
+
+    /// b and M as they are now believed, to tell noise from the device's motion.
+    pub(super) fn calibration(&self) -> (Vector3<f64>, Matrix3<f64>) {
+        (self.x.fixed_rows::<3>(OFFSET).into_owned(), self.soft_iron())
+    }
+
+    /// The calibration that was given, while it is believed.
+    pub(super) fn given(&self) -> Option<Given> {
+        self.given
+    }
+
+    /// Bias (rad/s) and scale error of the gyroscope.
+    pub(super) fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
+        (self.x.fixed_rows::<3>(G).into_owned(), self.x.fixed_rows::<3>(S).into_owned())
+    }
+
+    /// Standard deviation of the gyroscope's bias as far as rest has shown it, rad/s.
+    pub(super) fn bias_sd(&self) -> f64 {
+        self.bias_variance.sqrt()
+    }
+
+    fn soft_iron(&self) -> Matrix3<f64> {
+        soft_iron(&self.x)
+    }
+
+    /// At rest the rate is the bias.
+    pub(super) fn rest(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
+        let gain = self.bias_variance / (self.bias_variance + variance);
+        self.bias_rad_s += (rate_rad_s - self.bias_rad_s) * gain;
+        self.bias_variance *= 1.0 - gain;
+        self.x.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
+        if let Some(answer) = &mut self.answer {
+            let mut dense = answer.open();
+            dense.update_bias(rate_rad_s, variance);
+            answer.keep(&dense);
+        }
+    }
+
+    /// The device turned.
+    pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
+        self.groups.turn(increment_rad, dt_s);
+        if let Some(answer) = &mut self.answer {
+            let mut dense = answer.open();
+            dense.propagate(increment_rad, dt_s, noise);
+            answer.keep(&dense);
+        }
+        let (g, s) = self.gyroscope();
+        let (r, _) = super::propagate::turn(&(increment_rad - increment_rad.component_mul(&s) - g * dt_s));
+        let h = r * self.field();
+        self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
+    }
+
+    /// What the samples so far lack.
+    pub(super) fn missing(&self) -> Missing {
+        match self.refused {
+            Some(error) => Missing::Fit(error),
+            None if self.widest_rad2 < ONE_AXIS_RAD2 => Missing::Rotation,
+            None => Missing::Directions,
+        }
+    }
+
+    fn field(&self) -> Vector3<f64> {
+        self.x.fixed_rows::<3>(FIELD).into_owned()
+    }
+
+    /// A sample taken in motion; `up` as far as it is known.
+    pub(super) fn add(&mut self, step: &Step<'_>, up: Option<&Vector3<f64>>, tuning: &Tuning) {
+        let is_full = self.groups.add(step.raw_ut, step.rate_rad_s, step.dt_s);
+        // what was given answers from the first sample on
+        if is_full || (self.given.is_some() && self.is_blind()) {
+            self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
+        }
+        if is_full {
+            self.groups.close();
+        }
+    }
+
+    /// The answer, once the samples alone know the offset well enough for the filter to go on from it.
+    pub(super) fn take(&mut self) -> Option<Gaussian> {
+        self.answer.take_if(|_| self.is_settled)
+    }
+
+    fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Gaussian> {
+        let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
+        let Some((x, normal, has_converged)) = descend(&self.groups, &prior, self.x) else {
+            self.x = prior.mean;
+            return None;
+        };
+        self.x = x;
+        if !has_converged {
+            return None;
+        }
+        let found = filter(&x, &self.covariance(&normal, &prior.precision, &prior, tuning)?, tuning)?;
+        self.refused = impossible_field(&found, tuning.beyond_doubt);
+        let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&x.fixed_rows::<3>(FIELD).norm());
+        if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
+            // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
+            self.given = None;
+            self.x = self.prior(None, noise_ut2, tuning).mean;
+            return None;
+        }
+        let unaided = self.prior(None, noise_ut2, tuning).precision;
+        let p = self.covariance(&normal, &unaided, &prior, tuning)?;
+        self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < tuning.adopt_sd_ut.powi(2);
+        let off_rad2 = off_rad2(&found.vector(FIELD), &found.block(FIELD, FIELD), up);
+        let is_known = off_rad2 < tuning.publish_deg.to_radians().powi(2);
+        (is_known || self.is_settled || self.given.is_some()).then_some(found)
+    }
+
+    fn prior(&self, given: Option<&Given>, noise_ut2: f64, tuning: &Tuning) -> Prior {
+        let mut mean = Vector::zeros();
+        mean.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
+        let mut precision = Matrix::zeros();
+        let (offset_ut2, iron) =
+            given.map_or((OFFSET_SD_UT.powi(2), tuning.iron_sd.powi(2)), |it| (it.offset_ut2, it.iron));
+        let iron = 1.0 / iron;
+        if let Some(given) = given {
+            mean.fixed_rows_mut::<9>(OFFSET).copy_from(&given.mean);
+        }
+        for k in 0..3 {
+            precision[(FIELD + k, FIELD + k)] = tuning.far_sd_ut.powi(-2);
+            precision[(OFFSET + k, OFFSET + k)] = 1.0 / offset_ut2;
+            precision[(IRON + k, IRON + k)] = iron;
+            precision[(IRON + 3 + k, IRON + 3 + k)] = 2.0 * iron;
+            precision[(G + k, G + k)] = 1.0 / self.bias_variance;
+        }
+        let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
+        trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
+        precision[(TAU, TAU)] = tuning.delay_sd_s.powi(-2);
+        let (own, common) = (1.0 - tuning.scale_common, tuning.scale_common);
+        // the inverse of own I + common 1 1'
+        let scale =
+            (Matrix3::identity() - Matrix3::repeat(common / (own + 3.0 * common))) / (own * tuning.scale_sd.powi(2));
+        precision.fixed_view_mut::<3, 3>(S, S).copy_from(&scale);
+        Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) }
+    }
+
+    /// Covariance of x for the information `before` the samples: that of the fit with what it left, and what the chain of
+    /// rotations can't tell.
+    fn covariance(&mut self, normal: &Normal, before: &Matrix, prior: &Prior, tuning: &Tuning) -> Option<Matrix> {
+        let mean_t = normal.moved_s / normal.groups;
+        let white = prior.noise_ut2 * normal.groups / normal.count;
+        let freedom = (3.0 * normal.groups - 9.0).max(1.0);
+        let left = normal.residual_ut2 / freedom - white * (1.0 + 2.0 / freedom.sqrt());
+        self.misfit_ut2 = left.max(0.0);
+        let v = white + prior.place_ut2 * CORRELATION_S / mean_t;
+        let share = v / (v + self.misfit_ut2 * CORRELATION_S / mean_t);
+        let information = (normal.curvature - prior.precision) * share + before;
+        let mut p = information.cholesky()?.inverse();
+        let q = normal.back;
+        let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
+        self.widest_rad2 = eigen.eigenvalues.max();
+        let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
+        let d = eigen.eigenvalues.map(|l| (chain_ut2 / l.max(1e-12)).min(tuning.far_sd_ut.powi(2)));
+        let d = eigen.eigenvectors * Matrix3::from_diagonal(&d) * eigen.eigenvectors.transpose();
+        let cross = -d * q.transpose();
+        for (i, j, block) in [(FIELD, FIELD, d), (OFFSET, OFFSET, q * d * q.transpose()), (FIELD, OFFSET, cross)] {
+            let mut to = p.fixed_view_mut::<3, 3>(i, j);
+            to += block;
+            if i != j {
+                let mut to = p.fixed_view_mut::<3, 3>(j, i);
+                to += block.transpose();
+            }
+        }
+        Some(p)
+    }
+}
+
+/// Whether what the samples tell of (e, g, tau, s), and of a b that was given, is likely beforehand: chi-squared within two
+/// standard deviations.
+fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
+    let first = if has_offset { OFFSET } else { IRON };
+    let off = Vector::from_fn(|k, _| if k >= first { x[k] - prior.mean[k] } else { 0.0 });
+    let count = (UNKNOWNS - first) as f64;
+    off.dot(&(prior.precision * off)) < count + 2.0 * (2.0 * count).sqrt()
+}
+
+/// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.
+fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) -> f64 {
+    match up {
+        Some(up) => {
+            let level = h - up * up.dot(h);
+            let across = up.cross(&level).normalize();
+            across.dot(&(p_hh * across)) / level.norm_squared()
+        }
+        None => p_hh.symmetric_eigenvalues().max() / h.norm_squared(),
+    }
+}
+
+fn soft_iron(x: &Vector) -> Matrix3<f64> {
+    let e = x.fixed_rows::<6>(IRON);
+    Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
+}
+
+/// The filter that starts from a fit.
+fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
+    let place = |k: usize| match k {
+        TAU => DELAY,
+        S.. => SCALE + k - S,
+        G.. => BIAS + k - G,
+        _ => k,
+    };
+    let mut dense: Dense = Gaussian::zero().open();
+    for i in 0..UNKNOWNS {
+        dense.x[place(i)] = x[i];
+        for j in 0..UNKNOWNS {
+            dense.p[place(i)][place(j)] = p[(i, j)];
+        }
+    }
+    dense.add_variance(super::state::LOCAL, tuning.local_start_ut.powi(2));
+    let mut filter = Gaussian::zero();
+    filter.keep(&dense).then_some(filter)
+}
+
+/// Levenberg-Marquardt over (h, g, tau, s), damped by the curvature that is left once b and e have adapted; b and e are solved
+/// for exactly. Returns x, what is known there, and whether it has converged.
+fn descend(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
+    let mut x = with_linear(groups, prior, from)?;
+    let mut normal = normal(groups, prior, &x);
+    let mut damping = 1e-4;
+    for _ in 0..STEPS {
+        let l = normal.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
+        let cross = normal.curvature.fixed_rows::<9>(OFFSET).into_owned();
+        let adapted = l.solve(&cross);
+        let mut damped = normal.curvature;
+        for k in (FIELD..OFFSET).chain(G..UNKNOWNS) {
+            let reduced = normal.curvature[(k, k)] - cross.column(k).dot(&adapted.column(k));
+            damped[(k, k)] += damping * reduced.max(0.0);
+        }
+        let next = with_linear(groups, prior, x + damped.cholesky()?.solve(&normal.slope))?;
+        let found = self::normal(groups, prior, &next);
+        let lower = normal.cost - found.cost;
+        if lower >= 0.0 {
+            (x, normal) = (next, found);
+            damping *= 0.1;
+        } else {
+            damping *= 10.0;
+        }
+        if lower.abs() < CONVERGED {
+            return Some((x, normal, true));
+        }
+    }
+    Some((x, normal, false))
+}
+
+/// x with b and e at their best for its (h, g, tau, s).
+fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> {
+    x.fixed_rows_mut::<9>(OFFSET).fill(0.0);
+    let at = normal(groups, prior, &x);
+    let linear = at.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
+    x.fixed_rows_mut::<9>(OFFSET).copy_from(&linear.solve(&at.slope.fixed_rows::<9>(OFFSET).into_owned()));
+    Some(x)
+}
+
+fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
+    let off = x - prior.mean;
+    let pull = prior.precision * off;
+    let mut it = Normal {
+        cost: off.dot(&pull),
+        curvature: prior.precision,
+        slope: -pull,
+        residual_ut2: 0.0,
+        groups: 0.0,
+        count: 0.0,
+        moved_s: 0.0,
+        back: Matrix3::zeros(),
+    };
+    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
+    let (h, b, g, s, tau) = (vector(FIELD), vector(OFFSET), vector(G), vector(S), x[TAU]);
+    let m = soft_iron(x);
+    groups.each(&h, &g, &s, |mean: &Mean| {
+        let v = prior.noise_ut2 / mean.count + prior.place_ut2 * CORRELATION_S / mean.moved_s;
+        let w = mean.rate_rad_s - mean.rate_rad_s.component_mul(&s) - g;
+        let u = mean.back * h;
+        let late = Matrix3::identity() + cross(&w) * tau;
+        let swing = w.cross(&u);
+        let seen = u + swing * tau;
+        let to_field = m * late;
+        let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
+        j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
+        j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
+        let iron = iron_rows(&seen);
+        for i in 0..3 {
+            for k in 0..6 {
+                j[(i, IRON + k)] = iron[i][k];
+            }
+        }
+        let by_gyroscope = to_field * mean.by_gyroscope;
+        j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
+        j.fixed_columns_mut::<3>(S).copy_from(&by_gyroscope.fixed_columns::<3>(3));
+        j.set_column(TAU, &(m * swing));
+        let residual = mean.raw_ut - m * seen - b;
+        let size = residual.norm_squared();
+        it.cost += size / v;
+        it.curvature += j.transpose() * j / v;
+        it.slope += j.transpose() * residual / v;
+        it.residual_ut2 += size;
+        it.groups += 1.0;
+        it.count += mean.count;
+        it.moved_s += mean.moved_s;
+        it.back += mean.back * mean.count;
+    });
+    it.back /= it.count.max(1.0);
+    it
+}

@@ -1,0 +1,160 @@
+//! The samples of a start, averaged in groups, so that all of them can be fitted at once and anew.
+//!
+//! ```text
+//! R      turns the field from the device frame of one sample to that of the next:  h <- R h
+//! group: turn = product of R,  back = sum of R' from the group's end to each sample,  raw = sum of samples
+//!        G = sum of R_end dt,  S = sum of R_end diag(increment)      (R_end: from the step to the group's end)
+//! with the gyroscope's bias g and scale error s:  turn' = exp([G g + S s]x) turn
+//! ```
+//! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
+//! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
+//! too, and groups become twice as long; at their longest the oldest goes.
+
+use crate::snapshot::checked;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::propagate::turn;
+use super::state::cross;
+
+/// Groups held.
+const GROUPS: usize = 32;
+/// Seconds of motion in a group at first: a fit is made after each.
+const SHORTEST_S: f64 = 0.125;
+/// And at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
+const LONGEST_S: f64 = 0.5;
+
+/// Sums over the samples of a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Group {
+    turn: Matrix3<f64>,
+    back: Matrix3<f64>,
+    by_bias: Matrix3<f64>,
+    by_scale: Matrix3<f64>,
+    raw_ut: Vector3<f64>,
+    rate_rad_s: Vector3<f64>,
+    count: f64,
+    moved_s: f64,
+}
+
+impl Group {
+    fn new() -> Self {
+        Self { turn: Matrix3::identity(), ..Self::default() }
+    }
+
+    /// The sums of this group and of the one that follows it.
+    fn joined(&self, next: &Self) -> Self {
+        Self {
+            turn: next.turn * self.turn,
+            back: self.back * next.turn.transpose() + next.back,
+            by_bias: next.turn * self.by_bias + next.by_bias,
+            by_scale: next.turn * self.by_scale + next.by_scale,
+            raw_ut: self.raw_ut + next.raw_ut,
+            rate_rad_s: self.rate_rad_s + next.rate_rad_s,
+            count: self.count + next.count,
+            moved_s: self.moved_s + next.moved_s,
+        }
+    }
+}
+
+/// Means over a group, as seen from the latest sample with the gyroscope's errors taken out.
+pub(super) struct Mean {
+    pub(super) raw_ut: Vector3<f64>,
+    pub(super) rate_rad_s: Vector3<f64>,
+    /// Mean of R' from now to the samples: the mean field is `back` h.
+    pub(super) back: Matrix3<f64>,
+    /// Derivative of that mean field by g and s.
+    pub(super) by_gyroscope: SMatrix<f64, 3, 6>,
+    pub(super) count: f64,
+    pub(super) moved_s: f64,
+}
+
+/// The groups, the oldest first; the last one is being filled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
+pub(super) struct Groups {
+    groups: [Group; GROUPS],
+    used: usize,
+    longest_s: f64,
+}
+
+checked!(Groups, |it| (1..=GROUPS).contains(&it.used)
+    && (SHORTEST_S..=LONGEST_S).contains(&it.longest_s)
+    && it.groups.iter().all(|group| group.count >= 0.0 && group.moved_s >= 0.0));
+
+impl Groups {
+    pub(super) fn new() -> Self {
+        Self { groups: [Group::new(); GROUPS], used: 1, longest_s: SHORTEST_S }
+    }
+
+    /// A step of the gyroscope, its errors not removed.
+    pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
+        let (r, _) = turn(increment_rad);
+        let group = &mut self.groups[self.used - 1];
+        group.turn = r * group.turn;
+        group.back *= r.transpose();
+        group.by_bias = r * group.by_bias + Matrix3::identity() * dt_s;
+        group.by_scale = r * group.by_scale + Matrix3::from_diagonal(increment_rad);
+    }
+
+    /// A sample after that step. Returns whether a group is full.
+    pub(super) fn add(&mut self, raw_ut: &Vector3<f64>, rate_rad_s: &Vector3<f64>, dt_s: f64) -> bool {
+        let group = &mut self.groups[self.used - 1];
+        group.back += Matrix3::identity();
+        group.raw_ut += raw_ut;
+        group.rate_rad_s += rate_rad_s;
+        group.count += 1.0;
+        group.moved_s += dt_s;
+        group.moved_s >= self.longest_s
+    }
+
+    /// Begins another group.
+    pub(super) fn close(&mut self) {
+        if self.used == GROUPS {
+            if self.longest_s < LONGEST_S {
+                self.longest_s *= 2.0;
+                for k in 0..GROUPS / 2 {
+                    self.groups[k] = self.groups[2 * k].joined(&self.groups[2 * k + 1]);
+                }
+                self.used = GROUPS / 2;
+            } else {
+                self.groups.copy_within(1.., 0);
+                self.used -= 1;
+            }
+        }
+        self.groups[self.used] = Group::new();
+        self.used += 1;
+    }
+
+    /// Each group from the latest back to the first, for a field `h` now, bias `g` and scale error `s`.
+    pub(super) fn each(&self, h: &Vector3<f64>, g: &Vector3<f64>, s: &Vector3<f64>, mut visit: impl FnMut(&Mean)) {
+        // from now to the group's end, and what g and s do to the field there
+        let mut back = Matrix3::identity();
+        let mut by_gyroscope = SMatrix::<f64, 3, 6>::zeros();
+        for group in self.groups[..self.used].iter().rev() {
+            let off = group.by_bias * g + group.by_scale * s;
+            let mut leads = SMatrix::<f64, 3, 6>::zeros();
+            leads.fixed_columns_mut::<3>(0).copy_from(&group.by_bias);
+            leads.fixed_columns_mut::<3>(3).copy_from(&group.by_scale);
+            let field = back * h;
+            let leads = cross(&field) * leads;
+            if group.count > 0.0 {
+                // on average half of a group's error lies between its end and a sample
+                let (half, _) = turn(&(off * 0.5));
+                let mean = group.back * half / group.count;
+                visit(&Mean {
+                    raw_ut: group.raw_ut / group.count,
+                    rate_rad_s: group.rate_rad_s / group.count,
+                    back: mean * back,
+                    by_gyroscope: mean * (by_gyroscope + leads * 0.5),
+                    count: group.count,
+                    moved_s: group.moved_s,
+                });
+            }
+            let (whole, _) = turn(&off);
+            let to_start = group.turn.transpose() * whole;
+            by_gyroscope = to_start * (by_gyroscope + leads);
+            back = to_start * back;
+        }
+    }
+}

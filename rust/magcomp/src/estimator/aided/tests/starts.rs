@@ -1,0 +1,132 @@
+//! Starts say no more than the motion shows: turned about one axis, with and without a wobble, from nothing and from a wrong
+//! calibration; and ordinary motion is answered at once.
+
+use nalgebra::Vector3;
+
+use super::super::{Aided, AidedOutput, Tuning};
+use super::simulator::{Sample, World};
+use crate::calibration::Calibration;
+use crate::reading::{Missing, Status};
+
+/// Direction error of f and its standard deviation about the vertical, deg.
+fn heading_error(output: &AidedOutput, sample: &Sample) -> Option<(f64, f64)> {
+    let (f, up) = (output.filtered_ut?, output.up?);
+    let level = |v: &Vector3<f64>| v - up * up.dot(v);
+    let across = up.cross(&level(&f)).normalize();
+    let sigma = (across.dot(&(output.filtered_covariance_ut2 * across))).sqrt() / level(&f).norm();
+    Some((level(&f).angle(&level(&sample.field_ut)).to_degrees(), sigma.to_degrees()))
+}
+
+struct Run {
+    first_s: Option<f64>,
+    /// Samples with a heading, and of those off by more than two and three sigma.
+    told: usize,
+    beyond: [usize; 2],
+    /// Largest error beyond three sigma, deg; and how many of these were said to be tracked.
+    worst_deg: f64,
+    tracked: usize,
+    status: Status,
+}
+
+fn run(world: &mut World, aided: &mut Aided, seconds: f64) -> Run {
+    let mut run = Run { first_s: None, told: 0, beyond: [0; 2], worst_deg: 0.0, tracked: 0, status: Status::Tracking };
+    let begin_ns = world.time_ns;
+    while ((world.time_ns - begin_ns) as f64) < seconds * 1e9 {
+        let sample = world.sample(0.01);
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        run.status = output.status;
+        let Some((error, sigma)) = heading_error(&output, &sample) else { continue };
+        run.first_s.get_or_insert((world.time_ns - begin_ns) as f64 * 1e-9);
+        run.told += 1;
+        run.beyond[0] += usize::from(error > 2.0 * sigma);
+        if error > 3.0 * sigma {
+            run.beyond[1] += 1;
+            run.worst_deg = run.worst_deg.max(error);
+            run.tracked += usize::from(output.status == Status::Tracking);
+        }
+    }
+    run
+}
+
+#[test]
+fn one_axis_from_nothing_is_never_told_beyond_its_sigma() {
+    for wobble_deg in [0.0, 0.1, 0.3, 0.6, 1.0] {
+        let mut beyond = [0; 2];
+        let (mut told, mut worst_deg) = (0, 0.0_f64);
+        for seed in 0..12 {
+            let mut world = World::new(100 + seed);
+            world.axis = Some(world.random.vector(1.0).normalize());
+            world.wobble_rad = f64::to_radians(wobble_deg);
+            let mut aided = Aided::new(Tuning::default(), None);
+            let run = run(&mut world, &mut aided, 40.0);
+            beyond[0] += run.beyond[0];
+            beyond[1] += run.beyond[1];
+            told += run.told;
+            worst_deg = worst_deg.max(run.worst_deg);
+            if wobble_deg == 0.0 {
+                assert!(aided.filter.is_none(), "seed {seed}: {}", run.status);
+                assert_eq!(run.status, Status::Collecting(Missing::Directions), "seed {seed}");
+            }
+        }
+        assert!(beyond[0] * 10 <= told && beyond[1] * 40 <= told, "{wobble_deg} deg: {beyond:?} of {told} told");
+        assert!(worst_deg < 10.0, "{wobble_deg} deg: off by {worst_deg} deg and beyond three sigma");
+    }
+}
+
+/// Flat on a turntable the heading needs no more than the motion shows.
+#[test]
+fn a_turn_about_the_vertical_gives_a_heading_and_no_vertical_offset() {
+    for seed in 0..12 {
+        let mut world = World::new(200 + seed);
+        world.attitude = nalgebra::Rotation3::new(Vector3::z() * seed as f64);
+        world.axis = Some(Vector3::z());
+        let mut aided = Aided::new(Tuning::default(), None);
+        let run = run(&mut world, &mut aided, 40.0);
+        assert!(run.first_s.is_some_and(|s| s < 8.0), "seed {seed}: {:?} s", run.first_s);
+        assert!(run.worst_deg < 3.0, "seed {seed}: {} deg", run.worst_deg);
+        let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).z;
+        let sigma_ut = aided.covariance().unwrap()[(2, 2)].sqrt();
+        assert!(error.abs() < 3.0 * sigma_ut && sigma_ut > 10.0, "seed {seed}: {error} uT, sigma {sigma_ut}");
+    }
+}
+
+#[test]
+fn tumbling_is_answered_soon_and_with_a_true_sigma() {
+    let (mut beyond, mut told, mut slowest_s) = ([0; 2], 0, 0.0_f64);
+    for seed in 0..24 {
+        let mut world = World::new(300 + seed);
+        // 1 deg/s and more of bias
+        world.gyro_bias = world.random.vector(0.02);
+        let mut aided = Aided::new(Tuning::default(), None);
+        let run = run(&mut world, &mut aided, 5.0);
+        beyond[0] += run.beyond[0];
+        beyond[1] += run.beyond[1];
+        told += run.told;
+        slowest_s = slowest_s.max(run.first_s.unwrap_or(99.0));
+    }
+    assert!(slowest_s < 4.0, "{slowest_s} s");
+    assert!(beyond[0] * 20 <= told && beyond[1] * 100 <= told, "{beyond:?} of {told}");
+}
+
+/// A stored calibration that no longer holds, on a device that turns about one axis.
+#[test]
+fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
+    for (off_ut, seeds) in [(15.0, 400..406), (40.0, 406..412), (120.0, 412..418)] {
+        let (mut beyond, mut told) = ([0; 2], 0);
+        for seed in seeds {
+            let mut world = World::new(seed);
+            world.axis = Some(world.random.vector(1.0).normalize());
+            let mut aided = Aided::new(Tuning::default(), None);
+            let off = world.random.vector(1.0).normalize() * off_ut;
+            let given = Calibration::new(world.soft_iron, world.hard_iron_ut + off, 50.0).unwrap();
+            aided.begin_from(&given, 10.0);
+            let run = run(&mut world, &mut aided, 40.0);
+            assert_eq!(run.tracked, 0, "{off_ut} uT, seed {seed}: {:?} of {}", run.beyond, run.told);
+            beyond[0] += run.beyond[0];
+            beyond[1] += run.beyond[1];
+            told += run.told;
+        }
+        // what is off by twelve standard deviations is dropped as soon as the motion shows it
+        assert!(beyond[0] * 4 <= told, "{off_ut} uT: {beyond:?} of {told}");
+    }
+}
