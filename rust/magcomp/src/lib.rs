@@ -29,6 +29,7 @@
 //! | ours, the magnetometer alone: a bank of hypotheses over exact moments | [`Method::Adaptive`] | `estimator/adaptive/` |
 //! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
 //! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
+//! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
 //! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
 //! | the settings; the state as text | [`Config`], [`Compensator::snapshot`] | `config.rs`, `snapshot.rs` |
@@ -41,6 +42,7 @@
 pub use nalgebra;
 
 mod answer;
+mod attitude;
 mod calibration;
 mod compensator;
 mod config;
@@ -54,6 +56,7 @@ mod sensing;
 mod snapshot;
 mod tuning;
 
+pub use attitude::{Attitude, attitude, attitude_sigma_deg};
 pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
 pub use compensator::Compensator;
 pub use config::{Config, ConfigError, Method};
