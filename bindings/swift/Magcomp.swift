@@ -817,6 +817,14 @@ public func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt6
 public protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     func calibration() throws  -> Calibration?
@@ -969,6 +977,22 @@ public convenience init(config: Config)throws  {
 
 
 
+
+    /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+open func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_adopt(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeCalibration_lower(calibration),
+        FfiConverterDouble.lower(hardIronSigmaUt),uniffiCallStatus
+    )
+}
+}
 
     /**
      * Hard iron, soft iron and field strength in force, if any.
@@ -1209,6 +1233,108 @@ public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) 
 
 
 /**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+public struct Attitude: Equatable, Hashable {
+    /**
+     * The real part.
+     */
+    public var w: Double
+    /**
+     * The part of i.
+     */
+    public var x: Double
+    /**
+     * The part of j.
+     */
+    public var y: Double
+    /**
+     * The part of k.
+     */
+    public var z: Double
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    public var sigmaDeg: Double?
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * The real part.
+         */w: Double,
+        /**
+         * The part of i.
+         */x: Double,
+        /**
+         * The part of j.
+         */y: Double,
+        /**
+         * The part of k.
+         */z: Double,
+        /**
+         * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+         * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+         */sigmaDeg: Double?) {
+        self.w = w
+        self.x = x
+        self.y = y
+        self.z = z
+        self.sigmaDeg = sigmaDeg
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Attitude: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Attitude {
+        return
+            try Attitude(
+                w: FfiConverterDouble.read(from: &buf),
+                x: FfiConverterDouble.read(from: &buf),
+                y: FfiConverterDouble.read(from: &buf),
+                z: FfiConverterDouble.read(from: &buf),
+                sigmaDeg: FfiConverterOptionDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: Attitude, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.w, into: &buf)
+        FfiConverterDouble.write(value.x, into: &buf)
+        FfiConverterDouble.write(value.y, into: &buf)
+        FfiConverterDouble.write(value.z, into: &buf)
+        FfiConverterOptionDouble.write(value.sigmaDeg, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
+    return try FfiConverterTypeAttitude.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
+    return FfiConverterTypeAttitude.lower(value)
+}
+
+
+/**
  * Raw field = soft iron * field + hard iron.
  */
 public struct Calibration: Equatable, Hashable {
@@ -1300,6 +1426,11 @@ public struct Config: Equatable, Hashable {
      */
     public var initial: Calibration?
     /**
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+     * first headings less sure, and learning faster.
+     */
+    public var initialSigmaUt: Double?
+    /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
      * there is no other: readings from the first sample on, as good as that estimate. Default false.
      */
@@ -1338,6 +1469,10 @@ public struct Config: Equatable, Hashable {
          * A calibration to begin with, for instance that of the last launch. Default none.
          */initial: Calibration? = nil,
         /**
+         * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+         * first headings less sure, and learning faster.
+         */initialSigmaUt: Double? = nil,
+        /**
          * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
          * there is no other: readings from the first sample on, as good as that estimate. Default false.
          */useReportedHardIron: Bool? = nil,
@@ -1361,6 +1496,7 @@ public struct Config: Equatable, Hashable {
          */windowed: WindowedConfig? = nil) {
         self.method = method
         self.initial = initial
+        self.initialSigmaUt = initialSigmaUt
         self.useReportedHardIron = useReportedHardIron
         self.rangeUt = rangeUt
         self.railUt = railUt
@@ -1387,6 +1523,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
             try Config(
                 method: FfiConverterOptionTypeMethod.read(from: &buf),
                 initial: FfiConverterOptionTypeCalibration.read(from: &buf),
+                initialSigmaUt: FfiConverterOptionDouble.read(from: &buf),
                 useReportedHardIron: FfiConverterOptionBool.read(from: &buf),
                 rangeUt: FfiConverterOptionDouble.read(from: &buf),
                 railUt: FfiConverterOptionDouble.read(from: &buf),
@@ -1399,6 +1536,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
     public static func write(_ value: Config, into buf: inout [UInt8]) {
         FfiConverterOptionTypeMethod.write(value.method, into: &buf)
         FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
+        FfiConverterOptionDouble.write(value.initialSigmaUt, into: &buf)
         FfiConverterOptionBool.write(value.useReportedHardIron, into: &buf)
         FfiConverterOptionDouble.write(value.rangeUt, into: &buf)
         FfiConverterOptionDouble.write(value.railUt, into: &buf)
@@ -2302,6 +2440,11 @@ public struct Reading: Equatable, Hashable {
      */
     public var heading: Heading?
     /**
+     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+     * `up`, or where the field is vertical.
+     */
+    public var attitude: Attitude?
+    /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
      */
     public var sigmaT: Double?
@@ -2367,6 +2510,10 @@ public struct Reading: Equatable, Hashable {
          * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
          */heading: Heading?,
         /**
+         * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+         * `up`, or where the field is vertical.
+         */attitude: Attitude?,
+        /**
          * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
          */sigmaT: Double?,
         /**
@@ -2405,6 +2552,7 @@ public struct Reading: Equatable, Hashable {
         self.filteredFieldUt = filteredFieldUt
         self.totalFieldUt = totalFieldUt
         self.heading = heading
+        self.attitude = attitude
         self.sigmaT = sigmaT
         self.window = window
         self.coverage = coverage
@@ -2439,6 +2587,7 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 filteredFieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
                 totalFieldUt: FfiConverterOptionDouble.read(from: &buf),
                 heading: FfiConverterOptionTypeHeading.read(from: &buf),
+                attitude: FfiConverterOptionTypeAttitude.read(from: &buf),
                 sigmaT: FfiConverterOptionDouble.read(from: &buf),
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
@@ -2459,6 +2608,7 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterOptionTypeVector3.write(value.filteredFieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.totalFieldUt, into: &buf)
         FfiConverterOptionTypeHeading.write(value.heading, into: &buf)
+        FfiConverterOptionTypeAttitude.write(value.attitude, into: &buf)
         FfiConverterOptionDouble.write(value.sigmaT, into: &buf)
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
@@ -4011,10 +4161,6 @@ public enum ModelOrder: Equatable, Hashable {
      */
     case hardIron
     /**
-     * Hard iron and the diagonal of the soft iron.
-     */
-    case diagonal
-    /**
      * All nine.
      */
     case all
@@ -4047,11 +4193,9 @@ public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
 
         case 2: return .hardIron
 
-        case 3: return .diagonal
+        case 3: return .all
 
-        case 4: return .all
-
-        case 5: return .former
+        case 4: return .former
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -4069,16 +4213,12 @@ public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
             writeInt(&buf, Int32(2))
 
 
-        case .diagonal:
+        case .all:
             writeInt(&buf, Int32(3))
 
 
-        case .all:
-            writeInt(&buf, Int32(4))
-
-
         case .former:
-            writeInt(&buf, Int32(5))
+            writeInt(&buf, Int32(4))
 
         }
     }
@@ -5127,6 +5267,30 @@ fileprivate struct FfiConverterOptionString: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
+    typealias SwiftType = Attitude?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeAttitude.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeAttitude.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
     typealias SwiftType = Calibration?
 
@@ -5573,6 +5737,20 @@ public func startLogging(tag: String, level: LogLevel)  {try! rustCall() {
 }
 }
 /**
+ * The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
+ *
+ * None when the field is vertical, or anything is not finite or zero. It has no sigma.
+ */
+public func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
+    return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_func_attitude(
+        FfiConverterTypeVector3_lower(fieldUt),
+        FfiConverterTypeVector3_lower(up),uniffiCallStatus
+    )
+})
+}
+/**
  * The corrected field, microtesla, of a raw sample (microtesla), by a calibration.
  *
  * Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
@@ -5638,6 +5816,9 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_func_start_logging() != 64664) {
         return InitializationResult.apiChecksumMismatch
     }
+    if (uniffi_magcomp_ffi_checksum_func_attitude() != 58912) {
+        return InitializationResult.apiChecksumMismatch
+    }
     if (uniffi_magcomp_ffi_checksum_func_correct() != 13713) {
         return InitializationResult.apiChecksumMismatch
     }
@@ -5645,6 +5826,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_true_heading_deg() != 22358) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_adopt() != 43325) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_calibration() != 6080) {

@@ -7,13 +7,15 @@ mod check;
 mod keep;
 
 use crate::answer::Answer;
-use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError, Method, validate_heading};
+use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
+use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
+use crate::config::{Config, Method, validate_heading, validate_sigma};
 use crate::coverage::Coverage;
 use crate::estimator::Tunings;
 use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::quadric::EllipsoidFit;
+use crate::range::ConfigError;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
@@ -79,9 +81,11 @@ struct Inputs {
     mode: SensorMode,
     event: Option<Event>,
     tilt: Tilt,
+    /// How well the calibration was believed that was adopted last, uT.
+    adopted_sigma_ut: Option<f64>,
 }
 
-checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT);
+checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT && it.adopted_sigma_ut.is_none_or(|sigma_ut| sigma_ut > 0.0));
 
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
@@ -101,12 +105,16 @@ impl Compensator {
         config.validate()?;
         Ok(Self {
             pairing: InertialPairing::new(),
-            active: Box::new(Active::new(&config, &tunings, config.initial)),
+            active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
             clerk: Self::clerk(&config),
             inputs: Inputs::default(),
             tunings,
             config,
         })
+    }
+
+    fn initial(config: &Config) -> Option<Given> {
+        config.initial.map(|calibration| Given { calibration, sigma_ut: config.initial_sigma_ut })
     }
 
     /// A clerk for a config.
@@ -131,14 +139,36 @@ impl Compensator {
     }
 
     /// From now on this calibration is in force, until something better is learned: for instance one the operating
-    /// system reports. The stream goes on. Every [`Calibration`] can be adopted: its ranges were checked when it was made.
-    pub fn adopt(&mut self, calibration: Calibration) {
+    /// system reports. The stream goes on.
+    ///
+    /// `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, uT, 0.01 to 1000; of its soft iron it is taken
+    /// to err by as much, up to what is usual for phones. The first readings are as unsure as that. Of a calibration that was kept, it
+    /// is the root of a third of the trace of the first 3 x 3 of [`Self::covariance`]. The windowed methods have no prior: their readings
+    /// have no sigma before their own fit.
+    ///
+    /// # Errors
+    /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range; nothing has changed then.
+    pub fn adopt(&mut self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), ConfigError> {
+        validate_sigma("hard_iron_sigma_ut", hard_iron_sigma_ut)?;
+        self.begin_anew(Given { calibration, sigma_ut: hard_iron_sigma_ut });
+        Ok(())
+    }
+
+    fn begin_anew(&mut self, given: Given) {
+        self.inputs.adopted_sigma_ut = Some(given.sigma_ut);
         match &mut *self.active {
-            Active::Windowed(windowed) => windowed.adopt(calibration),
+            Active::Windowed(windowed) => windowed.adopt(given.calibration),
             // the aided one takes over with the next rotation
-            other => *other = Active::new(&self.config, &self.tunings, Some(calibration)),
+            other => *other = Active::new(&self.config, &self.tunings, Some(given)),
         }
-        self.clerk.look_through(Some(calibration));
+        self.clerk.look_through(Some(given.calibration));
+    }
+
+    /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
+    fn in_force(&self) -> Option<Given> {
+        let given = self.active.in_force()?;
+        let adopted_ut = self.inputs.adopted_sigma_ut.or(self.config.initial.map(|_| self.config.initial_sigma_ut));
+        Some(Given { sigma_ut: given.sigma_ut.max(adopted_ut.unwrap_or(USUAL_SIGMA_UT).min(USUAL_SIGMA_UT)), ..given })
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -204,12 +234,12 @@ impl Compensator {
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
         match (&*self.active, is_usable) {
             (Active::Adaptive(_), true) => {
-                *self.active = Active::aided(&self.config, &self.tunings, self.active.calibration());
+                *self.active = Active::aided(&self.config, &self.tunings, self.in_force());
                 // it does not know yet where the field points: this sample goes in as one after a pause
                 PairedInertial { rotation: None, ..paired }
             }
             (Active::Aided(_), false) => {
-                *self.active = Active::new(&self.config, &self.tunings, self.active.calibration());
+                *self.active = Active::new(&self.config, &self.tunings, self.in_force());
                 paired
             }
             _ => paired,
@@ -217,16 +247,24 @@ impl Compensator {
     }
 
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
-        let pointing = answer.filtered_field_ut.or(answer.field_ut);
+        let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
+        let least_deg = self.config.heading.tilt_sigma_deg;
+        let tilt_sigma_deg = match answer.tilt_rad2 {
+            Some(variance) => least_deg.hypot(variance.sqrt().to_degrees()),
+            None => self.inputs.tilt.sigma_deg(least_deg),
+        };
         Reading {
             time_ns,
             field_ut: answer.field_ut,
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: (pointing.zip(answer.up))
-                .and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), answer.tilt_rad2)),
+            heading: pointing.and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), tilt_sigma_deg)),
+            attitude: pointing.and_then(|(field, up)| {
+                let sigma_deg = covariance.and_then(|p| attitude_sigma_deg(&field, &up, &p, tilt_sigma_deg));
+                Some(Attitude { sigma_deg, ..attitude(&field, &up)? })
+            }),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,
@@ -244,14 +282,10 @@ impl Compensator {
         field: &Vector3<f64>,
         up: &Vector3<f64>,
         covariance: Option<&Matrix3<f64>>,
-        tilt_rad2: Option<f64>,
+        tilt_sigma_deg: f64,
     ) -> Option<Heading> {
         let config = &self.config.heading;
         let found = heading(field, up, config.axis, config.screen_rotation)?;
-        let tilt_sigma_deg = match tilt_rad2 {
-            Some(variance) => config.tilt_sigma_deg.hypot(variance.sqrt().to_degrees()),
-            None => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
-        };
         Some(Heading {
             heading_sigma_deg: covariance.and_then(|covariance| {
                 heading_sigma_deg(field, up, config.axis, config.screen_rotation, covariance, tilt_sigma_deg)
@@ -288,7 +322,7 @@ impl Compensator {
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
         self.pairing = InertialPairing::new();
-        *self.active = Active::new(&self.config, &self.tunings, self.config.initial);
+        *self.active = Active::new(&self.config, &self.tunings, Self::initial(&self.config));
         self.clerk.restart(self.config.initial);
         self.inputs = Inputs::default();
     }

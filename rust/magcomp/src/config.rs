@@ -1,9 +1,10 @@
 //! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, USUAL_SIGMA_UT};
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
+use crate::range::{Check, ConfigError, first_failed, range};
 use serde::{Deserialize, Serialize};
 
 /// How M and b are estimated.
@@ -23,7 +24,7 @@ pub enum Method {
     Constant,
 }
 
-/// Everything a [`crate::Compensator`] can be told: fifteen settings. `Config::default()` suits a phone; a setting is changed
+/// Everything a [`crate::Compensator`] can be told: sixteen settings. `Config::default()` suits a phone; a setting is changed
 /// on it.
 ///
 /// ```
@@ -42,6 +43,10 @@ pub struct Config {
     pub method: Method,
     /// A calibration to begin with, for instance that of the last launch. Default none.
     pub initial: Option<Calibration>,
+    /// One standard deviation of each component of `initial`'s hard iron, uT, 0.01 to 1000. Default 2: a phone that was
+    /// calibrated the day before. Larger makes the first headings less sure, and learning faster. The windowed methods, which
+    /// have no prior, do not listen to it.
+    pub initial_sigma_ut: f64,
     /// Largest component of a raw sample, uT, 1 to 100 000; a larger one is rejected. Default 2000: phones carry offsets up to several
     /// hundred uT, and a magnetic cover can add a thousand. Larger accepts stronger magnets.
     pub range_ut: f64,
@@ -63,6 +68,7 @@ impl Default for Config {
         Self {
             method: Method::Auto,
             initial: None,
+            initial_sigma_ut: USUAL_SIGMA_UT,
             range_ut: 2000.0,
             rail_ut: None,
             field_strength_ut: None,
@@ -72,39 +78,6 @@ impl Default for Config {
     }
 }
 
-/// A field of the config is outside its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("config: {field} is {value}, expected {expected}")]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub struct ConfigError {
-    /// Path of the field, for instance `windowed.n_min`.
-    pub field: &'static str,
-    /// What it was.
-    pub value: String,
-    /// What it may be.
-    pub expected: &'static str,
-}
-
-/// A check of a field against its range, both ends allowed; `none` passes where the field may be left out.
-macro_rules! range {
-    ($path:literal, $value:expr, $low:literal, $high:literal $(, $unit:literal)?) => {
-        Check {
-            ok: ($low..=$high).contains(&$value),
-            field: $path,
-            value: &$value,
-            expected: concat!($low, " to ", $high $(, " ", $unit)?),
-        }
-    };
-    ($path:literal, $value:expr, none, $low:literal, $high:literal, $unit:literal) => {
-        Check {
-            ok: $value.is_none_or(|value| ($low..=$high).contains(&value)),
-            field: $path,
-            value: &$value,
-            expected: concat!($low, " to ", $high, " ", $unit, ", or none"),
-        }
-    };
-}
-
 impl Config {
     /// Whether every field is inside its range.
     ///
@@ -112,6 +85,7 @@ impl Config {
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let w = &self.windowed;
+        validate_sigma("initial_sigma_ut", self.initial_sigma_ut)?;
         first_failed(&[
             range!("range_ut", self.range_ut, 1.0, 100000.0, "uT"),
             range!("rail_ut", self.rail_ut, none, 1.0, 100000.0, "uT"),
@@ -136,25 +110,15 @@ impl Config {
     }
 }
 
+/// Whether a calibration may be believed so far, uT.
+pub(crate) fn validate_sigma(field: &'static str, sigma_ut: f64) -> Result<(), ConfigError> {
+    first_failed(&[Check { field, ..range!("", sigma_ut, 0.01, 1000.0, "uT") }])
+}
+
 /// Whether every field of the heading's is inside its range.
 pub(crate) fn validate_heading(heading: &HeadingConfig) -> Result<(), ConfigError> {
     first_failed(&[
         range!("heading.declination_deg", heading.declination_deg, none, -180.0, 180.0, "deg"),
         range!("heading.tilt_sigma_deg", heading.tilt_sigma_deg, 0.0, 90.0, "deg"),
     ])
-}
-
-/// Whether a field is inside its range, its path, its value, and the range.
-struct Check<'a> {
-    ok: bool,
-    field: &'static str,
-    value: &'a dyn std::fmt::Debug,
-    expected: &'static str,
-}
-
-fn first_failed(checks: &[Check<'_>]) -> Result<(), ConfigError> {
-    let Some(Check { field, value, expected, .. }) = checks.iter().find(|check| !check.ok) else { return Ok(()) };
-    let value = format!("{value:?}");
-    let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
-    Err(ConfigError { field, value, expected })
 }

@@ -13,6 +13,9 @@
 //!   gradually. Some jump no choice can avoid: a screen locked to portrait turned further, to more than 126 deg from upright
 //!   portrait, is taken as upside down.
 
+#[cfg(test)]
+mod tests;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +102,7 @@ pub struct Heading {
 }
 
 /// Axes whose sine to the vertical is smaller have no heading: 1e-6 is 0.2 arc seconds.
-const VERTICAL: f64 = 1e-6;
+pub(crate) const VERTICAL: f64 = 1e-6;
 /// Where the right edge rises (sine of its elevation) the automatic axis begins to follow the camera, 45 deg ...
 const RISE_BEGIN: f64 = 0.707;
 /// ... and where it follows the camera alone, 64 deg.
@@ -118,8 +121,7 @@ pub fn heading(
     axis: ReferenceAxis,
     rotation: ScreenRotation,
 ) -> Option<Heading> {
-    let up = up.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
-    let field = field_ut.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
+    let (up, field) = (unit(up)?, unit(field_ut)?);
     let east = field.cross(&up);
     let horizontal = east.norm();
     if horizontal < VERTICAL {
@@ -188,10 +190,19 @@ pub fn heading_sigma_deg(
     };
     let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
     let variance = (covariance_ut2 * across).dot(&across) + tilt * tilt;
-    let sd = variance.max(0.0).sqrt();
-    // the arc tangent stops at 90; a horizontal part lost in its uncertainty knows no direction at all
-    let sigma = if sd > 2.0 * horizontal { 180.0 } else { sd.atan2(horizontal).to_degrees() };
+    angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)
+}
+
+/// The standard deviation of an angle whose vector has this length, and this standard deviation across it, degrees.
+pub(crate) fn angle_sigma_deg(sd: f64, length: f64) -> Option<f64> {
+    // the arc tangent stops at 90; a vector lost in its uncertainty knows no direction at all
+    let sigma = if sd > 2.0 * length { 180.0 } else { sd.atan2(length).to_degrees() };
     sigma.is_finite().then_some(sigma)
+}
+
+/// A vector of length 1; None for one that has no direction.
+pub(crate) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    v.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))
 }
 
 /// True heading from a magnetic heading and the declination (east positive), degrees, 0 to 360.
@@ -204,69 +215,4 @@ pub fn true_heading_deg(heading_deg: f64, declination_deg: f64) -> f64 {
 fn wrap_360(deg: f64) -> f64 {
     let wrapped = deg.rem_euclid(360.0);
     if wrapped >= 360.0 { 0.0 } else { wrapped }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Matrix3;
-
-    #[test]
-    fn sigma_is_the_slope_of_the_heading() {
-        // field (0, 20, -40), up z: 1 uT to the east turns the heading by 1/20 rad
-        let covariance = Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
-        let (axis, rotation) = (ReferenceAxis::TopEdge, ScreenRotation::Deg0);
-        let sigma = |field, tilt_deg| heading_sigma_deg(&field, &Vector3::z(), axis, rotation, &covariance, tilt_deg);
-        let plain = sigma(Vector3::new(0.0, 20.0, -40.0), 0.0).expect("horizontal enough");
-        assert!((plain - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
-        // a tilt of 1 deg brings 1 deg of the vertical part into the horizon
-        let tilted = sigma(Vector3::new(0.0, 20.0, -40.0), 1.0).expect("horizontal enough");
-        let tilt = 40.0 * 1.0_f64.to_radians();
-        assert!((tilted - (1.0 + tilt * tilt).sqrt().atan2(20.0).to_degrees()).abs() < 1e-6);
-        assert_eq!(sigma(Vector3::new(0.0, 0.3, -40.0), 0.0), Some(180.0));
-        assert_eq!(sigma(Vector3::new(0.0, 0.0, -40.0), 0.0), None);
-    }
-
-    #[test]
-    fn a_tilt_turns_a_steep_axis_as_sigma_says() {
-        // the heading of each axis for 4000 directions of up about the true one, 0.5 deg per axis
-        let tilt_deg: f64 = 0.5;
-        let field = Vector3::new(3.0, 20.0, -40.0);
-        for axis in [ReferenceAxis::TopEdge, ReferenceAxis::Camera, ReferenceAxis::Auto] {
-            for (pitch_deg, roll_deg) in [(0.0, 0.0), (50.0, 20.0), (80.0, 5.0), (10.0, 50.0), (-35.0, 60.0)] {
-                let (pitch, roll) = (f64::to_radians(pitch_deg), f64::to_radians(roll_deg));
-                let up = Vector3::new(-roll.sin() * pitch.cos(), pitch.sin(), roll.cos() * pitch.cos());
-                let right = up.cross(&Vector3::new(0.3, 0.7, -0.2)).normalize();
-                let ahead = up.cross(&right);
-                let given = |up: &Vector3<f64>| heading(&field, up, axis, ScreenRotation::Deg0).map(|h| h.heading_deg);
-                let Some(there) = given(&up) else { continue };
-                let mut squares = 0.0;
-                for k in 0..4000 {
-                    // Gaussian by its quantiles: radius by one, angle by the golden ratio
-                    let radius = (-2.0 * ((f64::from(k) + 0.5) / 4000.0).ln()).sqrt() * tilt_deg.to_radians();
-                    let angle = f64::from(k) * 2.399_963;
-                    let tilted = up + (right * angle.cos() + ahead * angle.sin()) * radius;
-                    let off = (given(&tilted).unwrap() - there + 540.0).rem_euclid(360.0) - 180.0;
-                    squares += off * off;
-                }
-                let seen = (squares / 4000.0).sqrt();
-                let covariance = Matrix3::zeros();
-                let sigma = heading_sigma_deg(&field, &up, axis, ScreenRotation::Deg0, &covariance, tilt_deg).unwrap();
-                // small by the arc tangent where it is large; the automatic axis has kinks
-                assert!(
-                    (0.85..1.15).contains(&(sigma / seen)),
-                    "{axis:?} {pitch_deg} {roll_deg}: {sigma}, seen {seen}"
-                );
-            }
-        }
-        let upright = heading_sigma_deg(
-            &field,
-            &Vector3::new(0.0, 1.0, 0.001),
-            ReferenceAxis::TopEdge,
-            ScreenRotation::Deg0,
-            &Matrix3::zeros(),
-            tilt_deg,
-        );
-        assert_eq!(upright, Some(180.0));
-    }
 }

@@ -681,11 +681,15 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_start_logging(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_func_attitude(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_func_correct(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_heading(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_true_heading_deg(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_adopt(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_calibration(
     ): Int
@@ -759,6 +763,8 @@ internal object UniffiLib {
     ): Unit
     external fun uniffi_magcomp_ffi_fn_constructor_compensator_new(`config`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Long
+    external fun uniffi_magcomp_ffi_fn_method_compensator_adopt(`ptr`: Long,`calibration`: RustBuffer.ByValue,`hardIronSigmaUt`: Double,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_covariance(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -825,6 +831,8 @@ internal object UniffiLib {
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_start_logging(`tag`: RustBuffer.ByValue,`level`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
+    external fun uniffi_magcomp_ffi_fn_func_attitude(`fieldUt`: RustBuffer.ByValue,`up`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_correct(`calibration`: RustBuffer.ByValue,`rawUt`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_heading(`fieldUt`: RustBuffer.ByValue,`up`: RustBuffer.ByValue,`frame`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
@@ -959,6 +967,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_func_start_logging() and 0xFFFF) != 64664) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
+    if ((lib.uniffi_magcomp_ffi_checksum_func_attitude() and 0xFFFF) != 58912) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
     if ((lib.uniffi_magcomp_ffi_checksum_func_correct() and 0xFFFF) != 13713) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
@@ -966,6 +977,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_true_heading_deg() and 0xFFFF) != 22358) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt() and 0xFFFF) != 43325) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_calibration() and 0xFFFF) != 6080) {
@@ -1445,6 +1459,14 @@ public object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
 public interface NativeCompensatorInterface {
 
     /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     fun `calibration`(): Calibration?
@@ -1647,6 +1669,27 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
             UniffiLib.uniffi_magcomp_ffi_fn_clone_compensator(handle, status)
         }
     }
+
+
+    /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    @Throws(MagcompException::class)override fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_adopt(
+        it,
+
+        FfiConverterTypeCalibration.lower(`calibration`),
+        FfiConverterDouble.lower(`hardIronSigmaUt`),_status)
+}
+    }
+
+
 
 
     /**
@@ -2343,6 +2386,79 @@ public object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstantFi
 
 
 /**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+data class Attitude (
+    /**
+     * The real part.
+     */
+    val `w`: kotlin.Double
+    ,
+    /**
+     * The part of i.
+     */
+    val `x`: kotlin.Double
+    ,
+    /**
+     * The part of j.
+     */
+    val `y`: kotlin.Double
+    ,
+    /**
+     * The part of k.
+     */
+    val `z`: kotlin.Double
+    ,
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    val `sigmaDeg`: kotlin.Double?
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
+    override fun read(buf: ByteBuffer): Attitude {
+        return Attitude(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: Attitude) = (
+            FfiConverterDouble.allocationSize(value.`w`) +
+            FfiConverterDouble.allocationSize(value.`x`) +
+            FfiConverterDouble.allocationSize(value.`y`) +
+            FfiConverterDouble.allocationSize(value.`z`) +
+            FfiConverterOptionalDouble.allocationSize(value.`sigmaDeg`)
+    )
+
+    override fun write(value: Attitude, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`w`, buf)
+            FfiConverterDouble.write(value.`x`, buf)
+            FfiConverterDouble.write(value.`y`, buf)
+            FfiConverterDouble.write(value.`z`, buf)
+            FfiConverterOptionalDouble.write(value.`sigmaDeg`, buf)
+    }
+}
+
+
+
+/**
  * Raw field = soft iron * field + hard iron.
  */
 data class Calibration (
@@ -2412,6 +2528,12 @@ data class Config (
     val `initial`: Calibration? = null
     ,
     /**
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+     * first headings less sure, and learning faster.
+     */
+    val `initialSigmaUt`: kotlin.Double? = null
+    ,
+    /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
      * there is no other: readings from the first sample on, as good as that estimate. Default false.
      */
@@ -2462,6 +2584,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
         return Config(
             FfiConverterOptionalTypeMethod.read(buf),
             FfiConverterOptionalTypeCalibration.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalBoolean.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -2474,6 +2597,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
     override fun allocationSize(value: Config) = (
             FfiConverterOptionalTypeMethod.allocationSize(value.`method`) +
             FfiConverterOptionalTypeCalibration.allocationSize(value.`initial`) +
+            FfiConverterOptionalDouble.allocationSize(value.`initialSigmaUt`) +
             FfiConverterOptionalBoolean.allocationSize(value.`useReportedHardIron`) +
             FfiConverterOptionalDouble.allocationSize(value.`rangeUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`railUt`) +
@@ -2485,6 +2609,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
     override fun write(value: Config, buf: ByteBuffer) {
             FfiConverterOptionalTypeMethod.write(value.`method`, buf)
             FfiConverterOptionalTypeCalibration.write(value.`initial`, buf)
+            FfiConverterOptionalDouble.write(value.`initialSigmaUt`, buf)
             FfiConverterOptionalBoolean.write(value.`useReportedHardIron`, buf)
             FfiConverterOptionalDouble.write(value.`rangeUt`, buf)
             FfiConverterOptionalDouble.write(value.`railUt`, buf)
@@ -3134,6 +3259,12 @@ data class Reading (
     val `heading`: Heading?
     ,
     /**
+     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+     * `up`, or where the field is vertical.
+     */
+    val `attitude`: Attitude?
+    ,
+    /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
      */
     val `sigmaT`: kotlin.Double?
@@ -3207,6 +3338,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeHeading.read(buf),
+            FfiConverterOptionalTypeAttitude.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
@@ -3227,6 +3359,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.allocationSize(value.`filteredFieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`totalFieldUt`) +
             FfiConverterOptionalTypeHeading.allocationSize(value.`heading`) +
+            FfiConverterOptionalTypeAttitude.allocationSize(value.`attitude`) +
             FfiConverterOptionalDouble.allocationSize(value.`sigmaT`) +
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
@@ -3246,6 +3379,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.write(value.`filteredFieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`totalFieldUt`, buf)
             FfiConverterOptionalTypeHeading.write(value.`heading`, buf)
+            FfiConverterOptionalTypeAttitude.write(value.`attitude`, buf)
             FfiConverterOptionalDouble.write(value.`sigmaT`, buf)
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
@@ -4702,10 +4836,6 @@ enum class ModelOrder {
      */
     HARD_IRON,
     /**
-     * Hard iron and the diagonal of the soft iron.
-     */
-    DIAGONAL,
-    /**
      * All nine.
      */
     ALL,
@@ -5693,6 +5823,38 @@ public object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?>
 /**
  * @suppress
  */
+public object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?> {
+    override fun read(buf: ByteBuffer): Attitude? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeAttitude.read(buf)
+    }
+
+    override fun allocationSize(value: Attitude?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeAttitude.allocationSize(value)
+        }
+    }
+
+    override fun write(value: Attitude?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeAttitude.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 public object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibration?> {
     override fun read(buf: ByteBuffer): Calibration? {
         if (buf.get().toInt() == 0) {
@@ -6269,6 +6431,24 @@ public object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vecto
         FfiConverterTypeLogLevel.lower(`level`),_status)
 }
 
+
+
+        /**
+         * The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
+         *
+         * None when the field is vertical, or anything is not finite or zero. It has no sigma.
+         */
+    @Throws(MagcompException::class) fun `attitude`(`fieldUt`: Vector3, `up`: Vector3): Attitude? {
+            return FfiConverterOptionalTypeAttitude.lift(
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_func_attitude(
+
+
+        FfiConverterTypeVector3.lower(`fieldUt`),
+        FfiConverterTypeVector3.lower(`up`),_status)
+}
+    )
+    }
 
 
         /**

@@ -6,6 +6,9 @@
 //! Motion along gravity shows in the size; motion across it, which tilts, is taken to be as large. The system's gravity
 //! sensor has the size g, always: nothing is added then.
 
+#[cfg(test)]
+mod tests;
+
 use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
 
@@ -38,26 +41,5 @@ impl Tilt {
     /// Standard deviation of `up` about a horizontal axis, degrees; `least_deg` when nothing moves.
     pub fn sigma_deg(&self, least_deg: f64) -> f64 {
         least_deg.hypot(self.variance_rad2.sqrt().to_degrees())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn motion_shows_in_the_size_and_is_forgotten() {
-        let mut tilt = Tilt::default();
-        let step = |tilt: &mut Tilt, k: i64, motion: f64| tilt.step(k * 10_000_000, GRAVITY_M_S2 + motion);
-        for k in 0..300 {
-            // 1 m/s^2 rms along gravity
-            step(&mut tilt, k, 2f64.sqrt() * (k as f64 * 0.2).sin());
-        }
-        let shaken = tilt.sigma_deg(0.5);
-        assert!((shaken - 5.87).abs() < 0.6, "{shaken}: atan(1 / g) = 5.8 deg, 0.5 deg beside");
-        for k in 300..1300 {
-            step(&mut tilt, k, 0.0);
-        }
-        assert!(tilt.sigma_deg(0.5) < 0.51);
     }
 }

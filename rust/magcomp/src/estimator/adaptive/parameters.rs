@@ -4,6 +4,9 @@
 //! Its quadric is d.p(tau) = r^2 - 1 with p = [A11 A22 A33 A12 A13 A23, -2 A beta, beta.A beta - 1], A = T^2, and d as in
 //! `quadric/moments`. Derivatives: dA = T dT + dT T.
 
+#[cfg(test)]
+mod tests;
+
 use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
@@ -170,57 +173,4 @@ pub(super) fn vector_gradient(tau: &Tau, offset: &Vector3<f64>) -> SMatrix<f64, 
     }
     g.fixed_view_mut::<3, 3>(0, 6).copy_from(&-t);
     g
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn example() -> (Tau, Vector3<f64>) {
-        let tau = Tau::from_column_slice(&[1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2]);
-        (tau, Vector3::new(0.9, -0.2, 1.3))
-    }
-
-    #[test]
-    fn the_quadric_is_the_squared_radius() {
-        let (tau, u) = example();
-        let (x, y, z) = (u.x, u.y, u.z);
-        let d = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z, x, y, z, 1.0];
-        let residual = quadric(&tau).dot(&Vector10::from_column_slice(&d));
-        assert!((residual - (see(&tau, &u).unwrap().radius.powi(2) - 1.0)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn derivatives_agree_with_finite_differences() {
-        let (tau, u) = example();
-        let seen = see(&tau, &u).unwrap();
-        let (j, g, v) = (jacobian(&tau), radius_gradient(&tau, &seen), vector_gradient(&tau, &seen.offset));
-        for k in 0..9 {
-            let moved = |by: f64| {
-                let mut moved = tau;
-                moved[k] += by;
-                moved
-            };
-            let (above, below) = (moved(1e-5), moved(-1e-5));
-            let dp = (quadric(&above) - quadric(&below)) / 2e-5;
-            assert!((dp - j.column(k)).amax() < 1e-9, "p, column {k}");
-            let (a, b) = (see(&above, &u).unwrap(), see(&below, &u).unwrap());
-            assert!(((a.radius - b.radius) / 2e-5 - g[k]).abs() < 1e-9, "r, column {k}");
-            let dv = (a.direction * a.radius - b.direction * b.radius) / 2e-5;
-            assert!((dv - v.column(k)).amax() < 1e-9, "T (u - beta), column {k}");
-        }
-        let slope = |by: Vector3<f64>| see(&tau, &(u + by)).unwrap().radius;
-        let numeric = Vector3::from_fn(|i, _| {
-            let by = Vector3::ith(i, 1e-5);
-            (slope(by) - slope(-by)) / 2e-5
-        });
-        assert!((numeric.norm() - seen.slope).abs() < 1e-9);
-    }
-
-    #[test]
-    fn bounds_hold_the_eigenvalues() {
-        let with = |d: f64| tau_of(&Matrix3::from_diagonal(&Vector3::new(1.0, d, 1.0)), &Vector3::zeros());
-        assert!(is_bounded(&with(1.0)) && is_bounded(&with(0.3)) && is_bounded(&with(3.3)));
-        assert!(!is_bounded(&with(0.2)) && !is_bounded(&with(-0.5)) && !is_bounded(&with(3.6)));
-    }
 }

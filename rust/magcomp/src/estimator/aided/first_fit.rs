@@ -66,7 +66,7 @@ pub(super) struct FirstFit {
     pub(super) answer: Option<Gaussian>,
     /// The samples alone, without what was given, know the offset well enough for the filter to go on.
     is_settled: bool,
-    given: Option<Given>,
+    given: Option<Before>,
     /// Strengths that a fit may find, uT.
     earth_ut: (f64, f64),
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
@@ -89,7 +89,7 @@ checked!(FirstFit, |it| it.earth_ut.0.is_finite()
 /// A calibration from elsewhere, or from before a pause: b and e, and their variance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
-pub(super) struct Given {
+pub(super) struct Before {
     pub(super) mean: SVector<f64, 9>,
     /// Of b, per axis, uT^2.
     pub(super) offset_ut2: f64,
@@ -99,7 +99,7 @@ pub(super) struct Given {
     pub(super) strength_ut: f64,
 }
 
-checked!(Given, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0.0);
+checked!(Before, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0.0);
 
 /// What a fit knows beside the samples.
 struct Prior {
@@ -124,7 +124,7 @@ struct Normal {
 }
 
 impl FirstFit {
-    pub(super) fn new(given: Option<Given>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
+    pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
         let mut it = Self {
             groups: Groups::new(),
             x: Vector::zeros(),
@@ -159,7 +159,7 @@ impl FirstFit {
     }
 
     /// The calibration that was given, while it is believed.
-    pub(super) fn given(&self) -> Option<Given> {
+    pub(super) fn given(&self) -> Option<Before> {
         self.given
     }
 
@@ -261,7 +261,7 @@ impl FirstFit {
         (is_known || self.is_settled || self.given.is_some()).then_some(found)
     }
 
-    fn prior(&self, given: Option<&Given>, noise_ut2: f64, tuning: &Tuning) -> Prior {
+    fn prior(&self, given: Option<&Before>, noise_ut2: f64, tuning: &Tuning) -> Prior {
         let mut mean = Vector::zeros();
         mean.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
         let mut precision = Matrix::zeros();

@@ -6,12 +6,12 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
-use super::first_fit::{FirstFit, Given};
+use super::first_fit::{Before, FirstFit};
 use super::state::{Dense, FIELD, IRON, LOCAL, OFFSET};
 use super::strength::Strength;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
-use crate::calibration::Calibration;
+use crate::calibration::Given;
 use crate::reading::SensorMode;
 
 /// Strength of the earth's field over most of the land, uT.
@@ -19,7 +19,7 @@ const EARTH_UT: f64 = 45.0;
 
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
-    pub(super) fn begin(&mut self, given: Option<Given>) {
+    pub(super) fn begin(&mut self, given: Option<Before>) {
         self.lost_strength_ut = given.map(|given| given.strength_ut);
         self.filter = None;
         self.first = FirstFit::new(given, self.known_ut, &self.tuning);
@@ -30,23 +30,24 @@ impl Aided {
     }
 
     /// Begins with a calibration from elsewhere.
-    pub fn begin_from(&mut self, calibration: &Calibration, offset_sd_ut: f64) {
+    pub fn begin_from(&mut self, given: &Given) {
+        let Given { calibration, sigma_ut } = given;
         // the gauge here is trace M = 3
         let trace = calibration.soft_iron().trace();
         let e = calibration.soft_iron() * (3.0 / trace) - Matrix3::identity();
         let b = calibration.hard_iron_ut();
-        self.begin(Some(Given {
+        self.begin(Some(Before {
             mean: SVector::from([b.x, b.y, b.z, e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]),
-            offset_ut2: offset_sd_ut.powi(2),
-            iron: (offset_sd_ut / EARTH_UT).min(self.tuning.iron_sd).powi(2),
+            offset_ut2: sigma_ut.powi(2),
+            iron: (sigma_ut / EARTH_UT).min(self.tuning.iron_sd).powi(2),
             strength_ut: calibration.field_strength_ut() * trace / 3.0,
         }));
     }
 
     /// The filter's calibration, which may have changed in a pause.
-    fn kept(&self, dense: &Dense) -> Given {
+    fn kept(&self, dense: &Dense) -> Before {
         let iron: f64 = (IRON..IRON + 6).map(|k| dense.p[k][k]).sum();
-        Given {
+        Before {
             mean: SVector::from_fn(|i, _| dense.x[OFFSET + i]),
             offset_ut2: dense.block(OFFSET, OFFSET).trace() / 3.0,
             // of six elements, whose variances sum to 3.5 of that of the pattern T

@@ -120,8 +120,6 @@ choices! {
         adopt_sd_ut: 4.0, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
         publish_deg: 10.0, "deg", "as the adaptive estimator";
-        /// How well a calibration that was given is believed: b, per axis
-        given_offset_sd_ut: 2.0, "uT", "a day's drift of a phone";
         /// Rate of turn below which the device rests: slower turns cannot be told from bias
         rest_rate_rad_s: 0.06, "rad/s", "phones";
         /// A longer gap between samples lets the offset drift

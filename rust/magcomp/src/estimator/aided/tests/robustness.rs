@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::{Aided, Tuning};
 use super::simulator::{Random, World};
-use crate::calibration::{Calibration, LARGEST_RAW_UT};
+use crate::calibration::{Calibration, Given, LARGEST_RAW_UT};
 use crate::reading::{HoldReason, SensorMode, Status};
 use crate::sensing::pairing::{InertialPairing, PairedInertial, Rotation};
 
@@ -114,7 +114,8 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
             let mut aided = Aided::new(Tuning::default(), None);
             if given {
                 let strength_ut = world.field_ut.norm();
-                aided.begin_from(&Calibration::new(world.soft_iron, world.hard_iron_ut, strength_ut).unwrap(), 2.0);
+                let calibration = Calibration::new(world.soft_iron, world.hard_iron_ut, strength_ut).unwrap();
+                aided.begin_from(&Given::usual(calibration));
             } else {
                 for _ in 0..2_000 {
                     let sample = world.sample(0.01);

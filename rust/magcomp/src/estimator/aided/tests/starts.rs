@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::super::{Aided, AidedOutput, Tuning};
 use super::simulator::{Sample, World};
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, Given};
 use crate::reading::{Missing, Status};
 
 /// Direction error of f and its standard deviation about the vertical, deg.
@@ -118,8 +118,8 @@ fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
             world.axis = Some(world.random.vector(1.0).normalize());
             let mut aided = Aided::new(Tuning::default(), None);
             let off = world.random.vector(1.0).normalize() * off_ut;
-            let given = Calibration::new(world.soft_iron, world.hard_iron_ut + off, 50.0).unwrap();
-            aided.begin_from(&given, 10.0);
+            let calibration = Calibration::new(world.soft_iron, world.hard_iron_ut + off, 50.0).unwrap();
+            aided.begin_from(&Given { calibration, sigma_ut: 10.0 });
             let run = run(&mut world, &mut aided, 40.0);
             assert_eq!(run.tracked, 0, "{off_ut} uT, seed {seed}: {:?} of {}", run.beyond, run.told);
             beyond[0] += run.beyond[0];

@@ -48,6 +48,40 @@ class BorderTest {
     }
 
     @Test
+    fun `a buffer shows every field of a reading`() {
+        Compensator().use { compensator ->
+            val buffer = ReadingBuffer()
+            for (event in events(values)) {
+                if (event is SensorSample.Magnetic) {
+                    with(event.sample) { compensator.push(timeNs, fieldUt.x, fieldUt.y, fieldUt.z, buffer) }
+                } else {
+                    compensator.pushAll(listOf(event))
+                }
+            }
+            val shown = with(buffer) {
+                Reading(
+                    timeNs, Vector3(xUt, yUt, zUt), fieldSigmaUt, Vector3(filteredXUt, filteredYUt, filteredZUt), totalFieldUt,
+                    Heading(headingDeg, headingSigmaDeg, trueHeadingDeg, inclinationDeg),
+                    Attitude(attitudeW, attitudeX, attitudeY, attitudeZ, attitudeSigmaDeg), sigmaT, window, coverage,
+                    directionSigmaDeg, worstSigmaDeg, modelOrder, reportedHardIronJumpUt, mode, event, status,
+                )
+            }
+            val unknown = Vector3(Double.NaN, Double.NaN, Double.NaN)
+            val reading = buffer.toReading()
+            val spelled = reading.copy(
+                filteredFieldUt = reading.filteredFieldUt ?: unknown,
+                heading = with(reading.heading!!) { copy(trueHeadingDeg = trueHeadingDeg ?: Double.NaN) },
+                reportedHardIronJumpUt = Double.NaN,
+                sigmaT = reading.sigmaT ?: Double.NaN,
+                directionSigmaDeg = reading.directionSigmaDeg ?: Double.NaN,
+                worstSigmaDeg = reading.worstSigmaDeg ?: Double.NaN,
+            )
+            assertEquals(spelled, shown)
+            assertNotNull(reading.attitude!!.sigmaDeg)
+        }
+    }
+
+    @Test
     fun `every status is read from JNI as uniffi has it`() {
         val problems = listOf(
             FitProblem.TooFewSamples(8),
@@ -229,6 +263,24 @@ class BorderTest {
             assertNull(reading.reportedHardIronJumpUt)
         }
         Compensator().use { assertNull(it.push(first).fieldUt, "only when asked for") }
+    }
+
+    @Test
+    fun `an adopted calibration is as unsure as it is said to be`() {
+        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0))
+        val calibration = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(120.0, -80.0, 300.0), 45.0)
+        val sigmas = listOf(3.0, 30.0).map { sigmaUt ->
+            Compensator().use {
+                it.adopt(calibration, sigmaUt)
+                it.push(first).fieldSigmaUt!!
+            }
+        }
+        assertTrue(sigmas[0] in 3.0..6.0 && sigmas[1] in 30.0..60.0, "$sigmas")
+        Compensator().use {
+            val error = assertThrows(MagcompException.Config::class.java) { it.adopt(calibration, 0.0) }
+            assertEquals("hard_iron_sigma_ut", error.field)
+            assertNull(it.calibration())
+        }
     }
 
     @Test

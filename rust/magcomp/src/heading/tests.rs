@@ -1,0 +1,58 @@
+use super::*;
+use nalgebra::Matrix3;
+
+#[test]
+fn sigma_is_the_slope_of_the_heading() {
+    // field (0, 20, -40), up z: 1 uT to the east turns the heading by 1/20 rad
+    let covariance = Matrix3::from_diagonal(&Vector3::new(1.0, 4.0, 9.0));
+    let (axis, rotation) = (ReferenceAxis::TopEdge, ScreenRotation::Deg0);
+    let sigma = |field, tilt_deg| heading_sigma_deg(&field, &Vector3::z(), axis, rotation, &covariance, tilt_deg);
+    let plain = sigma(Vector3::new(0.0, 20.0, -40.0), 0.0).expect("horizontal enough");
+    assert!((plain - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
+    // a tilt of 1 deg brings 1 deg of the vertical part into the horizon
+    let tilted = sigma(Vector3::new(0.0, 20.0, -40.0), 1.0).expect("horizontal enough");
+    let tilt = 40.0 * 1.0_f64.to_radians();
+    assert!((tilted - (1.0 + tilt * tilt).sqrt().atan2(20.0).to_degrees()).abs() < 1e-6);
+    assert_eq!(sigma(Vector3::new(0.0, 0.3, -40.0), 0.0), Some(180.0));
+    assert_eq!(sigma(Vector3::new(0.0, 0.0, -40.0), 0.0), None);
+}
+
+#[test]
+fn a_tilt_turns_a_steep_axis_as_sigma_says() {
+    // the heading of each axis for 4000 directions of up about the true one, 0.5 deg per axis
+    let tilt_deg: f64 = 0.5;
+    let field = Vector3::new(3.0, 20.0, -40.0);
+    for axis in [ReferenceAxis::TopEdge, ReferenceAxis::Camera, ReferenceAxis::Auto] {
+        for (pitch_deg, roll_deg) in [(0.0, 0.0), (50.0, 20.0), (80.0, 5.0), (10.0, 50.0), (-35.0, 60.0)] {
+            let (pitch, roll) = (f64::to_radians(pitch_deg), f64::to_radians(roll_deg));
+            let up = Vector3::new(-roll.sin() * pitch.cos(), pitch.sin(), roll.cos() * pitch.cos());
+            let right = up.cross(&Vector3::new(0.3, 0.7, -0.2)).normalize();
+            let ahead = up.cross(&right);
+            let given = |up: &Vector3<f64>| heading(&field, up, axis, ScreenRotation::Deg0).map(|h| h.heading_deg);
+            let Some(there) = given(&up) else { continue };
+            let mut squares = 0.0;
+            for k in 0..4000 {
+                // Gaussian by its quantiles: radius by one, angle by the golden ratio
+                let radius = (-2.0 * ((f64::from(k) + 0.5) / 4000.0).ln()).sqrt() * tilt_deg.to_radians();
+                let angle = f64::from(k) * 2.399_963;
+                let tilted = up + (right * angle.cos() + ahead * angle.sin()) * radius;
+                let off = (given(&tilted).unwrap() - there + 540.0).rem_euclid(360.0) - 180.0;
+                squares += off * off;
+            }
+            let seen = (squares / 4000.0).sqrt();
+            let covariance = Matrix3::zeros();
+            let sigma = heading_sigma_deg(&field, &up, axis, ScreenRotation::Deg0, &covariance, tilt_deg).unwrap();
+            // small by the arc tangent where it is large; the automatic axis has kinks
+            assert!((0.85..1.15).contains(&(sigma / seen)), "{axis:?} {pitch_deg} {roll_deg}: {sigma}, seen {seen}");
+        }
+    }
+    let upright = heading_sigma_deg(
+        &field,
+        &Vector3::new(0.0, 1.0, 0.001),
+        ReferenceAxis::TopEdge,
+        ScreenRotation::Deg0,
+        &Matrix3::zeros(),
+        tilt_deg,
+    );
+    assert_eq!(upright, Some(180.0));
+}
