@@ -8,10 +8,11 @@ package org.magcomp
  *
  * @property config what it was made with; what was left out is the library's default
  * @throws MagcompException.Config when a field of the config is out of range
+ * @throws NativeLibraryException when the app holds no native library for this phone
  */
 public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: Config = Config()) :
     AutoCloseable {
-    private val native = NativeCompensator(config)
+    private val native = NativeLibrary.check().let { NativeCompensator(config) }
     private val handle = native.fastHandle()
 
     /**

@@ -213,8 +213,7 @@ class BorderTest {
             val snapshot = compensator.snapshot()
             assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restore(snapshot.dropLast(9)) }
             assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restoreCalibration("{}") }
-            val newer = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
-            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer) }
+            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer(snapshot)) }
             assertEquals(99, error.found)
             assertEquals(snapshot, compensator.snapshot())
         }

@@ -83,3 +83,26 @@ fun flat(k: Int): List<SensorSample> {
     val field = Vector3(HARD_IRON[0] + 10.0, HARD_IRON[1] + 28.0, HARD_IRON[2] - 40.0)
     return listOf(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
 }
+
+/** A snapshot as if a newer version of the library had written it. */
+fun newer(snapshot: String) = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
+
+/** An event as Android delivers it. */
+fun inFloats(event: SensorSample): SensorSample {
+    fun Vector3.inFloats() = Vector3(x.toFloat().toDouble(), y.toFloat().toDouble(), z.toFloat().toDouble())
+    return when (event) {
+        is SensorSample.Magnetic -> SensorSample.Magnetic(event.sample.copy(fieldUt = event.sample.fieldUt.inFloats()))
+        is SensorSample.RotationRate -> SensorSample.RotationRate(event.sample.copy(rateRadS = event.sample.rateRadS.inFloats()))
+        is SensorSample.Up -> SensorSample.Up(event.sample.copy(upMS2 = event.sample.upMS2.inFloats()))
+    }
+}
+
+/** What a main class prints, in a process of its own. */
+fun inProcessOfItsOwn(main: String, vararg arguments: String, options: List<String> = emptyList()): String {
+    val java = File(System.getProperty("java.home"), "bin/java").path
+    val command = listOf(java) + options + listOf("-cp", System.getProperty("java.class.path"), main) + arguments
+    val process = ProcessBuilder(command).redirectErrorStream(true).start()
+    val text = process.inputStream.bufferedReader().readText()
+    check(process.waitFor() == 0) { text }
+    return text
+}
