@@ -120,6 +120,13 @@ class CompassListenerTest {
     }
 
     @Test
+    fun `a config out of range`() {
+        val listening = Listening()
+        Compass(Played(events.asFlow()), Config(rangeUt = -1.0)).start(executor, listening)
+        assertEquals("range_ut", assertInstanceOf(MagcompException.Config::class.java, listening.error()).field)
+    }
+
+    @Test
     fun `the end of the source is no error`() {
         val listening = Listening()
         Compass(Played(events.asFlow())).start(executor, listening)
