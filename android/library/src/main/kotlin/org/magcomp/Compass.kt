@@ -47,7 +47,8 @@ public class Compass @JvmOverloads constructor(
 
     /** What it has learned, from one run to the next; runs follow one another. */
     @Volatile
-    private var kept: Estimation? = null
+    internal var kept: Estimation? = null
+        private set
     private val shared = SharedReadings(context, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
 
     /**

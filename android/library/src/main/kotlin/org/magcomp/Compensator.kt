@@ -13,7 +13,7 @@ package org.magcomp
 public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: Config = Config()) :
     AutoCloseable {
     private val native = NativeLibrary.check().let { NativeCompensator(config) }
-    private val handle = native.fastHandle()
+    internal val handle = native.fastHandle()
 
     /**
      * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that can't be used comes back

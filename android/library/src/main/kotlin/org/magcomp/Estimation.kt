@@ -10,7 +10,7 @@ internal class Estimation(
     private val frame: StateFlow<HeadingFrame>? = null,
     private val sensors: () -> SensorsInUse? = { null },
 ) : AutoCloseable {
-    private val compensator = Compensator(config)
+    val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
     private var currentFrame = HeadingFrame(
         config.heading?.axis ?: ReferenceAxis.TOP_EDGE,

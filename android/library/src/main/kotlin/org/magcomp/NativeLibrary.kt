@@ -1,5 +1,8 @@
 package org.magcomp
 
+import com.sun.jna.Native
+import java.io.IOException
+
 /**
  * The app holds no native library for this phone's processor, or it can't be loaded: its ABI was left out when the app was
  * built, or the app was installed from another phone's APK.
@@ -10,23 +13,39 @@ public class NativeLibraryException(cause: Throwable) :
         cause,
     )
 
-/** The native library, loaded once: over JNI for [FastPath], and over JNA for the generated code, which loads it again. */
+/** The native library, loaded once: over JNI for [FastPath], and over JNA for the generated code. */
 internal object NativeLibrary {
-    private val failure: LinkageError? = load("magcomp_ffi")
+    private const val NAME = "magcomp_ffi"
+    private val failure: LinkageError? = load()
 
     /** @throws NativeLibraryException when it can't be loaded */
     fun check() {
         failure?.let { throw NativeLibraryException(it) }
     }
 
-    /** What loading a library throws. */
-    fun load(name: String): LinkageError? =
+    private fun load(): LinkageError? =
         try {
-            System.loadLibrary(name)
+            try {
+                System.loadLibrary(NAME)
+            } catch (e: UnsatisfiedLinkError) {
+                loadFromJar(e)
+            }
             // the generated code binds its functions, and compares versions
             uniffiEnsureInitialized()
             null
         } catch (e: LinkageError) {
             e
         }
+
+    /** From magcomp-host.jar, in the unit tests of an app. */
+    private fun loadFromJar(otherwise: UnsatisfiedLinkError) {
+        val file = try {
+            Native.extractFromResourcePath(NAME, NativeLibrary::class.java.classLoader)
+        } catch (_: IOException) {
+            throw otherwise
+        }
+        System.load(file.path)
+        // JNA would extract another, which would not know the objects of this one
+        System.setProperty("uniffi.component.$NAME.libraryOverride", file.path)
+    }
 }

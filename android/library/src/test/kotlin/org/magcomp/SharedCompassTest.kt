@@ -181,6 +181,25 @@ class SharedCompassTest {
     }
 
     @Test
+    fun `after a defect the next collector begins anew`() = runBlocking {
+        val store = Store(0)
+        val compass = Compass(sensors.source(), store = store, graceMs = 0)
+        val arrived = CopyOnWriteArrayList<CompensatedReading>()
+        val broken = async { runCatching { compass.readings().toList(arrived) }.exceptionOrNull() }
+        registered(3)
+        events.take(1000).forEach(sensors::deliver)
+        withTimeout(20_000) { while (arrived.lastOrNull()?.sample?.timeNs != events[999].timeNs) yield() }
+        TestHooks.panicOnPurpose(compass.kept!!.compensator.handle)
+        sensors.deliver(events[1001])
+        assertTrue(broken.await() is MagcompException.Panicked)
+        assertEquals(0, sensors.registrations.size)
+        val next = async { compass.readings().first() }
+        registered(3)
+        sensors.deliver(events[1003])
+        assertNotNull(next.await().reading.fieldUt, "with what the store has")
+    }
+
+    @Test
     fun `a recording that is played again keeps the calibration alone`() = runBlocking {
         val recording = repository.resolve("tests/recordings/broad_34_attached_magnet_3cm.csv.gz")
         val compass = Compass(RecordingSource(recording))

@@ -35,6 +35,30 @@ object LoggingMain {
     }
 }
 
+/** Run in a process of its own, with the JVM's checks of JNI: every function of the fast path, and every way it can end. */
+object CheckedMain {
+    @JvmStatic
+    fun main(arguments: Array<String>) {
+        val compensator = Compensator()
+        compensator.pushAll(events(tumbling(300)))
+        val out = ReadingBuffer()
+        for (k in 301L..400) {
+            compensator.pushRotationRate(k * STEP_NS, 0.0, 0.0, 0.0)
+            compensator.pushUp(k * STEP_NS, 0.0, 0.0, 9.8)
+            compensator.push(k * STEP_NS, 1.0, 2.0, k.toDouble(), out)
+        }
+        val (kinds, times, values) = Triple(byteArrayOf(0, 9), longArrayOf(1, 2), DoubleArray(6))
+        check(FastPath.pushBatch(compensator.handle, kinds, times, values, out.slots) == FastPath.NO_SUCH_KIND)
+        check(FastPath.pushBatch(compensator.handle, kinds, times, values, DoubleArray(1)) == FastPath.TOO_SHORT)
+        check(FastPath.push(compensator.handle, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, DoubleArray(1)) == FastPath.TOO_SHORT)
+        check(TestHooks.panicOnPurpose(compensator.handle) == FastPath.PANICKED)
+        check(FastPath.pushUp(compensator.handle, 1, 0.0, 0.0, 0.0) == FastPath.PANICKED)
+        compensator.close()
+        check(FastPath.pushUp(compensator.handle, 1, 0.0, 0.0, 0.0) == FastPath.CLOSED)
+        println("checked: " + java.lang.management.ManagementFactory.getRuntimeMXBean().inputArguments.last())
+    }
+}
+
 val repository: File = File(System.getProperty("repository.root"))
 
 /** A device tumbled in a field of 50 uT, noise 0.3 uT, around a hard iron of (120, -80, 300) uT: three values each. */
