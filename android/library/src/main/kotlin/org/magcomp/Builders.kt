@@ -12,6 +12,9 @@ public class ConfigBuilder {
     /** Sets [Config.initial]. */
     public fun initial(value: Calibration?): ConfigBuilder = apply { built = built.copy(initial = value) }
 
+    /** Sets [Config.initialSigmaUt]. */
+    public fun initialSigmaUt(value: Double?): ConfigBuilder = apply { built = built.copy(initialSigmaUt = value) }
+
     /** Sets [Config.useReportedHardIron]. */
     public fun useReportedHardIron(value: Boolean?): ConfigBuilder = apply { built = built.copy(useReportedHardIron = value) }
 

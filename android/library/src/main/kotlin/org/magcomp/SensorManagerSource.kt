@@ -133,8 +133,8 @@ public class SensorManagerSource internal constructor(
             val xyz = vector(v, 0)
             val sample = when (event.sensor.type) {
                 Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED -> {
-                    // some phones deliver no bias
-                    val reported = if (v.size >= 6) vector(v, 3) else null
+                    // some phones deliver no bias, and 0 until they have found one
+                    val reported = if (v.size >= 6) vector(v, 3).takeIf { it != NO_BIAS } else null
                     SensorSample.Magnetic(MagneticSample(event.timestamp, xyz, reported))
                 }
                 Sensor.TYPE_MAGNETIC_FIELD -> SensorSample.Magnetic(MagneticSample(event.timestamp, xyz))
@@ -166,6 +166,7 @@ public class SensorManagerSource internal constructor(
     }
 
     private companion object {
+        val NO_BIAS = Vector3(0.0, 0.0, 0.0)
         const val FREE_RATE_HZ = 200
         const val HIGH_RATE = "android.permission.HIGH_SAMPLING_RATE_SENSORS"
 

@@ -257,12 +257,14 @@ class SensorManagerSourceTest {
     }
 
     @Test
-    fun `an uncalibrated event without the system's hard iron`() = runBlocking {
-        val sensors = FakeSensorManager(*all, hardIron = false)
-        val samples = collectWhile(sensors, sensors.source(), 1) {
-            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, 2f, 3f)
+    fun `an uncalibrated event without the system's hard iron, or before it has found one`() = runBlocking {
+        for (hardIron in listOf(false, true)) {
+            val sensors = FakeSensorManager(*all, hardIron = hardIron)
+            val samples = collectWhile(sensors, sensors.source(), 1) {
+                sensors.deliver(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0))))
+            }
+            assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0), null))), samples)
         }
-        assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0), null))), samples)
     }
 
     /** The first [count] samples while [play] runs, once the sensors are registered. */

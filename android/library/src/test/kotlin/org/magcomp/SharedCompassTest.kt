@@ -2,11 +2,14 @@ package org.magcomp
 
 import android.hardware.Sensor
 import java.util.concurrent.CopyOnWriteArrayList
+import java.util.concurrent.Executors
 import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
@@ -178,6 +181,30 @@ class SharedCompassTest {
         sensors.deliver(events[1])
         assertNull(next.await().reading.fieldUt)
         ended()
+    }
+
+    @Test
+    fun `events, estimator and store are where the app wants them`() = runBlocking {
+        Executors.newSingleThreadExecutor { Thread(it, "of the app") }.asCoroutineDispatcher().use { context ->
+            val threads = CopyOnWriteArrayList<String>()
+            fun here() = threads.add(Thread.currentThread().name.substringBefore(" @"))
+            val store = object : CalibrationStore {
+                override fun load(): String? = null.also { here() }
+
+                override fun save(snapshot: String) {
+                    here()
+                }
+            }
+            val source = object : MagneticFieldSource {
+                override fun samples() = flow {
+                    for (event in events.take(1000)) emit(event.also { here() })
+                }
+            }
+            Compass(source, store = store, context = context).readings().toList()
+            source.samples().compensated(store = store, context = context).toList()
+            assertEquals(setOf("of the app"), threads.toSet())
+            assertTrue(threads.size >= 2004, "${threads.size} calls")
+        }
     }
 
     @Test
