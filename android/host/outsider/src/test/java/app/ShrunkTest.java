@@ -56,7 +56,7 @@ class ShrunkTest {
     }
 
     private static String withoutNames(String printed) {
-        return printed.replaceAll("[A-Za-z$.]+(?=[(@])", "");
+        return printed.replaceAll("[A-Za-z$.]+\\(", "(").replaceAll("[A-Za-z$.]+@[0-9a-f]+", "");
     }
 
     private static String printed(String classPath) throws Exception {
