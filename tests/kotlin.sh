@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The Android library on the host JVM: builds the real native library, then compiles, checks and tests the Kotlin side.
-# `tests/kotlin.sh`, or with arguments for Maven. PROFILE=ship takes the library as phones get it, which builds longer.
+# The Android library on the host JVM: builds the real native library, then compiles, checks and tests the Kotlin side, installs
+# magcomp-host in the local Maven repository, and tests it as an app would, also shrunk (android/host/outsider).
+# `tests/kotlin.sh`, or with arguments for Maven, which then is all that runs. PROFILE=ship takes the library as phones get it, which builds longer.
 # Needs Rust, a JDK 17 or newer and Maven.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -8,5 +9,12 @@ cd "$(dirname "$0")/.."
 need kotlin "${rust_tools[@]}" "${java_tools[@]}"
 . tests/native.sh
 expected "$target/kotlin/expected.txt"
-mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn --file android/pom.xml "${@:-verify}" -pl '!aar' \
-    -Dnative.dir="$native" -Drust.expected="$target/kotlin/expected.txt"
+tests/gradle.sh
+mvn() { command mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn "$@"; }
+# or else classes of sources that are gone get into the jars
+rm -rf android/{bindings,library}/target/classes android/host/target
+mvn --file android/pom.xml "${@:-verify}" -pl '!aar' -Dnative.dir="$native" -Drust.expected="$target/kotlin/expected.txt"
+[ $# -eq 0 ] || exit 0
+host=android/host/target
+mvn install:install-file -Dfile="$(ls $host/magcomp-host-*.jar)" -DpomFile=$host/consumer.pom
+mvn --file android/host/outsider/pom.xml verify

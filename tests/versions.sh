@@ -16,6 +16,9 @@ for pom in android/pom.xml android/*/pom.xml; do
     mapfile -t found < <(grep -A1 '<artifactId>magcomp-android</artifactId>' "$pom" | sed -n 's:.*<version>\(.*\)</version>.*:\1:p')
     differs "$pom" "${found[@]}"
 done
+outsider=android/host/outsider/pom.xml
+mapfile -t found < <(sed -n 's:.*<artifactId>magcomp-host</artifactId><version>\(.*\)</version>.*:\1:p' $outsider)
+differs $outsider "${found[@]}"
 mapfile -t found < <(grep -oE 'magcomp[:-][0-9]+\.[0-9]+\.[0-9]+' android/README.md | sed 's/.*[:-]//')
 differs android/README.md "${found[@]}"
 grep -q "^## $version" CHANGELOG.md || { echo "versions: CHANGELOG.md has no section for $version" >&2; exit 1; }

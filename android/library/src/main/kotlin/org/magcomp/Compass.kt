@@ -2,30 +2,41 @@ package org.magcomp
 
 import android.content.Context
 import java.util.concurrent.Executor
-import kotlinx.coroutines.CoroutineScope
-import kotlinx.coroutines.SupervisorJob
-import kotlinx.coroutines.asCoroutineDispatcher
-import kotlinx.coroutines.cancel
-import kotlinx.coroutines.ensureActive
+import kotlin.coroutines.CoroutineContext
+import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
-import kotlinx.coroutines.launch
+import kotlinx.coroutines.flow.emitAll
+import kotlinx.coroutines.flow.flow
 
 /**
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
  *
+ * Keep one for an app's whole life, or in a `ViewModel`: all its collectors share one estimator and one listener of each sensor,
+ * and what it has learned stays in it. Another `Compass` of the same source is another estimator.
+ *
  * @param source where events come from
  * @param config what was left out is the library's default, but for the heading's axis: `AUTO`, which does not flip when the
- *   phone is raised
+ *   phone is raised; and `useReportedHardIron`: the system's own hard iron is the first calibration where there is no other, so that
+ *   the first reading has a heading, with a wide sigma
  * @param store where the calibration is kept from one launch to the next; null: nowhere
+ * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
+ *   turned comes back within it, and nothing has stopped. Default 5000
+ * @param context where events are collected, samples compensated, and the store is called; one thread at a time is used
  */
 public class Compass @JvmOverloads constructor(
     private val source: MagneticFieldSource,
     private val config: Config = Config(),
     private val store: CalibrationStore? = null,
+    graceMs: Long = 5000,
+    private val context: CoroutineContext = Dispatchers.Default,
 ) {
     /** The phone's sensors at 100 Hz, the calibration kept in the app's preferences. */
     public constructor(context: Context) : this(SensorManagerSource(context), Config(), PreferencesStore(context))
+
+    init {
+        require(graceMs >= 0) { "graceMs is $graceMs, expected 0 or above" }
+    }
 
     private val frames = MutableStateFlow(
         HeadingFrame(
@@ -35,48 +46,57 @@ public class Compass @JvmOverloads constructor(
         ),
     )
 
-    /**
-     * The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. With a
-     * declination out of range readings end with [MagcompException.Config].
-     */
-    public var frame: HeadingFrame by frames::value
+    /** What it has learned, from one run to the next; runs follow one another. */
+    @Volatile
+    internal var kept: Estimation? = null
+        private set
+    private val shared = SharedReadings(context, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
 
-    /** One reading for every magnetometer sample, as long as it is collected. */
-    public fun readings(): Flow<CompensatedReading> = source.samples().compensated(config, store, frames)
+    /**
+     * The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. A
+     * declination out of range is refused with [MagcompException.Config], and the frame stays.
+     */
+    public var frame: HeadingFrame
+        get() = frames.value
+        @Throws(MagcompException::class)
+        set(wanted) {
+            val declinationDeg = wanted.declinationDeg
+            // the library knows the range
+            if (declinationDeg != null && declinationDeg != frame.declinationDeg) Compensator().use { it.setHeadingFrame(wanted) }
+            frames.value = wanted
+        }
+
+    /**
+     * One reading for every magnetometer sample, the latest at once where there is one. The sensors are used from the first
+     * collector on until the last has left and the grace time has passed. The calibration is saved when the status is first
+     * `Tracking`, then when it has changed and 10 s have passed since the save before, when the last collector leaves
+     * (a screen's `onStop`), and when the sensors are released.
+     *
+     * An error of the source ends the readings of every collector, after those before it; whoever collects again begins anew.
+     * The estimator itself goes on where it was, but from its calibration alone when the events' times begin again, as a
+     * recording's do.
+     */
+    public fun readings(): Flow<CompensatedReading> = shared.collected()
+
+    private fun run(): Flow<CompensatedReading> = flow {
+        val config = config.copy(useReportedHardIron = config.useReportedHardIron ?: true)
+        val estimation = kept ?: Estimation(config, store, frames) { source.sensors?.value }.also { kept = it }
+        try {
+            emitAll(source.samples().compensated(estimation))
+        } catch (e: MagcompException) {
+            // after a defect another begins
+            kept = null
+            estimation.close()
+            throw e
+        }
+    }
 
     /**
      * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed. What the
-     * listener throws in `onReading` ends the readings, as every other error does, and is given to its `onEnd`.
+     * listener throws in `onReading` ends its readings, as every other error does, and is given to its `onEnd`.
      *
      * @return closing it ends the readings; a call under way is finished
      */
-    public fun start(executor: Executor, listener: CompassListener): AutoCloseable {
-        val scope = CoroutineScope(SupervisorJob() + executor.asCoroutineDispatcher())
-        scope.launch {
-            // whoever threw it: nobody above this coroutine would hear of it before the app crashed
-            val error = try {
-                readings().collect { listener.onReading(it) }
-                null
-            } catch (e: Exception) {
-                e
-            }
-            // after closing there is nobody to tell
-            ensureActive()
-            listener.onEnd(error)
-        }
-        return AutoCloseable { scope.cancel() }
-    }
-}
-
-/** What a Java app implements to get readings. */
-public interface CompassListener {
-    /** One reading. */
-    public fun onReading(reading: CompensatedReading)
-
-    /**
-     * There are no more readings, because the source ended or for this error: a [SensorException], a
-     * [RecordingException], a [java.io.IOException] of a recording's file, a [MagcompException], or what the source, the
-     * store or [onReading] threw. The sensors are no longer used then. Not called after closing.
-     */
-    public fun onEnd(error: Exception?)
+    public fun start(executor: Executor, listener: CompassListener): AutoCloseable =
+        Listening(executor, listener).start(context, readings())
 }

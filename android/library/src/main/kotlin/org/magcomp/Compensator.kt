@@ -8,11 +8,12 @@ package org.magcomp
  *
  * @property config what it was made with; what was left out is the library's default
  * @throws MagcompException.Config when a field of the config is out of range
+ * @throws NativeLibraryException when the app holds no native library for this phone
  */
 public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: Config = Config()) :
     AutoCloseable {
-    private val native = NativeCompensator(config)
-    private val handle = native.fastHandle()
+    private val native = NativeLibrary.check().let { NativeCompensator(config) }
+    internal val handle = native.fastHandle()
 
     /**
      * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that can't be used comes back

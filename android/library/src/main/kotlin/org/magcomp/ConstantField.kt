@@ -9,9 +9,10 @@ package org.magcomp
  *
  * @property samplesPerOrientation samples in a row that are averaged into one orientation; above 1 the phone must be
  *   held still meanwhile, 1 (the default, and what less counts as) is for a phone that is turned about
+ * @throws NativeLibraryException when the app holds no native library for this phone
  */
 public class ConstantField @JvmOverloads constructor(public val samplesPerOrientation: Int = 1) : AutoCloseable {
-    private val native = NativeConstantField(samplesPerOrientation)
+    private val native = NativeLibrary.check().let { NativeConstantField(samplesPerOrientation) }
 
     /**
      * One raw sample, microtesla, device frame.

@@ -16,7 +16,7 @@ internal object FastPath {
 
     init {
         // JNA's own loading of the library does not register these
-        System.loadLibrary("magcomp_ffi")
+        NativeLibrary.check()
     }
 
     @JvmStatic

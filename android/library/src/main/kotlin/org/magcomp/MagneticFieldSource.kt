@@ -1,6 +1,7 @@
 package org.magcomp
 
 import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.StateFlow
 
 /** Where events come from: a phone's sensors ([SensorManagerSource]), a recording ([RecordingSource]), or your own. */
 public interface MagneticFieldSource {
@@ -9,4 +10,7 @@ public interface MagneticFieldSource {
      * cancelling. No event may be dropped on the way.
      */
     public fun samples(): Flow<SensorSample>
+
+    /** The phone's sensors that are used, null before [samples] has chosen them; null when the source knows none. */
+    public val sensors: StateFlow<SensorsInUse?>? get() = null
 }

@@ -27,9 +27,9 @@ public sealed class SensorException(message: String, cause: Throwable? = null) :
         public val sensor: String,
         public val reason: String? = null,
         cause: Throwable? = null,
+        advice: String = "end other uses of the sensors and try again",
     ) : SensorException(
-        "the system refused to deliver the $sensor" + (reason?.let { " ($it)" } ?: "") +
-            "; end other uses of the sensors and try again",
+        "the system refused to deliver the $sensor" + (reason?.let { " ($it)" } ?: "") + "; $advice",
         cause,
     )
 }

@@ -10,11 +10,14 @@ import android.os.Build
 import android.os.Handler
 import android.os.HandlerThread
 import kotlinx.coroutines.channels.Channel
-import kotlinx.coroutines.channels.SendChannel
 import kotlinx.coroutines.channels.awaitClose
 import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.flow.asStateFlow
 import kotlinx.coroutines.flow.buffer
 import kotlinx.coroutines.flow.callbackFlow
+import kotlinx.coroutines.flow.update
 
 /**
  * How the phone's sensors are asked.
@@ -22,19 +25,23 @@ import kotlinx.coroutines.flow.callbackFlow
  * @property rateHz events a second of each sensor, 1 to 1000; the system takes it as a wish. Above 200 Hz Android 12 and
  *   newer want the permission `android.permission.HIGH_SAMPLING_RATE_SENSORS`. Default 100
  * @property maxReportLatencyUs how long the system may collect events before it delivers them, microseconds; more saves
- *   power and delays readings; from about 150 000 on it makes them worse too, as events come sensor by sensor. Default 0: at
- *   once
- * @property gyroscope whether the gyroscope is used where there is one. Default true
+ *   power and delays readings; above 200 000 it makes them worse too, as events come sensor by sensor and wait for each other for
+ *   0.25 s at the most. Default 0: at once
+ * @property gyroscope whether the gyroscope is used where there is one and the system delivers it. Default true
  * @property up whether gravity, else the accelerometer, is used; without it there is no heading. Default true
+ * @property holdS longest that an event waits for those of the other sensors, so that all go in the order of their times, 0 to
+ *   0.25 s (see [EventQueue]); 0: as they are delivered. Default 0.05 beyond [maxReportLatencyUs], at most 0.25
  */
 public data class SensorOptions @JvmOverloads constructor(
     public val rateHz: Int = 100,
     public val maxReportLatencyUs: Int = 0,
     public val gyroscope: Boolean = true,
     public val up: Boolean = true,
+    public val holdS: Double = minOf(EventQueue.DEFAULT_HOLD_S + maxReportLatencyUs * 1e-6, EventQueue.LONGEST_HOLD_S),
 ) {
     init {
         require(rateHz in 1..1000) { "rateHz is $rateHz, expected 1 to 1000" }
+        require(holdS in 0.0..EventQueue.LONGEST_HOLD_S) { "holdS is $holdS, expected 0 to ${EventQueue.LONGEST_HOLD_S}" }
         require(maxReportLatencyUs >= 0) { "maxReportLatencyUs is $maxReportLatencyUs, expected 0 or above" }
     }
 }
@@ -44,58 +51,71 @@ public data class SensorOptions @JvmOverloads constructor(
  * the accelerometer) and the gyroscope.
  *
  * Every collector of [samples] has its own thread and its own listener, which end with it. Collecting fails with
- * [SensorException] when a sensor or a permission is missing or the system refuses.
+ * [SensorException] when a sensor or a permission is missing or the system refuses. Without a gyroscope it goes on, and
+ * [sensors] says why. Events arrive in the order of their times ([SensorOptions.holdS]).
  */
 public class SensorManagerSource internal constructor(
-    private val sensors: SensorManager,
+    private val manager: SensorManager,
     private val options: SensorOptions,
     private val above200Hz: () -> Boolean,
-    private val startThread: () -> EventThread,
 ) : MagneticFieldSource {
 
-    /** The sensors of the phone behind a context, which is not kept. */
+    /** The sensors of the phone behind a context; the context itself is not kept, only that of its application. */
     @JvmOverloads
     public constructor(context: Context, options: SensorOptions = SensorOptions()) : this(
-        context.getSystemService(Context.SENSOR_SERVICE) as SensorManager,
+        // of the application: the manager keeps its context
+        applicationOf(context).getSystemService(Context.SENSOR_SERVICE) as SensorManager,
         options,
-        mayExceed200Hz(context.applicationContext ?: context),
-        { LooperThread() },
+        mayExceed200Hz(applicationOf(context)),
     )
 
+    private val inUse = MutableStateFlow<SensorsInUse?>(null)
+
+    override val sensors: StateFlow<SensorsInUse?> = inUse.asStateFlow()
+
     override fun samples(): Flow<SensorSample> = callbackFlow {
-        val wanted = chosen()
+        val magnetometer = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
+            ?: manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD)
+            ?: throw SensorException.Missing("magnetometer", "hide the compass")
+        val up = if (options.up) up() else null
+        val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
         if (options.rateHz > FREE_RATE_HZ && !above200Hz()) throw SensorException.PermissionMissing(HIGH_RATE)
-        val listener = Listener(channel)
-        val thread = startThread()
+        // fails only when the collector has gone: then nobody wants it
+        val listener = Listener(EventQueue(options.holdS)) { channel.trySend(it) }
+        val thread = LooperThread()
         try {
-            for (sensor in wanted) register(listener, sensor, thread.handler)
+            val without = when {
+                !options.gyroscope -> "the gyroscope was not asked for"
+                gyroscope == null -> "this phone has no gyroscope"
+                else -> null
+            }
+            // before the first event
+            inUse.value = SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), without)
+            register(listener, magnetometer, thread.handler)
+            up?.let { register(listener, it, thread.handler) }
+            try {
+                gyroscope?.let { register(listener, it, thread.handler) }
+            } catch (e: SensorException.Refused) {
+                inUse.update { it?.copy(gyroscope = null, withoutGyroscope = e.message) }
+            }
             awaitClose()
         } finally {
-            sensors.unregisterListener(listener)
+            manager.unregisterListener(listener)
             thread.end()
         }
     }.buffer(Channel.UNLIMITED) // no event is dropped before the estimator
 
-    private fun chosen(): List<Sensor> {
-        val magnetometer = sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
-            ?: sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD)
-            ?: throw SensorException.Missing("magnetometer", "hide the compass")
-        val wanted = mutableListOf(magnetometer)
-        if (options.up) {
-            wanted += sensors.getDefaultSensor(Sensor.TYPE_GRAVITY)
-                ?: sensors.getDefaultSensor(Sensor.TYPE_ACCELEROMETER)
-                ?: throw SensorException.Missing("accelerometer", "without a heading, use SensorOptions(up = false)")
-        }
-        if (options.gyroscope) sensors.getDefaultSensor(Sensor.TYPE_GYROSCOPE)?.let { wanted += it }
-        return wanted
-    }
+    private fun up(): Sensor = manager.getDefaultSensor(Sensor.TYPE_GRAVITY)
+        ?: manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER)
+        ?: throw SensorException.Missing("accelerometer", "without a heading, use SensorOptions(up = false)")
 
-    private fun register(listener: SensorEventListener, sensor: Sensor, handler: Handler?) {
+    private fun register(listener: SensorEventListener, sensor: Sensor, handler: Handler) {
         val periodUs = 1_000_000 / options.rateHz
         val accepted = try {
-            sensors.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, handler)
+            manager.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, handler)
         } catch (e: SecurityException) {
-            throw SensorException.PermissionMissing(HIGH_RATE, e)
+            if (options.rateHz > FREE_RATE_HZ) throw SensorException.PermissionMissing(HIGH_RATE, e)
+            throw SensorException.Refused(nameOf(sensor.type), e.message, e, "let the app use this phone's sensors")
         } catch (e: IllegalStateException) {
             // what Android throws at the 129th listener of an app
             throw SensorException.Refused(nameOf(sensor.type), e.message, e)
@@ -103,14 +123,18 @@ public class SensorManagerSource internal constructor(
         if (!accepted) throw SensorException.Refused(nameOf(sensor.type))
     }
 
+    private fun used(sensor: Sensor) =
+        UsedSensor(sensor.type, sensor.name.orEmpty(), sensor.vendor.orEmpty(), SensorAccuracy.UNKNOWN)
+
     /** Copies an event at once: Android uses it again for the next. */
-    private class Listener(private val samples: SendChannel<SensorSample>) : SensorEventListener {
+    private inner class Listener(private val queue: EventQueue, private val out: (SensorSample) -> Unit) : SensorEventListener {
         override fun onSensorChanged(event: SensorEvent) {
             val v = event.values
-            val xyz = Vector3(v[0].toDouble(), v[1].toDouble(), v[2].toDouble())
+            val xyz = vector(v, 0)
             val sample = when (event.sensor.type) {
                 Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED -> {
-                    val reported = Vector3(v[3].toDouble(), v[4].toDouble(), v[5].toDouble())
+                    // some phones deliver no bias, and 0 until they have found one
+                    val reported = if (v.size >= 6) vector(v, 3).takeIf { it != NO_BIAS } else null
                     SensorSample.Magnetic(MagneticSample(event.timestamp, xyz, reported))
                 }
                 Sensor.TYPE_MAGNETIC_FIELD -> SensorSample.Magnetic(MagneticSample(event.timestamp, xyz))
@@ -118,30 +142,31 @@ public class SensorManagerSource internal constructor(
                 Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> SensorSample.Up(UpSample(event.timestamp, xyz))
                 else -> return
             }
-            // fails only when the collector has gone: then nobody wants it
-            samples.trySend(sample)
+            queue.push(sample, out)
         }
 
-        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = Unit
+        private fun vector(v: FloatArray, at: Int) = Vector3(v[at].toDouble(), v[at + 1].toDouble(), v[at + 2].toDouble())
+
+        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) {
+            fun UsedSensor.told() = if (type == sensor?.type) copy(accuracy = accuracyOf(accuracy)) else this
+            inUse.update { now ->
+                now?.copy(magnetometer = now.magnetometer.told(), up = now.up?.told(), gyroscope = now.gyroscope?.told())
+            }
+        }
     }
 
     /** The thread events are delivered on. */
-    internal interface EventThread {
-        val handler: Handler?
-
-        fun end()
-    }
-
-    private class LooperThread : EventThread {
+    private class LooperThread {
         private val thread = HandlerThread("magcomp").apply { start() }
-        override val handler: Handler = Handler(thread.looper)
+        val handler = Handler(thread.looper)
 
-        override fun end() {
+        fun end() {
             thread.quitSafely()
         }
     }
 
     private companion object {
+        val NO_BIAS = Vector3(0.0, 0.0, 0.0)
         const val FREE_RATE_HZ = 200
         const val HIGH_RATE = "android.permission.HIGH_SAMPLING_RATE_SENSORS"
 
@@ -151,7 +176,19 @@ public class SensorManagerSource internal constructor(
         fun mayExceed200Hz(context: Context): () -> Boolean = {
             Build.VERSION.SDK_INT < RULE_SINCE_SDK ||
                 context.applicationInfo.targetSdkVersion < RULE_SINCE_SDK ||
-                context.packageManager.checkPermission(HIGH_RATE, context.packageName) == PackageManager.PERMISSION_GRANTED
+                context.checkCallingOrSelfPermission(HIGH_RATE) == PackageManager.PERMISSION_GRANTED
+        }
+
+        /** There is none yet in an application's own constructor. */
+        fun applicationOf(context: Context): Context = context.applicationContext ?: context
+
+        fun accuracyOf(status: Int): SensorAccuracy = when (status) {
+            SensorManager.SENSOR_STATUS_NO_CONTACT -> SensorAccuracy.NO_CONTACT
+            SensorManager.SENSOR_STATUS_UNRELIABLE -> SensorAccuracy.UNRELIABLE
+            SensorManager.SENSOR_STATUS_ACCURACY_LOW -> SensorAccuracy.LOW
+            SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM -> SensorAccuracy.MEDIUM
+            SensorManager.SENSOR_STATUS_ACCURACY_HIGH -> SensorAccuracy.HIGH
+            else -> SensorAccuracy.UNKNOWN
         }
 
         fun nameOf(type: Int): String = when (type) {

@@ -179,6 +179,36 @@ class BorderTest {
     }
 
     @Test
+    fun `every call after a panic says so, until reset`() {
+        Compensator().use { compensator ->
+            TestHooks.panicOnPurpose(compensator.handle)
+            val calls = listOf(
+                { compensator.push(1, 1.0, 2.0, 3.0, ReadingBuffer()) },
+                { compensator.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0))) },
+                { compensator.pushUp(1, 0.0, 0.0, 9.8) },
+                { compensator.pushRotationRate(1, 0.0, 0.0, 0.0) },
+                { compensator.pushAll(events(values)) },
+                { compensator.calibration() },
+                { compensator.snapshot() },
+            )
+            for (call in calls) assertEquals("on purpose", assertThrows(MagcompException.Panicked::class.java) { call() }.what)
+            compensator.reset()
+            for (call in calls) call()
+        }
+    }
+
+    @Test
+    fun `JNI is used as it wants to be`() {
+        val properties = listOf("java.library.path", "jna.library.path", "repository.root").map { "-D$it=" + System.getProperty(it) }
+        val said = inProcessOfItsOwn("org.magcomp.CheckedMain", options = properties + "-Xcheck:jni").lines()
+        assertTrue("checked: -Xcheck:jni" in said, "$said")
+        // JNA's own library has some of its own
+        val complaints = said.zipWithNext().filter { (line, frame) -> Regex("WARNING|FATAL").containsMatchIn(line) }
+            .filter { (_, frame) -> "FastPath" in frame || "TestHooks" in frame }
+        assertEquals(emptyList<Any>(), complaints)
+    }
+
+    @Test
     fun `a panic is a typed error until reset`() {
         val native = NativeCompensator(Config())
         val handle = native.fastHandle()
@@ -247,8 +277,7 @@ class BorderTest {
             val snapshot = compensator.snapshot()
             assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restore(snapshot.dropLast(9)) }
             assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restoreCalibration("{}") }
-            val newer = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
-            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer) }
+            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer(snapshot)) }
             assertEquals(99, error.found)
             assertEquals(snapshot, compensator.snapshot())
         }

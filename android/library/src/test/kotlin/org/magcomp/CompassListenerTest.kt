@@ -2,7 +2,9 @@ package org.magcomp
 
 import android.hardware.Sensor
 import java.util.concurrent.CompletableFuture
-import java.util.concurrent.Executors
+import java.util.concurrent.LinkedBlockingQueue
+import java.util.concurrent.RejectedExecutionException
+import java.util.concurrent.ThreadPoolExecutor
 import java.util.concurrent.TimeUnit
 import java.util.concurrent.atomic.AtomicInteger
 import kotlinx.coroutines.flow.Flow
@@ -19,7 +21,7 @@ import org.junit.jupiter.api.Test
 
 /** What ends the readings of a listener, whoever threw it. */
 class CompassListenerTest {
-    private val executor = Executors.newSingleThreadExecutor { Thread(it, "of the app") }
+    private val executor = ThreadPoolExecutor(1, 1, 0, TimeUnit.SECONDS, LinkedBlockingQueue()) { Thread(it, "of the app") }
     private val sensors =
         FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
 
@@ -37,7 +39,7 @@ class CompassListenerTest {
 
         override fun onEnd(error: Exception?) {
             ends.incrementAndGet()
-            val left = "${sensors.registrations.size} sensors, ${sensors.threads.get()} threads"
+            val left = "${sensors.registrations.size} sensors, ${sensors.threads} threads"
             ended.complete(Pair(error, "$left, on the thread ${Thread.currentThread().name.substringBefore(" @")}"))
         }
 
@@ -74,7 +76,7 @@ class CompassListenerTest {
         val error = assertInstanceOf(SensorException.Refused::class.java, listening.ended.get(60, TimeUnit.SECONDS))
         assertEquals("magnetometer", error.sensor)
         assertEquals(others, sensors.registrations.map { it.listener }, "the others go on")
-        assertEquals(0, sensors.threads.get())
+        assertEquals(0, sensors.threads)
     }
 
     @Test
@@ -82,7 +84,7 @@ class CompassListenerTest {
         // one that coroutines take for a cancellation, too
         for (thrown in listOf(IllegalStateException("of the app"), java.util.concurrent.CancellationException("of the app"))) {
             val listening = Listening { if (it == 2) throw thrown }
-            Compass(sensors.source()).start(executor, listening)
+            Compass(sensors.source(), graceMs = 0).start(executor, listening)
             while (sensors.registrations.size < 3) Thread.yield()
             for (k in 1L..5) sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, k * STEP_NS, 1f, 2f, k.toFloat())
             // coroutines may have copied it
@@ -118,15 +120,10 @@ class CompassListenerTest {
     }
 
     @Test
-    fun `what the store throws`() {
-        val full = object : CalibrationStore {
-            override fun load(): String? = null
-
-            override fun save(snapshot: String) = throw IllegalArgumentException("the disk is full")
-        }
+    fun `a config out of range`() {
         val listening = Listening()
-        Compass(Played(events.asFlow()), store = full).start(executor, listening)
-        assertEquals("the disk is full", assertInstanceOf(IllegalArgumentException::class.java, listening.error()).message)
+        Compass(Played(events.asFlow()), Config(rangeUt = -1.0)).start(executor, listening)
+        assertEquals("range_ut", assertInstanceOf(MagcompException.Config::class.java, listening.error()).field)
     }
 
     @Test
@@ -153,5 +150,55 @@ class CompassListenerTest {
         assertEquals(1, listening.readings.get())
         assertEquals(0, listening.ends.get())
         assertFalse(executor.isShutdown)
+    }
+
+    @Test
+    fun `an executor that was shut down, before or meanwhile`() {
+        class Told : CompassListener {
+            val ended = CompletableFuture<Exception?>()
+            val readings = AtomicInteger()
+
+            override fun onReading(reading: CompensatedReading) {
+                if (readings.incrementAndGet() == 3) executor.shutdownNow()
+            }
+
+            override fun onEnd(error: Exception?) {
+                ended.complete(error)
+            }
+        }
+        for (expected in listOf(3, 0)) {
+            val told = Told()
+            Compass(sensors.source(), graceMs = 0).start(executor, told)
+            val player = kotlin.concurrent.thread {
+                var k = 1L
+                while (!told.ended.isDone) {
+                    sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, k++ * STEP_NS, 1f, 2f, k.toFloat())
+                    Thread.sleep(1)
+                }
+            }
+            assertInstanceOf(RejectedExecutionException::class.java, told.ended.get(60, TimeUnit.SECONDS))
+            player.join()
+            assertEquals(expected, told.readings.get())
+            assertEquals("0 sensors, 0 threads", "${sensors.registrations.size} sensors, ${sensors.threads} threads")
+        }
+    }
+
+    @Test
+    fun `an executor that forgets what it had accepted`() {
+        val listening = object : CompassListener {
+            val ended = CompletableFuture<Exception?>()
+
+            override fun onReading(reading: CompensatedReading) = Unit
+
+            override fun onEnd(error: Exception?) {
+                ended.complete(error)
+            }
+        }
+        // the first reading waits behind this, and is forgotten
+        executor.execute { runCatching { Thread.sleep(600_000) } }
+        Compass(Played(events.asFlow())).start(executor, listening)
+        while (executor.queue.isEmpty()) Thread.yield()
+        executor.shutdownNow()
+        assertInstanceOf(RejectedExecutionException::class.java, listening.ended.get(60, TimeUnit.SECONDS))
     }
 }

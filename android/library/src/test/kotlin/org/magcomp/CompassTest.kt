@@ -1,6 +1,5 @@
 package org.magcomp
 
-import android.content.SharedPreferences
 import java.io.File
 import java.util.concurrent.CancellationException
 import kotlin.math.abs
@@ -118,10 +117,16 @@ class CompassTest {
     }
 
     @Test
-    fun `a damaged store is as none`() = runBlocking {
-        for (snapshot in listOf("", "{}", "nonsense")) {
+    fun `a damaged store, or one of a newer version, is as none, and is told`() = runBlocking {
+        val newer = Compensator().use {
+            it.pushAll(events)
+            newer(it.snapshotCalibration()!!)
+        }
+        for (snapshot in listOf("", "{}", "nonsense", newer)) {
             val first = events.asFlow().compensated(store = Kept(snapshot), capacity = events.size).take(1).toList().single()
             assertNull(first.reading.fieldUt)
+            val expected = if (snapshot == newer) MagcompException.SnapshotNewer::class else MagcompException.SnapshotDamaged::class
+            assertEquals(expected, first.storeError!!::class)
         }
     }
 
@@ -166,10 +171,10 @@ class CompassTest {
         assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 3.0), compass.frame)
         val last = compass.readings().last().reading
         assertEquals(Compensator(config).use { it.pushAll(events) }.last(), last)
-        compass.frame = HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG0, null)
-        val before = compass.readings().last().reading.heading!!
-        compass.frame = compass.frame.copy(screenRotation = ScreenRotation.DEG180)
-        val after = compass.readings().last().reading.heading!!
+        fun last(rotation: ScreenRotation) = runBlocking {
+            Compass(played).apply { frame = HeadingFrame(ReferenceAxis.TOP_EDGE, rotation, null) }.readings().last().reading.heading!!
+        }
+        val (before, after) = Pair(last(ScreenRotation.DEG0), last(ScreenRotation.DEG180))
         assertEquals(180.0, abs(Math.IEEEremainder(after.headingDeg - before.headingDeg, 360.0)), 1e-9)
     }
 
@@ -212,52 +217,5 @@ class CompassTest {
 
     private companion object {
         const val MANY = 300_000L
-    }
-
-    /** As much of preferences as the store needs. */
-    private class FakePreferences : SharedPreferences, SharedPreferences.Editor {
-        private val values = HashMap<String, String?>()
-
-        override fun getString(key: String, default: String?): String? = values[key] ?: default
-
-        override fun edit(): SharedPreferences.Editor = this
-
-        override fun putString(key: String, value: String?) = apply { values[key] = value }
-
-        override fun apply() = Unit
-
-        override fun commit() = true
-
-        override fun getAll(): Map<String, *> = values
-
-        override fun contains(key: String) = key in values
-
-        override fun remove(key: String) = apply { values.remove(key) }
-
-        override fun clear() = apply { values.clear() }
-
-        override fun getStringSet(key: String, default: Set<String>?): Set<String>? = default
-
-        override fun getInt(key: String, default: Int) = default
-
-        override fun getLong(key: String, default: Long) = default
-
-        override fun getFloat(key: String, default: Float) = default
-
-        override fun getBoolean(key: String, default: Boolean) = default
-
-        override fun putStringSet(key: String, values: Set<String>?) = this
-
-        override fun putInt(key: String, value: Int) = this
-
-        override fun putLong(key: String, value: Long) = this
-
-        override fun putFloat(key: String, value: Float) = this
-
-        override fun putBoolean(key: String, value: Boolean) = this
-
-        override fun registerOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
-
-        override fun unregisterOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
     }
 }

@@ -9,37 +9,33 @@ import android.hardware.SensorEventListener
 import android.hardware.SensorManager
 import android.hardware.TriggerEventListener
 import android.os.Handler
+import android.os.HandlerThread
 import android.os.MemoryFile
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.atomic.AtomicInteger
 
 /** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
-class FakeSensorManager(vararg types: Int) : SensorManager() {
+class FakeSensorManager(vararg types: Int, hardIron: Boolean = true) : SensorManager() {
     data class Registration(val listener: SensorEventListener, val sensor: Sensor, val periodUs: Int, val latencyUs: Int)
 
     private val sensors = types.associateWith(::sensor)
     private val events = types.associateWith {
-        SensorEvent(sensors.getValue(it), 0, 0, FloatArray(if (it == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) 6 else 3))
+        SensorEvent(sensors.getValue(it), 0, 0, FloatArray(if (it == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && hardIron) 6 else 3))
     }
     val registrations = CopyOnWriteArrayList<Registration>()
 
     /** Threads of its sources that have not ended. */
-    val threads = AtomicInteger()
+    val threads: Int get() = HandlerThread.RUNNING.get() - threadsBefore
+    private val threadsBefore = HandlerThread.RUNNING.get()
+
+    /** The most registrations a sensor had at a time. */
+    val most = AtomicInteger()
     var refuse: Int? = null
     var forbid = false
 
-    /** A source over these sensors, whose events come on the test's thread. */
-    internal fun source(options: SensorOptions = SensorOptions(), permitted: Boolean = true) =
-        SensorManagerSource(this, options, { permitted }) {
-            threads.incrementAndGet()
-            object : SensorManagerSource.EventThread {
-                override val handler: Handler? = null
-
-                override fun end() {
-                    threads.decrementAndGet()
-                }
-            }
-        }
+    /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
+    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true) =
+        SensorManagerSource(this, options) { permitted }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {
@@ -48,6 +44,26 @@ class FakeSensorManager(vararg types: Int) : SensorManager() {
         values.copyInto(event.values)
         for (registration in registrations) {
             if (registration.sensor === event.sensor) registration.listener.onSensorChanged(event)
+        }
+    }
+
+    /** Delivers an event to the sensors of a phone with gravity and an uncalibrated magnetometer. */
+    fun deliver(event: SensorSample) {
+        fun to(type: Int, v: Vector3, bias: Vector3? = null) {
+            val all = listOf(v.x, v.y, v.z) + (bias ?: Vector3(0.0, 0.0, 0.0)).let { listOf(it.x, it.y, it.z) }
+            deliver(type, event.timeNs, *all.take(events.getValue(type).values.size).map { it.toFloat() }.toFloatArray())
+        }
+        when (event) {
+            is SensorSample.Magnetic -> to(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, event.sample.fieldUt, event.sample.reportedHardIronUt)
+            is SensorSample.RotationRate -> to(Sensor.TYPE_GYROSCOPE, event.sample.rateRadS)
+            is SensorSample.Up -> to(Sensor.TYPE_GRAVITY, event.sample.upMS2)
+        }
+    }
+
+    /** What the system says of a sensor. */
+    fun tell(type: Int, accuracy: Int) {
+        for (registration in registrations) {
+            if (registration.sensor.type == type) registration.listener.onAccuracyChanged(registration.sensor, accuracy)
         }
     }
 
@@ -70,6 +86,7 @@ class FakeSensorManager(vararg types: Int) : SensorManager() {
         if (forbid) throw SecurityException("the permission is missing")
         if (sensor.type == refuse) return false
         registrations += Registration(listener, sensor, delayUs, maxReportLatencyUs)
+        most.accumulateAndGet(registrations.count { it.sensor === sensor }, ::maxOf)
         return true
     }
 

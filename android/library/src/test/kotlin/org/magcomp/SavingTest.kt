@@ -132,24 +132,27 @@ class SavingTest {
     }
 
     @Test
-    fun `what a store throws ends the readings, and the events`() {
+    fun `what a store throws is told with the readings, which go on, and is tried again`() {
         class Full : Exception("the disk is full")
         class Failing(val atLoad: Boolean) : CalibrationStore {
+            var tries = 0
+
             override fun load(): String? = if (atLoad) throw Full() else null
 
-            override fun save(snapshot: String) = throw Full()
+            override fun save(snapshot: String) {
+                tries += 1
+                if (tries <= 2) throw Full()
+            }
         }
         for (atLoad in listOf(true, false)) {
-            var toTheEnd = false
-            val source: Flow<SensorSample> = flow {
-                for (event in events(tumbling(2000))) emit(event)
-                toTheEnd = true
-            }
-            assertThrows(Full::class.java) { runBlocking { source.compensated(store = Failing(atLoad)).toList() } }
-            assertFalse(toTheEnd)
+            val store = Failing(atLoad)
+            val readings = runBlocking { events(tumbling(2800)).asFlow().compensated(store = store, capacity = 2800).toList() }
+            assertEquals(2800, readings.size)
+            assertEquals(atLoad, readings.first().storeError is Full)
+            assertTrue(readings[1500].storeError is Full)
+            assertEquals(null, readings.last().storeError, "saved at last")
+            assertEquals(4, store.tries)
         }
-        // one that nobody calls does no harm
-        runBlocking { events(tumbling(20)).asFlow().compensated(store = Failing(atLoad = false)).toList() }
     }
 
     private fun seconds(event: SensorSample) = event.timeNs * 1e-9

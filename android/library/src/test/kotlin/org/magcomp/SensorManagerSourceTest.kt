@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import android.hardware.SensorManager
 import java.util.concurrent.locks.LockSupport
 import kotlin.concurrent.thread
 import kotlinx.coroutines.Dispatchers
@@ -50,7 +51,7 @@ class SensorManagerSourceTest {
     @Test
     fun `the best sensors are chosen, at the rate and latency asked for`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val options = SensorOptions(rateHz = 50, maxReportLatencyUs = 7)
+        val options = SensorOptions(rateHz = 50, maxReportLatencyUs = 7, holdS = 0.0)
         collectWhile(sensors, sensors.source(options), 1) {
             assertEquals(
                 listOf(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE),
@@ -60,7 +61,7 @@ class SensorManagerSourceTest {
             sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
         }
         assertEquals(0, sensors.registrations.size, "unregistered")
-        assertEquals(0, sensors.threads.get(), "its thread has ended")
+        assertEquals(0, sensors.threads, "its thread has ended")
     }
 
     @Test
@@ -84,7 +85,7 @@ class SensorManagerSourceTest {
                 runBlocking { withTimeout(20_000) { sensors.source(options, permitted).samples().first() } }
             }
             assertEquals(0, sensors.registrations.size, "nothing stays registered")
-            assertEquals(0, sensors.threads.get(), "no thread stays")
+            assertEquals(0, sensors.threads, "no thread stays")
             return error
         }
         val none = fails(FakeSensorManager(Sensor.TYPE_GRAVITY)) as SensorException.Missing
@@ -94,15 +95,19 @@ class SensorManagerSourceTest {
         val fast = SensorOptions(rateHz = 201)
         val permission = fails(FakeSensorManager(*all), fast, permitted = false) as SensorException.PermissionMissing
         assertEquals("android.permission.HIGH_SAMPLING_RATE_SENSORS", permission.permission)
-        assertTrue(fails(FakeSensorManager(*all).apply { forbid = true }) is SensorException.PermissionMissing)
-        val refused = fails(FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GYROSCOPE }) as SensorException.Refused
-        assertEquals("gyroscope", refused.sensor)
+        assertTrue(fails(FakeSensorManager(*all).apply { forbid = true }, fast) is SensorException.PermissionMissing)
+        // at a rate that needs none it was no missing permission
+        val forbidden = fails(FakeSensorManager(*all).apply { forbid = true }) as SensorException.Refused
+        assertEquals(Pair("magnetometer", "the permission is missing"), Pair(forbidden.sensor, forbidden.reason))
+        assertTrue("let the app use" in forbidden.message!!, forbidden.message)
+        val refused = fails(FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GRAVITY }) as SensorException.Refused
+        assertEquals("gravity sensor", refused.sensor)
     }
 
     @Test
     fun `up to 200 Hz no permission is needed`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val source = sensors.source(SensorOptions(rateHz = 200), permitted = false)
+        val source = sensors.source(SensorOptions(rateHz = 200, holdS = 0.0), permitted = false)
         collectWhile(sensors, source, 1) {
             assertTrue(sensors.registrations.all { it.periodUs == 5000 })
             sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
@@ -126,7 +131,7 @@ class SensorManagerSourceTest {
         )
         assertTrue(error.cause is IllegalStateException)
         assertEquals(3 * others.size, sensors.registrations.size, "nothing of its own stays registered")
-        assertEquals(others.size, sensors.threads.get())
+        assertEquals(others.size, sensors.threads)
         // and as the message says
         others.first().cancelAndJoin()
         val again = launch { source.samples().collect { } }
@@ -149,7 +154,7 @@ class SensorManagerSourceTest {
             }
         }
         assertEquals(0, sensors.registrations.size)
-        assertEquals(0, sensors.threads.get())
+        assertEquals(0, sensors.threads)
     }
 
     @Test
@@ -163,7 +168,7 @@ class SensorManagerSourceTest {
         assertEquals(3, sensors.registrations.size)
         second.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
-        assertEquals(0, sensors.threads.get())
+        assertEquals(0, sensors.threads)
     }
 
     @Test
@@ -195,6 +200,71 @@ class SensorManagerSourceTest {
             for (k in 1L..5000) sensors.deliver(Sensor.TYPE_GYROSCOPE, k, k.toFloat(), 0f, 0f)
         }
         assertEquals((1L..5000).toList(), samples.map { it.timeNs })
+    }
+
+    @Test
+    fun `a refused gyroscope is told, and the others go on`() = runBlocking {
+        val sensors = FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GYROSCOPE }
+        val source = sensors.source()
+        collectWhile(sensors, source, 1) {
+            val used = source.sensors.value!!
+            assertEquals(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, used.magnetometer.type)
+            assertEquals(Sensor.TYPE_GRAVITY, used.up!!.type)
+            assertEquals(null, used.gyroscope)
+            assertTrue("refused to deliver the gyroscope" in used.withoutGyroscope!!, used.withoutGyroscope)
+            sensors.deliver(Sensor.TYPE_GRAVITY, 1, 0f, 0f, 9.8f)
+        }
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `the sensors in use and what the system says of them reach the readings`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val compass = Compass(sensors.source(), graceMs = 0)
+        val readings = mutableListOf<CompensatedReading>()
+        val job = launch { compass.readings().take(3).toList(readings) }
+        registered(sensors, 3)
+        suspend fun read(timeNs: Long) {
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, timeNs, 1f, 2f, 3f + timeNs, 0f, 0f, 0f)
+            withTimeout(20_000) { while (readings.size < timeNs) yield() }
+        }
+        read(1)
+        sensors.tell(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, SensorManager.SENSOR_STATUS_UNRELIABLE)
+        sensors.tell(Sensor.TYPE_GYROSCOPE, SensorManager.SENSOR_STATUS_ACCURACY_HIGH)
+        read(2)
+        sensors.tell(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, SensorManager.SENSOR_STATUS_NO_CONTACT)
+        read(3)
+        job.join()
+        assertEquals(
+            listOf(SensorAccuracy.UNKNOWN, SensorAccuracy.UNRELIABLE, SensorAccuracy.NO_CONTACT),
+            readings.map { it.sensors!!.magnetometer.accuracy },
+        )
+        val last = readings.last().sensors!!
+        assertEquals(Pair(SensorAccuracy.HIGH, SensorAccuracy.UNKNOWN), Pair(last.gyroscope!!.accuracy, last.up!!.accuracy))
+        assertEquals(null, last.withoutGyroscope)
+    }
+
+    @Test
+    fun `without a gyroscope it says why`() = runBlocking {
+        suspend fun reason(sensors: FakeSensorManager, options: SensorOptions): String? {
+            val source = sensors.source(options)
+            collectWhile(sensors, source, 1) { sensors.deliver(Sensor.TYPE_GRAVITY, 1, 0f, 0f, 9.8f) }
+            return source.sensors.value!!.withoutGyroscope
+        }
+        val none = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_GRAVITY)
+        assertEquals("this phone has no gyroscope", reason(none, SensorOptions(holdS = 0.0)))
+        assertEquals("the gyroscope was not asked for", reason(FakeSensorManager(*all), SensorOptions(gyroscope = false, holdS = 0.0)))
+    }
+
+    @Test
+    fun `an uncalibrated event without the system's hard iron, or before it has found one`() = runBlocking {
+        for (hardIron in listOf(false, true)) {
+            val sensors = FakeSensorManager(*all, hardIron = hardIron)
+            val samples = collectWhile(sensors, sensors.source(), 1) {
+                sensors.deliver(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0))))
+            }
+            assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0), null))), samples)
+        }
     }
 
     /** The first [count] samples while [play] runs, once the sensors are registered. */

@@ -35,6 +35,35 @@ object LoggingMain {
     }
 }
 
+/** Run in a process of its own, with the JVM's checks of JNI: every function of the fast path, and every way it can end. */
+object CheckedMain {
+    @JvmStatic
+    fun main(arguments: Array<String>) {
+        val compensator = Compensator()
+        compensator.pushAll(events(tumbling(300)))
+        val out = ReadingBuffer()
+        for (k in 301L..400) {
+            compensator.pushRotationRate(k * STEP_NS, 0.0, 0.0, 0.0)
+            compensator.pushUp(k * STEP_NS, 0.0, 0.0, 9.8)
+            compensator.push(k * STEP_NS, 1.0, 2.0, k.toDouble(), out)
+        }
+        val (kinds, times, values) = Triple(byteArrayOf(0, 9), longArrayOf(1, 2), DoubleArray(6))
+        check(FastPath.pushBatch(compensator.handle, kinds, times, values, out.slots) == FastPath.NO_SUCH_KIND)
+        check(FastPath.pushBatch(compensator.handle, kinds, times, values, DoubleArray(1)) == FastPath.TOO_SHORT)
+        try {
+            FastPath.push(compensator.handle, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, DoubleArray(1))
+            error("an array that is too short was taken")
+        } catch (_: ArrayIndexOutOfBoundsException) {
+            // the JVM's own
+        }
+        check(TestHooks.panicOnPurpose(compensator.handle) == FastPath.PANICKED)
+        check(FastPath.pushUp(compensator.handle, 1, 0.0, 0.0, 0.0) == FastPath.PANICKED)
+        compensator.close()
+        check(FastPath.pushUp(compensator.handle, 1, 0.0, 0.0, 0.0) == FastPath.CLOSED)
+        println("checked: " + java.lang.management.ManagementFactory.getRuntimeMXBean().inputArguments.last())
+    }
+}
+
 val repository: File = File(System.getProperty("repository.root"))
 
 /** A device tumbled in a field of 50 uT, noise 0.3 uT, around a hard iron of (120, -80, 300) uT: three values each. */
@@ -82,4 +111,27 @@ fun flat(k: Int): List<SensorSample> {
     val timeNs = (k + 1) * STEP_NS
     val field = Vector3(HARD_IRON[0] + 10.0, HARD_IRON[1] + 28.0, HARD_IRON[2] - 40.0)
     return listOf(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
+}
+
+/** A snapshot as if a newer version of the library had written it. */
+fun newer(snapshot: String) = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
+
+/** An event as Android delivers it. */
+fun inFloats(event: SensorSample): SensorSample {
+    fun Vector3.inFloats() = Vector3(x.toFloat().toDouble(), y.toFloat().toDouble(), z.toFloat().toDouble())
+    return when (event) {
+        is SensorSample.Magnetic -> SensorSample.Magnetic(event.sample.copy(fieldUt = event.sample.fieldUt.inFloats()))
+        is SensorSample.RotationRate -> SensorSample.RotationRate(event.sample.copy(rateRadS = event.sample.rateRadS.inFloats()))
+        is SensorSample.Up -> SensorSample.Up(event.sample.copy(upMS2 = event.sample.upMS2.inFloats()))
+    }
+}
+
+/** What a main class prints, in a process of its own. */
+fun inProcessOfItsOwn(main: String, vararg arguments: String, options: List<String> = emptyList()): String {
+    val java = File(System.getProperty("java.home"), "bin/java").path
+    val command = listOf(java) + options + listOf("-cp", System.getProperty("java.class.path"), main) + arguments
+    val process = ProcessBuilder(command).redirectErrorStream(true).start()
+    val text = process.inputStream.bufferedReader().readText()
+    check(process.waitFor() == 0) { text }
+    return text
 }

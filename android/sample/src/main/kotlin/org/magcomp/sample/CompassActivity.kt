@@ -15,7 +15,7 @@ import org.magcomp.headingFrame
 /** One screen: the compass rose, and beside it what the library says of itself. */
 class CompassActivity : Activity(), CompassListener {
     private lateinit var view: CompassView
-    private lateinit var compass: Compass
+    private val compass: Compass get() = (application as SampleApp).compass
     private val mainThread = Handler(Looper.getMainLooper()).let { handler -> Executor { handler.post(it) } }
     private var running: AutoCloseable? = null
 
@@ -23,17 +23,16 @@ class CompassActivity : Activity(), CompassListener {
         super.onCreate(saved)
         view = CompassView(this)
         setContentView(view)
-        compass = Compass(this)
     }
 
-    override fun onResume() {
-        super.onResume()
+    override fun onStart() {
+        super.onStart()
         running = compass.start(mainThread, this)
     }
 
-    override fun onPause() {
+    override fun onStop() {
         running?.close()
-        super.onPause()
+        super.onStop()
     }
 
     override fun onReading(reading: CompensatedReading) {

@@ -7,6 +7,7 @@ import android.graphics.Paint
 import android.view.View
 import java.util.Locale
 import org.magcomp.CompensatedReading
+import org.magcomp.HeadingSmoother
 import org.magcomp.Reading
 import org.magcomp.Vector3
 
@@ -34,6 +35,8 @@ class CompassView(context: Context) : View(context) {
         color = Color.BLACK
     }
     private var reading: Reading? = null
+    private val smoother = HeadingSmoother(halfLifeS = 0.1)
+    private var roseDeg = Double.NaN
     private var unseen = emptyList<Vector3>()
     private var words = "starting"
 
@@ -41,6 +44,7 @@ class CompassView(context: Context) : View(context) {
     fun show(next: CompensatedReading) {
         if (next.reading.status != reading?.status) words = next.reading.status.text()
         reading = next.reading
+        roseDeg = smoother.push(next.reading.timeNs, next.reading.heading?.headingDeg ?: Double.NaN)
         unseen = next.unseenDirections
         invalidate()
     }
@@ -60,7 +64,7 @@ class CompassView(context: Context) : View(context) {
         val heading = reading?.heading
         if (heading != null) {
             canvas.save()
-            canvas.rotate(-heading.headingDeg.toFloat(), x, y)
+            canvas.rotate(-roseDeg.toFloat(), x, y)
             for ((k, letter) in listOf("N", "E", "S", "W").withIndex()) {
                 canvas.save()
                 canvas.rotate(90f * k, x, y)

@@ -1,0 +1,82 @@
+plugins {
+    alias(libs.plugins.android.library)
+    alias(libs.plugins.kotlin.android)
+    alias(libs.plugins.dokka)
+    `maven-publish`
+    signing
+}
+
+group = "org.magcomp"
+version = "0.1.0"
+
+// the native libraries of android/build-native.sh, which needs the NDK and cargo-ndk
+val nativeLibraries = rootDir.resolve("../target/android")
+val buildNative by tasks.registering(Exec::class) {
+    commandLine(rootDir.resolve("build-native.sh").path)
+    environment("CARGO_TARGET_DIR", rootDir.resolve("../target").path)
+}
+
+android {
+    namespace = "org.magcomp"
+    compileSdk = 35
+    defaultConfig {
+        minSdk = 21
+        consumerProguardFiles(rootDir.resolve("aar/src/main/aar/proguard.txt"))
+    }
+    compileOptions {
+        sourceCompatibility = JavaVersion.VERSION_1_8
+        targetCompatibility = JavaVersion.VERSION_1_8
+    }
+    sourceSets.getByName("main") {
+        java.srcDir(rootDir.resolve("../bindings/kotlin"))
+        jniLibs.srcDir(nativeLibraries)
+    }
+    // the tests run on the host, under Maven: they need the framework's real classes
+    sourceSets.getByName("test").java.setSrcDirs(emptyList<String>())
+    lint { warningsAsErrors = true }
+    publishing {
+        singleVariant("release") {
+            withSourcesJar()
+            withJavadocJar()
+        }
+    }
+}
+
+kotlin { compilerOptions { jvmTarget.set(org.jetbrains.kotlin.gradle.dsl.JvmTarget.JVM_1_8) } }
+
+tasks.named("preBuild") { dependsOn(buildNative) }
+
+dependencies {
+    api(libs.coroutines.android)
+    // the aar: the jar has no libraries for Android
+    implementation(libs.jna) { artifact { type = "aar" } }
+}
+
+publishing {
+    publications.register<MavenPublication>("release") {
+        artifactId = "magcomp"
+        afterEvaluate { from(components["release"]) }
+        pom {
+            name.set("magcomp")
+            description.set("Frees a smartphone's magnetometer from the disturbance the phone carries.")
+            // where it is published is given by who publishes it: -Pmagcomp.url=https://...
+            val home = providers.gradleProperty("magcomp.url")
+            url.set(home)
+            licenses {
+                license { name.set("MIT"); url.set("https://opensource.org/license/mit") }
+                license { name.set("Apache-2.0"); url.set("https://www.apache.org/licenses/LICENSE-2.0") }
+            }
+            developers { developer { name.set("The magcomp authors") } }
+            scm { url.set(home); connection.set(home.map { "scm:git:$it.git" }) }
+        }
+    }
+}
+
+signing {
+    // in a release alone: ORG_GRADLE_PROJECT_signingKey and ORG_GRADLE_PROJECT_signingPassword
+    val key = providers.gradleProperty("signingKey").orNull
+    if (key != null) {
+        useInMemoryPgpKeys(key, providers.gradleProperty("signingPassword").orNull)
+        sign(publishing.publications)
+    }
+}

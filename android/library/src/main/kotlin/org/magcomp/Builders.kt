@@ -1,0 +1,119 @@
+package org.magcomp
+
+// For Java, which knows no named arguments. What is not set is the library's default; null takes back what was set.
+
+/** Makes a [Config] from Java: `new ConfigBuilder().method(...).build()`. */
+public class ConfigBuilder {
+    private var built = Config()
+
+    /** Sets [Config.method]. */
+    public fun method(value: Method?): ConfigBuilder = apply { built = built.copy(method = value) }
+
+    /** Sets [Config.initial]. */
+    public fun initial(value: Calibration?): ConfigBuilder = apply { built = built.copy(initial = value) }
+
+    /** Sets [Config.initialSigmaUt]. */
+    public fun initialSigmaUt(value: Double?): ConfigBuilder = apply { built = built.copy(initialSigmaUt = value) }
+
+    /** Sets [Config.useReportedHardIron]. */
+    public fun useReportedHardIron(value: Boolean?): ConfigBuilder = apply { built = built.copy(useReportedHardIron = value) }
+
+    /** Sets [Config.rangeUt]. */
+    public fun rangeUt(value: Double?): ConfigBuilder = apply { built = built.copy(rangeUt = value) }
+
+    /** Sets [Config.railUt]. */
+    public fun railUt(value: Double?): ConfigBuilder = apply { built = built.copy(railUt = value) }
+
+    /** Sets [Config.fieldStrengthUt]. */
+    public fun fieldStrengthUt(value: Double?): ConfigBuilder = apply { built = built.copy(fieldStrengthUt = value) }
+
+    /** Sets [Config.heading]. */
+    public fun heading(value: HeadingConfig?): ConfigBuilder = apply { built = built.copy(heading = value) }
+
+    /** Sets [Config.windowed]. */
+    public fun windowed(value: WindowedConfig?): ConfigBuilder = apply { built = built.copy(windowed = value) }
+
+    /** What was set so far. */
+    public fun build(): Config = built
+}
+
+/** Makes a [HeadingConfig] from Java: `new HeadingConfigBuilder().axis(...).build()`. */
+public class HeadingConfigBuilder {
+    private var built = HeadingConfig()
+
+    /** Sets [HeadingConfig.axis]. */
+    public fun axis(value: ReferenceAxis?): HeadingConfigBuilder = apply { built = built.copy(axis = value) }
+
+    /** Sets [HeadingConfig.screenRotation]. */
+    public fun screenRotation(value: ScreenRotation?): HeadingConfigBuilder = apply { built = built.copy(screenRotation = value) }
+
+    /** Sets [HeadingConfig.declinationDeg]. */
+    public fun declinationDeg(value: Double?): HeadingConfigBuilder = apply { built = built.copy(declinationDeg = value) }
+
+    /** Sets [HeadingConfig.tiltSigmaDeg]. */
+    public fun tiltSigmaDeg(value: Double?): HeadingConfigBuilder = apply { built = built.copy(tiltSigmaDeg = value) }
+
+    /** What was set so far. */
+    public fun build(): HeadingConfig = built
+}
+
+/** Makes a [WindowedConfig] from Java: `new WindowedConfigBuilder().nMin(...).build()`. */
+public class WindowedConfigBuilder {
+    private var built = WindowedConfig()
+
+    /** Sets [WindowedConfig.nMin]. */
+    public fun nMin(value: Int?): WindowedConfigBuilder = apply { built = built.copy(nMin = value) }
+
+    /** Sets [WindowedConfig.nMax]. */
+    public fun nMax(value: Int?): WindowedConfigBuilder = apply { built = built.copy(nMax = value) }
+
+    /** Sets [WindowedConfig.sigmaTh]. */
+    public fun sigmaTh(value: Double?): WindowedConfigBuilder = apply { built = built.copy(sigmaTh = value) }
+
+    /** Sets [WindowedConfig.normalisation]. */
+    public fun normalisation(value: Normalisation?): WindowedConfigBuilder = apply { built = built.copy(normalisation = value) }
+
+    /** Sets [WindowedConfig.residual]. */
+    public fun residual(value: Residual?): WindowedConfigBuilder = apply { built = built.copy(residual = value) }
+
+    /** Sets [WindowedConfig.noiseFloorUt]. */
+    public fun noiseFloorUt(value: Double?): WindowedConfigBuilder = apply { built = built.copy(noiseFloorUt = value) }
+
+    /** What was set so far. */
+    public fun build(): WindowedConfig = built
+}
+
+/** Makes a [FitOptions] from Java: `new FitOptionsBuilder().residual(...).build()`. */
+public class FitOptionsBuilder {
+    private var built = FitOptions()
+
+    /** Sets [FitOptions.residual]. */
+    public fun residual(value: Residual?): FitOptionsBuilder = apply { built = built.copy(residual = value) }
+
+    /** Sets [FitOptions.fieldStrengthUt]. */
+    public fun fieldStrengthUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldStrengthUt = value) }
+
+    /** Sets [FitOptions.fieldLowUt]. */
+    public fun fieldLowUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldLowUt = value) }
+
+    /** Sets [FitOptions.fieldHighUt]. */
+    public fun fieldHighUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldHighUt = value) }
+
+    /** Sets [FitOptions.maxDirectionSigmaDeg]. */
+    public fun maxDirectionSigmaDeg(value: Double?): FitOptionsBuilder = apply { built = built.copy(maxDirectionSigmaDeg = value) }
+
+    /** Sets [FitOptions.noiseFloorUt]. */
+    public fun noiseFloorUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(noiseFloorUt = value) }
+
+    /** Sets [FitOptions.maxResidualShare]. */
+    public fun maxResidualShare(value: Double?): FitOptionsBuilder = apply { built = built.copy(maxResidualShare = value) }
+
+    /** Sets [FitOptions.maxIterations]. */
+    public fun maxIterations(value: Int?): FitOptionsBuilder = apply { built = built.copy(maxIterations = value) }
+
+    /** Sets [FitOptions.tolerance]. */
+    public fun tolerance(value: Double?): FitOptionsBuilder = apply { built = built.copy(tolerance = value) }
+
+    /** What was set so far. */
+    public fun build(): FitOptions = built
+}

@@ -1,0 +1,151 @@
+package org.magcomp
+
+import kotlin.math.abs
+import kotlinx.coroutines.flow.StateFlow
+
+/** A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save]. */
+internal class Estimation(
+    config: Config,
+    private val store: CalibrationStore?,
+    private val frame: StateFlow<HeadingFrame>? = null,
+    private val sensors: () -> SensorsInUse? = { null },
+) : AutoCloseable {
+    val compensator = Compensator(config)
+    private val buffer = ReadingBuffer()
+    private var currentFrame = HeadingFrame(
+        config.heading?.axis ?: ReferenceAxis.TOP_EDGE,
+        config.heading?.screenRotation ?: ScreenRotation.DEG0,
+        config.heading?.declinationDeg,
+    )
+
+    /** What the store keeps, and the time of the sample it was saved at. */
+    private var saved: Correction? = null
+    private var savedNs: Long? = null
+    private var unseen = emptyList<Vector3>()
+    private var lookedNs: Long? = null
+    private var latestNs: Long? = null
+    private var begun = false
+
+    @Volatile
+    private var storeError: Exception? = null
+
+    init {
+        try {
+            store?.load()?.let {
+                compensator.restoreCalibration(it)
+                saved = correction()
+            }
+        } catch (e: Exception) {
+            // as at the first launch
+            storeError = e
+        }
+    }
+
+    /** Events of a new run follow: of a source whose times begin again, or of one that goes on. */
+    fun begin() {
+        begun = true
+    }
+
+    fun push(event: SensorSample): CompensatedReading? {
+        if (begun) {
+            begun = false
+            if (event.timeNs < (latestNs ?: Long.MIN_VALUE)) renew()
+        }
+        when (event) {
+            is SensorSample.Magnetic -> return push(event.sample)
+            is SensorSample.RotationRate -> with(event.sample.rateRadS) { compensator.pushRotationRate(event.timeNs, x, y, z) }
+            is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }
+        }
+        return null
+    }
+
+    /** Keeps the calibration alone: all else belongs to the times before. */
+    private fun renew() {
+        val calibration = compensator.snapshotCalibration()
+        if (calibration == null) compensator.reset() else compensator.restoreCalibration(calibration)
+        lookedNs = null
+    }
+
+    private fun push(sample: MagneticSample): CompensatedReading {
+        val wanted = frame?.value
+        if (wanted != null && wanted != currentFrame) {
+            compensator.setHeadingFrame(wanted)
+            currentFrame = wanted
+        }
+        val field = sample.fieldUt
+        val reported = sample.reportedHardIronUt
+        if (reported == null) {
+            compensator.push(sample.timeNs, field.x, field.y, field.z, buffer)
+        } else {
+            compensator.push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
+        }
+        val reading = buffer.toReading()
+        // a time that is refused may be any
+        if (reading.status !is Status.Rejected) nowAndThen(sample.timeNs, reading.status)
+        return CompensatedReading(reading, sample, unseen, sensors = sensors(), storeError = storeError)
+    }
+
+    private fun nowAndThen(timeNs: Long, status: Status) {
+        latestNs = timeNs
+        val since = savedNs
+        if (since == null && status == Status.Tracking) {
+            save()
+            savedNs = timeNs
+        }
+        val looked = lookedNs
+        if (looked == null || apart(timeNs, looked) >= LOOK_EVERY_NS) {
+            lookedNs = timeNs
+            unseen = compensator.coverage().unseenDirections
+            if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && save()) savedNs = timeNs
+        }
+    }
+
+    /** Nanoseconds between two times; the clock may have begun anew between them, so either may be the later. */
+    private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
+
+    /**
+     * Saves what the store does not keep already, from any thread. What the store throws is told with the readings; the next
+     * save tries again.
+     *
+     * @return whether the store was called
+     */
+    @Synchronized
+    fun save(): Boolean {
+        if (store == null) return false
+        val found = correction()
+        if (found == null || found == saved) return false
+        val snapshot = compensator.snapshotCalibration() ?: return false
+        try {
+            store.save(snapshot)
+            saved = found
+            storeError = null
+        } catch (e: Exception) {
+            storeError = e
+        }
+        return true
+    }
+
+    private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
+
+    /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
+    private data class Correction(val softIron: SoftIron, val hardIronUt: Vector3)
+
+    /** Saves at the end of a run. */
+    fun end() {
+        try {
+            save()
+        } catch (_: MagcompException) {
+            // after a defect there is nothing to keep
+        }
+    }
+
+    override fun close(): Unit = compensator.close()
+
+    private companion object {
+        /** About what a crash costs; flash memory wears out with more. */
+        const val SAVE_EVERY_NS = 10_000_000_000L
+
+        /** As often as an eye sees. */
+        const val LOOK_EVERY_NS = 200_000_000L
+    }
+}

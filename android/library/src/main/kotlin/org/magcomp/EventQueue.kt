@@ -1,0 +1,101 @@
+package org.magcomp
+
+/**
+ * Brings events that are delivered late or in batches into the order of their times, which [Compensator] expects. The rules are those
+ * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. [SensorManagerSource] has one; a source of your own
+ * may need it.
+ *
+ * An event waits for every other sensor until that has delivered an event at or after its time. A sensor whose latest event, or else
+ * the beginning of the stream, is more than 0.25 s older than the newest event of all is not waited for. Nothing waits for longer than
+ * [holdS], counted in the time of the events. At equal times the rotation rate is first, then `up`, then the magnetometer. It
+ * drops none: what comes more than [holdS] too late goes out at once, behind later ones. Not thread-safe.
+ *
+ * @property holdS longest that an event waits, 0 to 0.25 s; 0: every event goes out as it comes. For batches choose a little more
+ *   than one batch takes. Default 0.05
+ */
+public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEFAULT_HOLD_S) {
+    init {
+        require(holdS in 0.0..LONGEST_HOLD_S) { "holdS is $holdS, expected 0 to $LONGEST_HOLD_S" }
+    }
+
+    private val holdNs = (holdS * 1e9).toLong()
+
+    /** In the order they go out. */
+    private val waiting = ArrayDeque<SensorSample>(ROOM)
+
+    /** Time of the event the stream began with. */
+    private var beginNs = 0L
+
+    /** Time of the latest event of each sensor. */
+    private val latestNs = longArrayOf(NEVER, NEVER, NEVER)
+
+    /**
+     * Takes the event that was delivered next, and gives [out] those whose turn it is now, in order: none, one or several. When 256
+     * wait, the first goes out whatever it waits for.
+     */
+    public fun push(event: SensorSample, out: (SensorSample) -> Unit) {
+        val timeNs = event.timeNs
+        val sinceNs = difference(timeNs, newestNs())
+        if (newestNs() == NEVER || sinceNs > PAUSE_NS || sinceNs < -ANOTHER_CLOCK_NS) {
+            flush(out)
+            beginNs = timeNs
+        }
+        waiting.add(place(event), event)
+        latestNs[sensor(event)] = timeNs
+        while (waiting.isNotEmpty() && isDue(waiting.first().timeNs)) out(waiting.removeFirst())
+    }
+
+    /** Gives [out] everything that waits: the stream has ended, or another begins. */
+    public fun flush(out: (SensorSample) -> Unit) {
+        latestNs.fill(NEVER)
+        while (waiting.isNotEmpty()) out(waiting.removeFirst())
+    }
+
+    /** Behind those that are before it, or came before it at the same time. */
+    private fun place(event: SensorSample): Int {
+        var place = waiting.size
+        while (place > 0 && goesBefore(event, waiting[place - 1])) place -= 1
+        return place
+    }
+
+    private fun goesBefore(one: SensorSample, other: SensorSample): Boolean =
+        one.timeNs < other.timeNs || (one.timeNs == other.timeNs && sensor(one) < sensor(other))
+
+    /** Whether an event of this time waits no longer. */
+    private fun isDue(timeNs: Long): Boolean {
+        val newestNs = newestNs()
+        return waiting.size >= ROOM ||
+            difference(newestNs, timeNs) >= holdNs ||
+            latestNs.all { it >= timeNs || difference(newestNs, maxOf(it, beginNs)) > PAUSE_NS }
+    }
+
+    private fun newestNs(): Long = maxOf(latestNs[0], latestNs[1], latestNs[2])
+
+    /** Times may be any: what is no 64-bit number is the nearest that is. */
+    private fun difference(oneNs: Long, otherNs: Long): Long {
+        val difference = oneNs - otherNs
+        val overflowed = (oneNs xor otherNs) and (oneNs xor difference) < 0
+        return if (!overflowed) difference else if (oneNs < 0) Long.MIN_VALUE else Long.MAX_VALUE
+    }
+
+    private fun sensor(event: SensorSample): Int = when (event) {
+        is SensorSample.RotationRate -> 0
+        is SensorSample.Up -> 1
+        is SensorSample.Magnetic -> 2
+    }
+
+    /** What holds of every queue. */
+    public companion object {
+        /** Longest that an event waits unless another time is chosen, s. */
+        public const val DEFAULT_HOLD_S: Double = 0.05
+
+        /** The longest time that may be chosen, s. */
+        public const val LONGEST_HOLD_S: Double = 0.25
+        private const val ROOM = 256
+        private const val NEVER = Long.MIN_VALUE
+
+        // as `sensing/order.rs`
+        private const val PAUSE_NS = 250_000_000L
+        private const val ANOTHER_CLOCK_NS = 10_000_000_000L
+    }
+}

@@ -1,0 +1,51 @@
+package org.magcomp
+
+import com.sun.jna.Native
+import java.io.IOException
+
+/**
+ * The app holds no native library for this phone's processor, or it can't be loaded: its ABI was left out when the app was
+ * built, or the app was installed from another phone's APK.
+ */
+public class NativeLibraryException(cause: Throwable) :
+    RuntimeException(
+        "magcomp's native library can't be loaded (${(cause.cause ?: cause).message}); the app must hold it for this phone's ABI",
+        cause,
+    )
+
+/** The native library, loaded once: over JNI for [FastPath], and over JNA for the generated code. */
+internal object NativeLibrary {
+    private const val NAME = "magcomp_ffi"
+    private val failure: LinkageError? = load()
+
+    /** @throws NativeLibraryException when it can't be loaded */
+    fun check() {
+        failure?.let { throw NativeLibraryException(it) }
+    }
+
+    private fun load(): LinkageError? =
+        try {
+            try {
+                System.loadLibrary(NAME)
+            } catch (e: UnsatisfiedLinkError) {
+                loadFromJar(e)
+            }
+            // the generated code binds its functions, and compares versions
+            uniffiEnsureInitialized()
+            null
+        } catch (e: LinkageError) {
+            e
+        }
+
+    /** From magcomp-host.jar, in the unit tests of an app. */
+    private fun loadFromJar(otherwise: UnsatisfiedLinkError) {
+        val file = try {
+            Native.extractFromResourcePath(NAME, NativeLibrary::class.java.classLoader)
+        } catch (_: IOException) {
+            throw otherwise
+        }
+        System.load(file.path)
+        // JNA would extract another, which would not know the objects of this one
+        System.setProperty("uniffi.component.$NAME.libraryOverride", file.path)
+    }
+}

@@ -1,0 +1,119 @@
+package org.magcomp
+
+import kotlin.coroutines.CoroutineContext
+import kotlinx.coroutines.CoroutineScope
+import kotlinx.coroutines.CoroutineStart
+import kotlinx.coroutines.Job
+import kotlinx.coroutines.NonCancellable
+import kotlinx.coroutines.SupervisorJob
+import kotlinx.coroutines.channels.BufferOverflow
+import kotlinx.coroutines.delay
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.MutableSharedFlow
+import kotlinx.coroutines.flow.emitAll
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.onSubscription
+import kotlinx.coroutines.flow.transformWhile
+import kotlinx.coroutines.launch
+import kotlinx.coroutines.sync.Mutex
+import kotlinx.coroutines.sync.withLock
+import kotlinx.coroutines.withContext
+
+/**
+ * One run of readings for all who collect at the same time. It begins with the first collector and ends by itself, or when no
+ * collector was left for the grace time. A run begins only after the run before has ended to its last line. The readings'
+ * error or end reaches every collector after the readings before it; the next collector begins a new run.
+ *
+ * @param context where runs are
+ * @param graceMs the grace time, milliseconds
+ * @param capacity readings kept for a slow collector; it loses the oldest, counted
+ * @param onIdle called in a run's context when its last collector leaves
+ * @param readings one run
+ */
+internal class SharedReadings(
+    context: CoroutineContext,
+    private val graceMs: Long,
+    private val capacity: Int,
+    private val onIdle: () -> Unit,
+    private val readings: () -> Flow<CompensatedReading>,
+) {
+    private val scope = CoroutineScope(context + SupervisorJob(context[Job]))
+    private val oneAtATime = Mutex()
+    private var current: Run? = null
+
+    private class Message(val number: Long, val answer: CompensatedReading?, val error: Exception? = null)
+
+    private inner class Run {
+        val messages = MutableSharedFlow<Message>(replay = 1, extraBufferCapacity = capacity - 1, BufferOverflow.DROP_OLDEST)
+        var collectors = 0
+        var ending: Job? = null
+
+        val job = scope.launch(start = CoroutineStart.LAZY) {
+            var number = 0L
+            val error = try {
+                oneAtATime.withLock { readings().collect { messages.emit(Message(number++, it)) } }
+                null
+            } catch (e: Exception) {
+                // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word
+                e
+            }
+            leave()
+            messages.tryEmit(Message(number, null, error))
+        }
+
+        /** From now on a collector begins another run. */
+        fun leave() = synchronized(this@SharedReadings) { if (current === this) current = null }
+    }
+
+    fun collected(): Flow<CompensatedReading> = flow {
+        val run = join()
+        try {
+            // a run that is under way began with its latest reading
+            var next = if (run.job.isActive) null else 0L
+            val messages = run.messages.onSubscription { run.job.start() }
+            emitAll(
+                messages.transformWhile { message ->
+                    message.error?.let { throw it }
+                    val answer = message.answer ?: return@transformWhile false
+                    val dropped = message.number - (next ?: message.number)
+                    next = message.number + 1
+                    emit(if (dropped == 0L) answer else answer.copy(droppedBefore = dropped))
+                    true
+                },
+            )
+        } finally {
+            part(run)?.let { withContext(NonCancellable) { it.join() } }
+        }
+    }
+
+    @Synchronized
+    private fun join(): Run {
+        val run = current ?: Run().also { current = it }
+        run.collectors += 1
+        run.ending?.cancel()
+        return run
+    }
+
+    /** One collector less; the job that ends now because it was the last, if so. */
+    @Synchronized
+    private fun part(run: Run): Job? {
+        run.collectors -= 1
+        if (run.collectors > 0 || current !== run) return null
+        if (graceMs == 0L || !run.job.isActive) {
+            current = null
+            return run.job.apply { cancel() }
+        }
+        run.ending = scope.launch {
+            onIdle()
+            delay(graceMs)
+            synchronized(this@SharedReadings) {
+                // a collector may have come while this was about to be cancelled
+                if (run.collectors == 0) {
+                    run.leave()
+                    run.job.cancel()
+                }
+            }
+        }
+        return null
+    }
+}

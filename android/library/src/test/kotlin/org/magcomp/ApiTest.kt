@@ -1,0 +1,37 @@
+package org.magcomp
+
+import java.io.File
+import java.util.zip.ZipFile
+import kotlinx.validation.api.dump
+import kotlinx.validation.api.filterOutNonPublic
+import kotlinx.validation.api.loadApiFromJvmClasses
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+class ApiTest {
+    /** What uniffi makes public for itself; an app has no use for it. */
+    private val machinery = Regex("(FfiConverter|RustBuffer|Uniffi|Native(Comp|Const)|Disposable|InternalException|NoHandle).*")
+
+    @Test
+    fun `the API is the one that was agreed on`() {
+        val places = listOf(Compass::class, Reading::class).map { File(it.java.protectionDomain.codeSource.location.toURI()) }
+        val classes = places.flatMap(::classes).filterNot { (name) -> machinery.matches(name) }
+        val found = classes.asSequence().map { (_, bytes) -> bytes.inputStream() }
+            .loadApiFromJvmClasses().filterOutNonPublic().dump(StringBuilder()).toString()
+        assertTrue("public final class org/magcomp/Compass " in found)
+        val agreed = repository.resolve("android/library/api/library.api")
+        if (found == agreed.readText()) return
+        val now = repository.resolve("android/library/target/library.api").apply { writeText(found) }
+        assertEquals(agreed.readText(), found, "if the change is meant, copy $now to $agreed")
+    }
+
+    /** A folder's or a jar's, which of the two Maven's goal decides: names and bytes. */
+    private fun classes(place: File): List<Pair<String, ByteArray>> {
+        if (place.isDirectory) return place.walk().filter { it.extension == "class" }.map { Pair(it.name, it.readBytes()) }.toList()
+        return ZipFile(place).use { jar ->
+            jar.entries().asSequence().filter { it.name.endsWith(".class") }
+                .map { Pair(it.name.substringAfterLast('/'), jar.getInputStream(it).readBytes()) }.toList()
+        }
+    }
+}

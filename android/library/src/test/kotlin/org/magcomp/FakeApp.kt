@@ -1,0 +1,70 @@
+package org.magcomp
+
+import android.app.Application
+import android.content.Context
+import android.content.SharedPreferences
+import android.content.pm.ApplicationInfo
+import android.content.pm.PackageManager
+
+/** An app as [SensorManagerSource] and [PreferencesStore] see it, for Android 15. */
+class FakeApp(private val sensors: FakeSensorManager, private val permissions: Set<String> = emptySet()) : Application() {
+    val preferences = FakePreferences()
+
+    override fun getApplicationContext(): Context = this
+
+    override fun getSystemService(name: String): Any? = if (name == Context.SENSOR_SERVICE) sensors else null
+
+    override fun getSharedPreferences(name: String, mode: Int): SharedPreferences = preferences.also { check(name == "org.magcomp") }
+
+    override fun getApplicationInfo() = ApplicationInfo().apply { targetSdkVersion = 35 }
+
+    override fun checkCallingOrSelfPermission(permission: String): Int =
+        if (permission in permissions) PackageManager.PERMISSION_GRANTED else PackageManager.PERMISSION_DENIED
+}
+
+/** As much of preferences as the store needs. */
+class FakePreferences : SharedPreferences, SharedPreferences.Editor {
+    private val values = HashMap<String, String?>()
+
+    override fun getString(key: String, default: String?): String? = values[key] ?: default
+
+    override fun edit(): SharedPreferences.Editor = this
+
+    override fun putString(key: String, value: String?) = apply { values[key] = value }
+
+    override fun apply() = Unit
+
+    override fun commit() = true
+
+    override fun getAll(): Map<String, *> = values
+
+    override fun contains(key: String) = key in values
+
+    override fun remove(key: String) = apply { values.remove(key) }
+
+    override fun clear() = apply { values.clear() }
+
+    override fun getStringSet(key: String, default: Set<String>?): Set<String>? = default
+
+    override fun getInt(key: String, default: Int) = default
+
+    override fun getLong(key: String, default: Long) = default
+
+    override fun getFloat(key: String, default: Float) = default
+
+    override fun getBoolean(key: String, default: Boolean) = default
+
+    override fun putStringSet(key: String, values: Set<String>?) = this
+
+    override fun putInt(key: String, value: Int) = this
+
+    override fun putLong(key: String, value: Long) = this
+
+    override fun putFloat(key: String, value: Float) = this
+
+    override fun putBoolean(key: String, value: Boolean) = this
+
+    override fun registerOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
+
+    override fun unregisterOnSharedPreferenceChangeListener(l: SharedPreferences.OnSharedPreferenceChangeListener) = Unit
+}

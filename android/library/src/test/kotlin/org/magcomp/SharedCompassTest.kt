@@ -1,0 +1,243 @@
+package org.magcomp
+
+import android.hardware.Sensor
+import java.util.concurrent.CopyOnWriteArrayList
+import java.util.concurrent.Executors
+import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.asCoroutineDispatcher
+import kotlinx.coroutines.async
+import kotlinx.coroutines.cancelAndJoin
+import kotlinx.coroutines.delay
+import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.take
+import kotlinx.coroutines.flow.toList
+import kotlinx.coroutines.launch
+import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withTimeout
+import kotlinx.coroutines.yield
+import org.junit.jupiter.api.AfterEach
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertNotNull
+import org.junit.jupiter.api.Assertions.assertNull
+import org.junit.jupiter.api.Assertions.assertThrows
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+/** One compass, collected by screens that come and go. */
+class SharedCompassTest {
+    private val sensors =
+        FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, hardIron = false)
+    private val events = events(tumbling(2000)).map(::inFloats)
+    private val stores = mutableListOf<Store>()
+
+    /** Takes its time, and knows when it is called at a wrong one. */
+    private inner class Store(val delayMs: Long) : CalibrationStore {
+        @Volatile
+        var snapshot: String? = null
+        val loads = AtomicInteger()
+        val saves = AtomicInteger()
+        private val calls = AtomicInteger()
+        val overlapped = AtomicInteger()
+
+        init {
+            stores += this
+        }
+
+        private fun <T> call(what: () -> T): T {
+            if (calls.incrementAndGet() > 1) overlapped.incrementAndGet()
+            Thread.sleep(delayMs)
+            return what().also { calls.decrementAndGet() }
+        }
+
+        override fun load() = call { snapshot.also { loads.incrementAndGet() } }
+
+        override fun save(snapshot: String) = call { this.snapshot = snapshot.also { saves.incrementAndGet() } }
+    }
+
+    @AfterEach
+    fun `no sensor was registered twice, and no call of a store came within another`() {
+        assertTrue(sensors.most.get() <= 1, "${sensors.most.get()} registrations of one sensor")
+        for (store in stores) assertEquals(0, store.overlapped.get())
+    }
+
+    @Test
+    fun `200 rotations change nothing`() = runBlocking {
+        val expected = Compensator(Config(heading = HeadingConfig(axis = ReferenceAxis.AUTO))).use { it.pushAll(events) }
+        for (store in listOf(Store(0), Store(30))) {
+            val compass = Compass(sensors.source(), store = store)
+            for (rotation in 0 until 200) {
+                val part = events.subList(20 * rotation, 20 * rotation + 20)
+                val screen = async { compass.readings().first { it.sample.timeNs == part.last().timeNs } }
+                registered(3)
+                // some come before the screen is back
+                part.forEach(sensors::deliver)
+                assertEquals(expected[10 * rotation + 9], screen.await().reading, "after rotation $rotation")
+                assertEquals(3, sensors.registrations.size)
+            }
+            assertEquals(1, store.loads.get())
+            ended()
+            assertNotNull(store.snapshot)
+        }
+    }
+
+    @Test
+    fun `200 rotations that take longer than the sensors go on never lose the calibration`() = runBlocking {
+        for (store in listOf(Store(0), Store(3))) {
+            val compass = Compass(sensors.source(), store = store, graceMs = 0)
+            var calibrated = false
+            for (rotation in 0 until 200) {
+                val part = events.subList(20 * rotation, 20 * rotation + 20)
+                val screen = async { compass.readings().take(10).toList() }
+                registered(3)
+                part.forEach(sensors::deliver)
+                val readings = screen.await()
+                assertEquals(0, sensors.registrations.size)
+                if (calibrated) assertTrue(readings.all { it.reading.fieldUt != null }, "lost at rotation $rotation")
+                calibrated = calibrated || readings.last().reading.fieldUt != null
+                // the process may die now
+                assertEquals(calibrated, store.snapshot != null)
+            }
+            assertTrue(calibrated)
+            assertEquals(1, store.loads.get())
+            // and with the process: what the last rotation had
+            val next = async { Compass(sensors.source(), store = store, graceMs = 0).readings().first() }
+            registered(3)
+            sensors.deliver(events[1])
+            assertNotNull(next.await().reading.fieldUt)
+        }
+    }
+
+    @Test
+    fun `a second collector gets the latest reading at once and then the same`() = runBlocking {
+        val compass = Compass(sensors.source(), graceMs = 0)
+        val collected = List(3) { CopyOnWriteArrayList<CompensatedReading>() }
+        fun collecting(n: Int, count: Int) = async { compass.readings().take(count).toList(collected[n]) }
+        suspend fun arrived(vararg counts: Int) =
+            withTimeout(20_000) { while (collected.map { it.size } != counts.toList()) yield() }
+        fun field(k: Long) = sensors.deliver(SensorSample.Magnetic(MagneticSample(k, Vector3(1.0, 2.0, k.toDouble()))))
+
+        val one = collecting(0, 3)
+        registered(3)
+        field(1)
+        arrived(1, 0, 0)
+        val two = collecting(1, 2)
+        val three = collecting(2, 3)
+        arrived(1, 1, 1)
+        field(2)
+        arrived(2, 2, 2)
+        field(3)
+        assertEquals(listOf(1L, 2L, 3L), one.await().map { it.sample.timeNs })
+        assertEquals(listOf(1L, 2L), two.await().map { it.sample.timeNs })
+        assertTrue(two.await()[1] === one.await()[1], "one estimator")
+        assertEquals(0L, (one.await() + three.await()).sumOf { it.droppedBefore })
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `what is left by the last collector is saved before the grace time has passed`() = runBlocking {
+        val store = Store(0)
+        val compass = Compass(sensors.source(), store = store, graceMs = 600_000)
+        val screen = launch { compass.readings().collect { } }
+        registered(3)
+        for (event in events.take(1000)) sensors.deliver(event)
+        val last = compass.readings().first { it.sample.timeNs == events[999].timeNs }
+        assertEquals(Status.Tracking, last.reading.status)
+        val before = store.saves.get()
+        screen.cancelAndJoin()
+        withTimeout(20_000) { while (store.saves.get() == before) delay(1) }
+        assertEquals(3, sensors.registrations.size, "the sensors go on")
+        val kept = Compensator().use { it.apply { restoreCalibration(store.snapshot!!) }.calibration()!! }
+        val found = Compensator().use { it.apply { pushAll(events.take(1000)) }.calibration()!! }
+        assertEquals(found.hardIronUt, kept.hardIronUt)
+    }
+
+    @Test
+    fun `after the grace time the sensors rest, and the next collector goes on with what was learned`() = runBlocking {
+        val compass = Compass(sensors.source(), graceMs = 1)
+        val collecting = launch { compass.readings().first { it.sample.timeNs == events[999].timeNs } }
+        registered(3)
+        events.take(1000).forEach(sensors::deliver)
+        collecting.join()
+        ended()
+        val next = async { compass.readings().first() }
+        registered(3)
+        val later = (events[1999] as SensorSample.Magnetic).sample
+        sensors.deliver(SensorSample.Magnetic(later))
+        val reading = next.await()
+        assertEquals(later.timeNs, reading.sample.timeNs, "nothing of before")
+        assertNotNull(reading.reading.fieldUt)
+        assertTrue(reading.reading.window > 100, "the whole state was kept: ${reading.reading.window}")
+    }
+
+    @Test
+    fun `after an error the next collector begins anew`() = runBlocking {
+        val compass = Compass(sensors.source())
+        sensors.refuse = Sensor.TYPE_GRAVITY
+        repeat(2) { assertThrows(SensorException.Refused::class.java) { runBlocking { compass.readings().first() } } }
+        sensors.refuse = null
+        val next = async { compass.readings().first() }
+        registered(3)
+        sensors.deliver(events[1])
+        assertNull(next.await().reading.fieldUt)
+        ended()
+    }
+
+    @Test
+    fun `events, estimator and store are where the app wants them`() = runBlocking {
+        Executors.newSingleThreadExecutor { Thread(it, "of the app") }.asCoroutineDispatcher().use { context ->
+            val threads = CopyOnWriteArrayList<String>()
+            fun here() = threads.add(Thread.currentThread().name.substringBefore(" @"))
+            val store = object : CalibrationStore {
+                override fun load(): String? = null.also { here() }
+
+                override fun save(snapshot: String) {
+                    here()
+                }
+            }
+            val source = object : MagneticFieldSource {
+                override fun samples() = flow {
+                    for (event in events.take(1000)) emit(event.also { here() })
+                }
+            }
+            Compass(source, store = store, context = context).readings().toList()
+            source.samples().compensated(store = store, context = context).toList()
+            assertEquals(setOf("of the app"), threads.toSet())
+            assertTrue(threads.size >= 2004, "${threads.size} calls")
+        }
+    }
+
+    @Test
+    fun `after a defect the next collector begins anew`() = runBlocking {
+        val store = Store(0)
+        val compass = Compass(sensors.source(), store = store, graceMs = 0)
+        val arrived = CopyOnWriteArrayList<CompensatedReading>()
+        val broken = async { runCatching { compass.readings().toList(arrived) }.exceptionOrNull() }
+        registered(3)
+        events.take(1000).forEach(sensors::deliver)
+        withTimeout(20_000) { while (arrived.lastOrNull()?.sample?.timeNs != events[999].timeNs) yield() }
+        TestHooks.panicOnPurpose(compass.kept!!.compensator.handle)
+        sensors.deliver(events[1001])
+        assertTrue(broken.await() is MagcompException.Panicked)
+        assertEquals(0, sensors.registrations.size)
+        val next = async { compass.readings().first() }
+        registered(3)
+        sensors.deliver(events[1003])
+        assertNotNull(next.await().reading.fieldUt, "with what the store has")
+    }
+
+    @Test
+    fun `a recording that is played again keeps the calibration alone`() = runBlocking {
+        val recording = repository.resolve("tests/recordings/broad_34_attached_magnet_3cm.csv.gz")
+        val compass = Compass(RecordingSource(recording))
+        val first = compass.readings().toList()
+        val again = compass.readings().first()
+        assertTrue(again.reading.status !is Status.Rejected, "${again.reading.status}")
+        assertNotNull(again.reading.fieldUt)
+        assertTrue(again.sample.timeNs < first.last().sample.timeNs)
+    }
+
+    private suspend fun registered(count: Int) = withTimeout(20_000) { while (sensors.registrations.size < count) yield() }
+
+    private suspend fun ended() = withTimeout(20_000) { while (sensors.registrations.isNotEmpty() || sensors.threads > 0) delay(1) }
+}

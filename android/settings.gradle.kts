@@ -1,0 +1,19 @@
+// The build that an app's developer knows, over the same folders as Maven's: the AAR with its native libraries, and the sample.
+pluginManagement {
+    repositories {
+        google()
+        mavenCentral()
+        gradlePluginPortal()
+    }
+}
+
+dependencyResolutionManagement {
+    repositoriesMode.set(RepositoriesMode.FAIL_ON_PROJECT_REPOS)
+    repositories {
+        google()
+        mavenCentral()
+    }
+}
+
+rootProject.name = "magcomp-android"
+include(":library", ":sample")
