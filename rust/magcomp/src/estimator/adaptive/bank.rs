@@ -15,24 +15,12 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::LN_2;
 use std::ops::Range;
 
-/// Cross elements of M differ by so much less than its diagonal: soft iron of phones.
-const CROSS: f64 = 0.7;
-/// A change of b that leaves M as it is: relative, so that rounding is no contradiction.
-const NO_IRON: f64 = 5e-3;
 /// Hypotheses that are kept.
 pub(super) const MOST: usize = 16;
 /// Former calibrations that are remembered.
 const FORMER: usize = 4;
-/// Two calibrations nearer than this (units) are one.
-const SAME_FORMER: f64 = 0.03;
-/// Samples of the best hypothesis before a change that no sample announces is looked for, s.
-const YOUNG_S: f64 = 0.32;
 /// Mixture weights below this do not count.
 const NO_WEIGHT: f64 = 1e-5;
-/// A former calibration is believed to hold again up to this, uT.
-const FORMER_UT: f64 = 0.3;
-/// A centre of the coordinates further from the samples than this (units) is moved: moments about it are badly conditioned.
-const FAR: f64 = 6.0;
 
 /// What a change begins from: the name of the change before it, what was known, the log joint probability of that and a change
 /// that is over now; and of a change that is not, with the latest miss.
@@ -114,7 +102,7 @@ impl Bank {
 
     fn begin_cold(&mut self, time_ns: i64, u: &Vector3<f64>, base: f64, at: &Setting) {
         for deviation in [at.tuning.cold_little, at.tuning.cold_much] {
-            let prior = cold(u, deviation, at.strength_ut);
+            let prior = cold(u, deviation, at);
             if let Some(mut hypothesis) = Hypothesis::new(Kind::Cold, &prior, u, base - LN_2, at) {
                 // a minimum is found from either side; at the sample itself there is none
                 hypothesis.known.mean[8] -= 0.9;
@@ -144,7 +132,7 @@ impl Bank {
         } else if surprise.is_some() {
             self.spawn(place, time_ns, sample, surprise, seconds.max(1e-3), at);
             self.since_look_s = 0.0;
-        } else if !sample.stale && self.since_look_s >= tuning.look_s && best.age * at.period_s > YOUNG_S {
+        } else if !sample.stale && self.since_look_s >= tuning.look_s && best.age * at.period_s > 2.0 * tuning.look_s {
             self.spawn(place, time_ns, sample, None, self.since_look_s, at);
             self.since_look_s = 0.0;
         }
@@ -200,7 +188,7 @@ impl Bank {
         at: &Setting,
     ) {
         let tuning = at.tuning;
-        let centre = if (sample.u - parent.centre()).norm() > FAR { sample.u } else { *parent.centre() };
+        let centre = if (sample.u - parent.centre()).norm() > tuning.far { sample.u } else { *parent.centre() };
         // kinds share the rate of changes
         let Before { id, ref known, log, born } = *before;
         let log_device = log + (tuning.devices_per_h / tuning.changes_per_h()).ln();
@@ -217,7 +205,7 @@ impl Bank {
         let changed = |bank: &mut Self, kind, size, iron: f64, b: f64| {
             // with M or without; both sizes where both may be
             let share = 2.0 * sizes.len() as f64;
-            child(bank, kind, size, &after(known, iron, b), log_device - share.ln());
+            child(bank, kind, size, &after(known, iron, b, tuning), log_device - share.ln());
         };
         for size in sizes.clone() {
             let (b, iron, place) = match size {
@@ -226,13 +214,13 @@ impl Bank {
             };
             // a change is not much smaller than the miss that shows one component of it
             let b = if size == 0 { b / at.unit_ut } else { (b / at.unit_ut).max(1.5 * miss) };
-            changed(self, Kind::HardIron, size, NO_IRON, b);
+            changed(self, Kind::HardIron, size, tuning.no_iron, b);
             changed(self, Kind::All, size, iron, b);
             child(self, Kind::Place, size, &elsewhere(known, place), log_place - (sizes.len() as f64).ln());
         }
         if sizes.contains(&1) {
             for (index, former) in self.former.into_iter().flatten().enumerate() {
-                let prior = after(&former, NO_IRON, FORMER_UT / at.unit_ut);
+                let prior = after(&former, tuning.no_iron, tuning.former_ut / at.unit_ut, tuning);
                 child(self, Kind::Former, index, &prior, log_device - 8.0_f64.ln());
             }
         }
@@ -254,8 +242,11 @@ impl Bank {
                 *slot = None;
             }
         }
-        let prior =
-            if moves { after(&parent.known, tuning.moved_iron, tuning.moved_ut / at.unit_ut) } else { parent.known };
+        let prior = if moves {
+            after(&parent.known, tuning.moved_iron, tuning.moved_ut / at.unit_ut, tuning)
+        } else {
+            parent.known
+        };
         if let Some(mut child) = Hypothesis::new(parent.kind, &prior, parent.centre(), log, at) {
             child.motion = Motion::new(moves, Vector3::zeros(), at);
             child.continues(parent);
@@ -310,7 +301,7 @@ impl Bank {
             let beaten = |(other, h): (usize, &Option<Hypothesis>)| {
                 h.as_ref().is_some_and(|h| {
                     other != place
-                        && (h.is_twin(own) || h.is_neighbour(own, time_ns))
+                        && (h.is_twin(own, tuning.same_place) || h.is_neighbour(own, time_ns))
                         && (h.log_joint() > log || h.log_joint() == log && other < place)
                 })
             };
@@ -323,7 +314,8 @@ impl Bank {
             && best.error.sqrt() < tuning.absorb_deg.to_radians()
             && let Some(former) = best.former.take()
         {
-            let known = |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= SAME_FORMER);
+            let known =
+                |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= tuning.same_former);
             let place = self.former.iter().position(known).unwrap_or(FORMER - 1);
             self.former[..=place].rotate_right(1);
             self.former[0] = Some(former);
@@ -334,7 +326,7 @@ impl Bank {
     pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
         let best = self.best()?;
         let changing = best.former.map(|former| {
-            let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut);
+            let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut, at.tuning);
             elsewhere(&wide, at.tuning.large_place)
         });
         let mut parts = [None; MOST + 1];
@@ -367,11 +359,11 @@ fn expected(per_h: f64, seconds: f64) -> f64 {
 }
 
 /// What was known, after a change of M by a relative `iron` and of b by `b` units, as standard deviations.
-fn after(known: &Gaussian, iron: f64, b: f64) -> Gaussian {
+fn after(known: &Gaussian, iron: f64, b: f64, tuning: &Tuning) -> Gaussian {
     let mut covariance = known.covariance;
     // relative to the size of T: the gauge of the field strength is free
     let scale = shape(&known.mean).trace() / 3.0;
-    for (at, sd) in [(0, iron * scale), (3, CROSS * iron * scale), (6, b)] {
+    for (at, sd) in [(0, iron * scale), (3, tuning.cross * iron * scale), (6, b)] {
         (at..at + 3).for_each(|i| covariance[(i, i)] += sd * sd);
     }
     Gaussian { mean: known.mean, covariance }
@@ -389,10 +381,14 @@ fn elsewhere(known: &Gaussian, size: f64) -> Gaussian {
     Gaussian { mean: known.mean, covariance }
 }
 
-/// Before anything is known: T = k (I + deviation) with k for any field on Earth, 22 to 67 uT, or within 5 % of one that is
+/// Before anything is known: T = k (I + deviation) with k for any field on Earth, 22 to 67 uT, or near that which is
 /// given; b within about a field strength of the first sample.
-fn cold(u: &Vector3<f64>, deviation: f64, strength: Option<f64>) -> Gaussian {
-    let (scale, scale_sd) = if strength.is_some() { (1.0, 0.05) } else { (1.05, 0.28) };
+fn cold(u: &Vector3<f64>, deviation: f64, at: &Setting) -> Gaussian {
+    let tuning = at.tuning;
+    let (scale, scale_sd) = match at.strength_ut {
+        Some(_) => (1.0, tuning.known_scale_sd),
+        None => (tuning.cold_scale, tuning.cold_scale_sd),
+    };
     let mut mean = Tau::zeros();
     let mut covariance = TauMatrix::zeros();
     covariance[(9, 9)] = 1.0;
@@ -400,8 +396,8 @@ fn cold(u: &Vector3<f64>, deviation: f64, strength: Option<f64>) -> Gaussian {
         mean[i] = scale;
         mean[6 + i] = u[i];
         covariance[(i, i)] += deviation * deviation;
-        covariance[(3 + i, 3 + i)] = (CROSS * deviation).powi(2);
-        covariance[(6 + i, 6 + i)] = 0.75 * 0.75;
+        covariance[(3 + i, 3 + i)] = (tuning.cross * deviation).powi(2);
+        covariance[(6 + i, 6 + i)] = tuning.cold_centre * tuning.cold_centre;
         for j in 0..3 {
             covariance[(i, j)] += scale_sd * scale_sd;
         }
@@ -413,12 +409,12 @@ fn cold(u: &Vector3<f64>, deviation: f64, strength: Option<f64>) -> Gaussian {
 pub(super) fn given(tau: &Tau, sigma_ut: f64, at: &Setting) -> Gaussian {
     let known = Gaussian { mean: *tau, covariance: TauMatrix::zeros() };
     let iron = (at.tuning.given_iron_per_ut * sigma_ut).min(at.tuning.cold_little);
-    let mut known = after(&known, iron, sigma_ut / at.unit_ut);
+    let mut known = after(&known, iron, sigma_ut / at.unit_ut, at.tuning);
     known.covariance[(9, 9)] = 1.0;
     // the strength of this place may differ from that of the last
     for i in 0..3 {
         for j in 0..3 {
-            known.covariance[(i, j)] += (0.1 * tau[i]) * (0.1 * tau[j]);
+            known.covariance[(i, j)] += (at.tuning.given_strength * tau[i]) * (at.tuning.given_strength * tau[j]);
         }
     }
     known

@@ -84,24 +84,10 @@ checked!(Hypothesis, |it| is_covariance(&it.information)
 const LEVEL: f64 = 1e-4;
 /// Parameters of a fit: that many samples are not judged by it.
 pub(super) const PARAMETERS: f64 = 9.0;
-/// Samples further from the ellipsoid than any field reaches, units.
-const FARTHEST: f64 = 4.0;
-/// A prediction's variance may be so many times as large: it is linearised.
-const DOUBT: f64 = 9.0;
 /// Iterations of a fit with few samples (the minimum moves far), with some, and later.
 const ITERATIONS: [(f64, usize); 3] = [(32.0, 15), (128.0, 6), (f64::INFINITY, 3)];
-/// A step that lowers F by less is the last.
-const SETTLED: f64 = 0.2;
 const DAMPINGS: usize = 6;
-/// A second start is tried where F exceeds its expectation by so much.
-const STUCK: f64 = 30.0;
-/// Two tau nearer than this (units) are one place.
-const SAME_PLACE: f64 = 0.1;
-/// A twin's F may exceed its sibling's by so much.
-const TWIN_WORSE: f64 = 20.0;
 const NO_EVIDENCE: f64 = -1e3;
-/// Share of V that keeps Y finite where there are fewer samples than parameters.
-const SOFTENED: f64 = 0.5;
 
 /// L + L_v.
 struct Both {
@@ -198,7 +184,7 @@ impl Hypothesis {
 
     /// Whether a miss of a mean of so many samples, which its prediction knows within rho, is likelier a disturbance.
     fn is_off(e: f64, rho: f64, count: f64, at: &Setting) -> bool {
-        let variance = at.level.white / count + at.level.uneven + DOUBT * rho / at.level.kappa;
+        let variance = at.level.white / count + at.level.uneven + at.tuning.doubt * rho / at.level.kappa;
         0.5 * e * e / variance > at.half_square * count
     }
 
@@ -228,7 +214,7 @@ impl Hypothesis {
             self.in_progress -= (small / level.white.sqrt()).ln() + 0.5 * step * step;
             self.missed_before = miss;
         }
-        if self.judges(at) && Self::is_off(e, rho, n, at) || e.abs() > FARTHEST {
+        if self.judges(at) && Self::is_off(e, rho, n, at) || e.abs() > at.tuning.farthest {
             let cost = at.price * n - baseline;
             self.pending -= cost;
             self.paid += cost;
@@ -269,8 +255,15 @@ impl Hypothesis {
         Some(likelihood.at(tau)?.0 + d.dot(&(self.information * d)))
     }
 
-    /// At most so many iterations towards the minimum of F; where to, F there, and how many it took.
-    fn descend(&self, likelihood: &Both, from: &Tau, most: usize, damping: &mut f64) -> Option<(Tau, f64, usize)> {
+    /// At most so many iterations towards the minimum of F, until one lowers it by less than `settled`; where to, F there, and how many it took.
+    fn descend(
+        &self,
+        likelihood: &Both,
+        from: &Tau,
+        most: usize,
+        damping: &mut f64,
+        settled: f64,
+    ) -> Option<(Tau, f64, usize)> {
         let mut tau = *from;
         let mut f = self.total(likelihood, &tau)?;
         let mut done = 0;
@@ -297,7 +290,7 @@ impl Hypothesis {
             let Some((next, lower)) = better else { break };
             let gain = f - lower;
             (tau, f) = (next, lower);
-            if gain < SETTLED {
+            if gain < settled {
                 break;
             }
         }
@@ -320,10 +313,11 @@ impl Hypothesis {
         let likelihood = self.likelihood(level);
         let most = ITERATIONS.iter().find(|(below, _)| count < *below).map_or(3, |(_, most)| *most);
         let mut damping = self.damping;
-        let mut best = self.descend(&likelihood, &self.known.mean, most, &mut damping);
+        let settled = at.tuning.settled;
+        let mut best = self.descend(&likelihood, &self.known.mean, most, &mut damping, settled);
         let mut iterations = best.map_or(1, |(.., done)| done);
-        if best.is_none_or(|(_, f, _)| f > 2.0 * self.groups + STUCK) {
-            let again = self.descend(&likelihood, &self.prior, ITERATIONS[0].1, &mut 1e-2);
+        if best.is_none_or(|(_, f, _)| f > 2.0 * self.groups + at.tuning.stuck) {
+            let again = self.descend(&likelihood, &self.prior, ITERATIONS[0].1, &mut 1e-2, settled);
             iterations += again.map_or(1, |(.., done)| done);
             if again.is_some_and(|(_, lower, _)| best.is_none_or(|(_, f, _)| lower < f)) {
                 best = again;
@@ -331,17 +325,18 @@ impl Hypothesis {
         }
         self.damping = damping;
         match best {
-            Some((tau, f, _)) => self.settle(&likelihood, &tau, f, level),
+            Some((tau, f, _)) => self.settle(&likelihood, &tau, f, at),
             None => self.fitted = NO_EVIDENCE,
         }
         iterations
     }
 
     /// From the minimum to the estimate: see the module.
-    fn settle(&mut self, likelihood: &Both, tau: &Tau, f: f64, level: &Level) {
+    fn settle(&mut self, likelihood: &Both, tau: &Tau, f: f64, setting: &Setting) {
+        let level = &setting.level;
         let Some((cost, point)) = likelihood.at(tau) else { return };
         let at = likelihood.expansion(tau, &point);
-        let softened = at.hessian + at.noise * SOFTENED + TauMatrix::identity() * 1e-9;
+        let softened = at.hessian + at.noise * setting.tuning.softened + TauMatrix::identity() * 1e-9;
         let Some(factors) = Ldl::new(&softened) else { return };
         let y = factors.solve_matrix(&(at.hessian - at.noise));
         let told = y * y;
@@ -393,15 +388,15 @@ impl Hypothesis {
     /// The same samples explained nearly as well from `start`.
     pub fn twin(&self, at: &Setting, start: &Tau) -> Option<Self> {
         let likelihood = self.likelihood(&at.level);
-        let (tau, f, _) = self.descend(&likelihood, start, 12, &mut 1e-2)?;
+        let (tau, f, _) = self.descend(&likelihood, start, 12, &mut 1e-2, at.tuning.settled)?;
         let own = self.total(&likelihood, &self.known.mean)?;
-        if (tau - self.known.mean).norm() < SAME_PLACE || f > own + TWIN_WORSE {
+        if (tau - self.known.mean).norm() < at.tuning.same_place || f > own + at.tuning.twin_worse {
             return None;
         }
         let mut twin = self.clone();
         twin.known.mean = tau;
         twin.fit(at);
-        ((twin.known.mean - self.known.mean).norm() > SAME_PLACE).then_some(twin)
+        ((twin.known.mean - self.known.mean).norm() > at.tuning.same_place).then_some(twin)
     }
 
     /// b on the other side of the samples' plane.
@@ -426,11 +421,11 @@ impl Hypothesis {
         tau
     }
 
-    /// Whether both are of the same change and in the same place.
-    pub fn is_twin(&self, other: &Self) -> bool {
+    /// Whether both are of the same change and in the same place, no further apart than `same_place`.
+    pub fn is_twin(&self, other: &Self, same_place: f64) -> bool {
         self.id == other.id
             && self.motion.moves == other.motion.moves
-            && (self.known.mean - other.known.mean).norm() < SAME_PLACE
+            && (self.known.mean - other.known.mean).norm() < same_place
     }
 
     /// Whether both say the same of nearly the same time: onsets are kept on a grid that doubles with their age.

@@ -36,8 +36,6 @@ use serde::{Deserialize, Serialize};
 use setting::{Sample, Setting};
 pub(crate) use tuning::Tuning;
 
-/// The share of gravity by which a vertical may be accelerated to be one.
-const CALM: f64 = 0.1;
 /// Samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
@@ -113,7 +111,7 @@ impl Adaptive {
 
     /// What gravity says with the next sample, m/s^2.
     pub fn level(&mut self, up_m_s2: Option<Vector3<f64>>) {
-        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < CALM;
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < self.tuning.calm;
         self.up = up_m_s2.filter(calm).map(|up| up.normalize());
     }
 

@@ -9,9 +9,6 @@ use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// The dip of a place differs along the way: per root second, field strengths.
-const DIP_WALK: f64 = 0.003;
-
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self")]
@@ -43,7 +40,7 @@ impl Motion {
         let Gaussian { mut mean, mut covariance } = *known;
         let walk = if self.moves { tuning.moving_walk_ut } else { tuning.walk_ut } / at.unit_ut;
         (6..9).for_each(|i| covariance[(i, i)] += walk * walk * seconds);
-        covariance[(9, 9)] += DIP_WALK * DIP_WALK * seconds;
+        covariance[(9, 9)] += tuning.dip_walk * tuning.dip_walk * seconds;
         if !self.moves {
             return Ldl::new(&covariance).map(|factors| (Gaussian { mean, covariance }, factors, *self));
         }

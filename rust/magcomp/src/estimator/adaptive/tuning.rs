@@ -38,12 +38,20 @@ choices! {
         small_place: 0.05, "", "rooms";
         /// A large change of them
         large_place: 0.3, "", "next to steel";
+        /// What a change of b alone leaves open of M, relative: rounding is no contradiction
+        no_iron: 0.005, "", "families";
+        /// What the return of a former calibration leaves open of b
+        former_ut: 0.3, "uT", "families";
+        /// Two former calibrations nearer than this (field strengths) are one
+        same_former: 0.03, "", "two degrees";
         /// Least change of them that is told as another place
         least_place: 0.1, "", "rooms";
         /// Random walk of b at rest
         walk_ut: 0.003, "uT/s^0.5", "temperature";
         /// Random walk of b that moves
         moving_walk_ut: 0.05, "uT/s^0.5", "families";
+        /// Random walk of the vertical part of the field, in field strengths
+        dip_walk: 0.003, "1/s^0.5", "families";
         /// Rate of b that moves
         rate_ut_s: 0.4, "uT/s", "families";
         /// How long a rate lasts
@@ -60,8 +68,20 @@ choices! {
         cold_little: 0.05, "", "phones";
         /// Much
         cold_much: 0.2, "", "phones with covers";
+        /// By how much less the cross elements of M deviate than its diagonal
+        cross: 0.7, "", "soft iron of phones";
+        /// Field strength that coordinates count in over that of the place, before anything is known
+        cold_scale: 1.05, "", "the Earth's field, 22 to 67 uT";
+        /// Its standard deviation
+        cold_scale_sd: 0.28, "", "the same";
+        /// The same where the strength is given
+        known_scale_sd: 0.05, "", "a model of the Earth's field, indoors";
+        /// How far b is from the first sample before anything is known, in field strengths, per axis
+        cold_centre: 0.75, "", "a field strength";
         /// How far T of a calibration that was given is off, relative, for each uT that b is; up to a little
         given_iron_per_ut: 0.0025, "1/uT", "the last launch";
+        /// How far the strength of the field may differ from that where it was found, relative
+        given_strength: 0.1, "", "the last launch";
         /// Log probability that a calibration that was given does not hold at all
         log_cold: -6.0, "", "one launch in 400";
         /// Samples nearer than this to one another are averaged (4.5 standard deviations of noise on top)
@@ -94,6 +114,24 @@ choices! {
         log_hopeless: -30.0, "", "families";
         /// A fit is worth while when the samples have become so many times more
         growth: 1.3, "", "families";
+        /// A step that lowers F by less is the last of a fit
+        settled: 0.2, "", "families";
+        /// A second start is tried where F exceeds its expectation by so much
+        stuck: 30.0, "", "families";
+        /// Two estimates nearer than this (field strengths) are one
+        same_place: 0.1, "", "families";
+        /// F of another lobe of the ellipsoid may exceed that of the first by so much
+        twin_worse: 20.0, "", "families";
+        /// Share of the noise's curvature that keeps an estimate finite where there are fewer samples than parameters
+        softened: 0.5, "", "families";
+        /// A prediction's variance may be so many times as large: it is linearised
+        doubt: 9.0, "", "three standard deviations";
+        /// Samples further from the ellipsoid than this (field strengths) are never used
+        farthest: 4.0, "", "further than any field reaches";
+        /// A centre of the moments further from the samples than this (field strengths) is moved
+        far: 6.0, "", "moments about it are badly conditioned";
+        /// The share of gravity by which a vertical may be accelerated to be one
+        calm: 0.1, "", "families";
         /// Levenberg-Marquardt iterations that a sample may cost
         iterations: 12.0, "", "the longest push";
     }
