@@ -1,18 +1,18 @@
 //! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
 //!
-//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided.
+//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided adaptive.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
 
 use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, turning, warm_start};
-use magcomp::{Compensator, Config, MagneticSample, Moments, Residual};
+use magcomp::{Compensator, Config, MagneticSample, Method, Moments, Residual};
 use std::hint::black_box;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
-        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided COUNT");
+        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided|adaptive COUNT");
         std::process::exit(2);
     };
     match case.as_str() {
@@ -20,7 +20,8 @@ fn main() {
         "fit-2000" => fit(2000, count),
         "push-100" => push(100, count),
         "push-2000" => push(2000, count),
-        "aided" => aided(count),
+        "aided" => hand_held(Method::Auto, count),
+        "adaptive" => hand_held(Method::Adaptive, count),
         _ => direct(count),
     }
 }
@@ -48,8 +49,14 @@ fn push(window: usize, count: usize) {
     }
 }
 
-fn aided(count: usize) {
-    let mut compensator = Compensator::new(Config::default()).expect("a valid config");
+fn hand_held(method: Method, count: usize) {
+    #[allow(clippy::field_reassign_with_default, reason = "outside its crate a config can't be written as one literal")]
+    let config = {
+        let mut config = Config::default();
+        config.method = method;
+        config
+    };
+    let mut compensator = Compensator::new(config).expect("a valid config");
     for (rate, up, sample) in turning(3000 + count) {
         compensator.push_rotation_rate(rate).expect("a plausible rate");
         compensator.push_up(up).expect("a plausible acceleration");

@@ -1,7 +1,9 @@
 //! Samples and the direct fit that both the benchmark and the instruction count use.
 
 use magcomp::nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
-use magcomp::{Compensator, Config, FitOptions, MagneticSample, Moments, Residual, RotationRateSample, UpSample};
+use magcomp::{
+    Compensator, Config, FitOptions, MagneticSample, Method, Moments, Residual, RotationRateSample, UpSample,
+};
 
 /// Centre and field strength of the samples, uT.
 pub const OFFSET_UT: Vector3<f64> = Vector3::new(60.0, -75.0, 410.0);
@@ -99,7 +101,7 @@ pub fn direct_fit(points: &[Vector3<f64>], start: (Matrix3<f64>, Vector3<f64>)) 
 pub fn compensator(window: usize) -> Compensator {
     let n_max = if window <= 100 { 100 } else { (100.0 + (window as f64 - 100.0) / (1.0 - 0.7232)) as usize };
     let mut config = Config::default();
-    (config.windowed.n_min, config.windowed.n_max) = (100, n_max);
+    (config.method, config.windowed.n_min, config.windowed.n_max) = (Method::Windowed, 100, n_max);
     Compensator::new(config).expect("a valid config")
 }
 
