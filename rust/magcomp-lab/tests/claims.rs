@@ -1,9 +1,11 @@
 //! The experiments meet their claims, on runs small enough for every test run.
 
-use magcomp::Normalisation;
+use magcomp::nalgebra::Vector3;
+use magcomp::{Normalisation, uniformity};
 use magcomp_lab::experiment::bound::{self, BoundOptions};
 use magcomp_lab::experiment::step::{self, StepOptions};
 use magcomp_lab::motion::Motion;
+use magcomp_lab::random::{Purpose, Random};
 
 #[test]
 fn the_corrected_residual_reaches_the_bound_and_the_papers_does_not() {
@@ -40,6 +42,19 @@ fn the_windowed_method_follows_the_step_as_the_paper_says() {
 fn without_motion_nothing_is_followed_and_nothing_breaks() {
     let result = step::run(&StepOptions { runs: 1, motion: Motion::Still, ..StepOptions::default() }).unwrap();
     assert!(result.normalisations.iter().all(|one| one.transient_samples.is_none()));
+}
+
+/// (13), (14): the azimuth jumps from 180 to -180 degrees, and (15) takes the jump for motion.
+#[test]
+fn sigma_t_of_a_device_at_rest_depends_on_its_azimuth() {
+    let mut random = Random::new(1, Purpose::MagnetometerNoise);
+    let mut at_rest = |azimuth_deg: f64| {
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        let samples = (0..100).map(|_| Vector3::new(25.0 * cos, 25.0 * sin, -43.0) + random.normal3() * 0.5);
+        uniformity(samples.collect::<Vec<_>>(), Normalisation::HalfRange)
+    };
+    let [elsewhere, at_180] = [90.0, 180.0].map(&mut at_rest);
+    assert!(elsewhere < 0.02 && at_180 > 0.95, "{elsewhere} and {at_180}");
 }
 
 /// docs/TUNING.md has a line for every choice, in order, with the value in use.

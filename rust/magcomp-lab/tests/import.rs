@@ -286,6 +286,30 @@ fn a_wrong_unit_is_told_with_the_option_that_mends_it() {
 }
 
 #[test]
+fn what_is_no_text_and_two_sessions_at_once_are_refused() {
+    let folder = folder(&[("Magnetometer.csv", RAW)]);
+    let again = self::folder(&[("Magnetometer.csv", RAW)]);
+    let error = refused(&[folder.path(), again.path()], &[]);
+    assert!(error.contains("are of the same sensor; import one session at a time"), "{error}");
+    for (bytes, hint) in [
+        (&b"MATLAB 5.0 MAT-file\0\0"[..], "writetimetable"),
+        (b"\x89MCAP0\r\n\0\0", "make CSV of it"),
+        (b"\xff\xfet\0,\0", "save it as UTF-8"),
+        (b"SQLite format 3\0", "this is no text file"),
+    ] {
+        let path = folder.path().join("session.bin");
+        fs::write(&path, bytes).unwrap();
+        let error = refused(&[&path], &[]);
+        assert!(error.contains("session.bin: ") && error.contains(hint), "{error}");
+    }
+    let empty = tempfile::tempdir().unwrap();
+    assert!(refused(&[empty.path()], &[]).contains("no file there ends in .csv, .txt, .csv.gz"));
+    let cut = folder.path().join("cut.zip");
+    fs::write(&cut, b"PK\x03\x04 and no more").unwrap();
+    assert!(refused(&[&cut], &[]).contains("cut.zip: cannot be read"));
+}
+
+#[test]
 fn events_out_of_order_and_twice_are_said() {
     let text = format!("{HEADER}3,0,-40,3,2\n1,0,-40,1,2\n2,0,-40,2,2\n2,0,-40,9,2\n").replace("\n3,", "\n30000000,");
     let text = text.replace("\n1,", "\n10000000,").replace("\n2,", "\n20000000,");

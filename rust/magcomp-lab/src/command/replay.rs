@@ -2,6 +2,7 @@
 
 use super::common::{Common, between, refuse_same};
 use crate::error::LabError;
+use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::import::{ImportOptions, Summary, open};
 use crate::place::{Day, GeoPoint, declination_deg};
 use crate::progress;
@@ -13,7 +14,7 @@ use crate::replay::{
 use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
-use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
+use magcomp::{Config, HeadingConfig, Method, ReferenceAxis, WindowedConfig};
 use std::path::PathBuf;
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
@@ -35,6 +36,12 @@ pub(super) struct Replay {
     /// How M and b are estimated
     #[arg(long, value_enum, default_value_t)]
     method: MethodChoice,
+    /// Windowed and constant: what the fits minimise
+    #[arg(long, value_enum, default_value_t)]
+    residual: ResidualChoice,
+    /// Windowed: how sigma_T is normalised
+    #[arg(long, value_enum, default_value = "half-range")]
+    normalisation: NormalisationChoice,
     /// Sensors of the recording to leave out
     #[arg(long, value_enum, value_delimiter = ',')]
     ignore: Vec<Sensor>,
@@ -131,7 +138,12 @@ impl Replay {
             AxisChoice::Auto => ReferenceAxis::Auto,
         };
         let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
-        let config = Config { method, heading, ..Config::default() };
+        let windowed = WindowedConfig {
+            residual: self.residual.into(),
+            normalisation: self.normalisation.into(),
+            ..WindowedConfig::default()
+        };
+        let config = Config { method, heading, windowed, ..Config::default() };
         config.validate()?;
         let ignore = Ignore {
             gyroscope: self.ignore.contains(&Sensor::Gyro),

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 const ZIP: &[u8] = b"PK\x03\x04";
 /// First bytes of a gzip file.
 const GZIP: &[u8] = &[0x1f, 0x8b];
+/// Bytes of a file in which a zero means that it is no text.
+const START: usize = 1024;
 /// Endings of names that are read from folders and zips; other files there (pictures, sound, databases) are passed over.
 const TEXT: [&str; 3] = [".csv", ".txt", ".csv.gz"];
 
@@ -33,6 +35,9 @@ impl Document {
         if text.starts_with(b"\xef\xbb\xbf") {
             text.drain(..3);
         }
+        if text.iter().take(START).any(|byte| *byte == 0) {
+            return Err(LabError::Usage(format!("{}: {}", path.display(), not_text(&text))));
+        }
         Ok(Self { path, text })
     }
 
@@ -47,6 +52,19 @@ impl Document {
         let mut lines = self.text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
         let line = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
         line.map_or_else(String::new, |line| String::from_utf8_lossy(line).into_owned())
+    }
+}
+
+/// What a file of another form is, by its first bytes, and what to do.
+fn not_text(bytes: &[u8]) -> &'static str {
+    if bytes.starts_with(b"MATLAB") {
+        "a MATLAB file is not read; in MATLAB, writetimetable(MagneticField, \"MagneticField.csv\") makes a CSV of each sensor"
+    } else if bytes.starts_with(b"PAR1") || bytes.starts_with(b"ARROW1") || bytes.starts_with(b"\x89MCAP") {
+        "Parquet, Arrow and mcap files are not read; make CSV of it and name its columns by --columns"
+    } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        "UTF-16 text is not read; save it as UTF-8"
+    } else {
+        "this is no text file; a session is CSV, a folder of CSV files, or a zip of them"
     }
 }
 

@@ -150,6 +150,9 @@ pub fn import(
         let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
         return Err(LabError::Usage(format!("--units: {why}")));
     }
+    if matches!(found, Some(App::SensorLogger | App::Phyphox | App::Matlab)) {
+        refuse_twice(&documents)?;
+    }
     let (name, mut session) = match found {
         Some(App::SensorLogger) => ("Sensor Logger", sensor_logger::read(&documents, &units)?),
         Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
@@ -169,6 +172,16 @@ pub fn import(
         session.notes.push("times count from the first event".to_owned());
     }
     Ok(Summary { logger: name, sensors: session.sensors(), notes: session.notes })
+}
+
+/// Refuses two files of one sensor: they are of two sessions, or one file named twice.
+fn refuse_twice(documents: &[Document]) -> Result<(), LabError> {
+    let twice = documents.iter().enumerate().find_map(|(k, document)| {
+        let before = documents[..k].iter().find(|before| before.stem() == document.stem())?;
+        Some((before.path.display(), document.path.display()))
+    });
+    let Some((first, second)) = twice else { return Ok(()) };
+    Err(LabError::Usage(format!("{first} and {second} are of the same sensor; import one session at a time")))
 }
 
 fn plain_session(documents: &[Document], options: &ImportOptions, units: &Units) -> Result<Session, LabError> {

@@ -69,6 +69,12 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                 Sensor::Rate => &mut session.rate,
                 Sensor::Acceleration => &mut session.up,
             };
+            if !stream.events.is_empty() {
+                let path = document.path.display();
+                return Err(LabError::Usage(format!(
+                    "{path}: another file has this sensor too; import one session at a time"
+                )));
+            }
             add(&sheet, axes, stream)?;
         }
     }
