@@ -30,7 +30,7 @@ const QUANTITIES: [(&str, &str); 17] = [
     ("qz", "qz"),
 ];
 
-/// Names of a file's columns, in the order of [`QUANTITIES`].
+/// Names of a file's columns, in the order of `QUANTITIES`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnNames(Vec<String>);
 

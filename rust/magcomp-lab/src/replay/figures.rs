@@ -6,6 +6,7 @@ use super::judge::azimuth_deg;
 use super::player::Step;
 use super::sizes::Sizes;
 use super::sphere::Sphere;
+use super::sphere_view::show;
 use crate::error::LabError;
 use crate::plot::{Band, Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
 use crate::recording::{Extent, Recording, Row};
@@ -304,7 +305,7 @@ impl Figures {
             "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
              true b, where it is known); status and events, each at the time since when it holds."
         );
-        self.sphere.finish(report, name, recording)?;
+        show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
         Ok(())
     }

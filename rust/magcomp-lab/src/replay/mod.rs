@@ -19,5 +19,4 @@ pub use judge::{Declared, Disturbance, Judge, Judgement, Vectors, VectorsJudge, 
 pub use legs::{LegJudgement, Legs, Waypoint, read_waypoints};
 pub use output::Output;
 pub use player::{Ignore, Player, Step, replay, replay_with};
-pub use sphere::Sphere;
 pub use view::table;

@@ -2,9 +2,7 @@
 //! come, so that memory does not grow with a recording.
 
 use super::player::Step;
-use crate::error::LabError;
 use crate::recording::{Extent, Row};
-use crate::report::Report;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Event};
 use serde::Serialize;
@@ -122,31 +120,9 @@ impl Sphere {
         epochs.collect()
     }
 
-    /// Adds the pictures `NAME_sphere.svg` and the page `NAME_sphere.html`; `recording` is what it is called.
-    ///
-    /// # Errors
-    /// None at present.
-    pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
-        let epochs = self.epochs();
-        if epochs.is_empty() {
-            return Ok(());
-        }
-        let shown = super::sphere_view::MOST_EPOCHS.min(epochs.len());
-        let more = match epochs.len() - shown {
-            0 => String::new(),
-            more => format!(" The latest {shown} stretches are shown, {more} before them are not."),
-        };
-        let caption = format!(
-            "{recording}: one line for each stretch between decided changes. Raw samples less b (orange) lie on the fitted \
-             ellipsoid where M and b are right, corrected samples (blue) on the sphere; both outlines are those of the calibration \
-             at the stretch's end. Right: the corrected sphere turned; red rings are directions that no sample of the stretch came \
-             within 12 degrees of.{more}"
-        );
-        report.figure(&format!("{name}_sphere"), super::sphere_view::svg(&epochs[epochs.len() - shown..]), &caption);
-        let data = self.data(recording);
-        let html = PAGE.replace(DATA, &data.replace("</", "<\\/"));
-        report.page(&format!("{name}_sphere"), html, "Turn the sphere, scrub in time");
-        Ok(())
+    /// The page that turns and scrubs; `recording` is what it is called.
+    pub(super) fn page(&self, recording: &str) -> String {
+        PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
     }
 
     fn data(&self, recording: &str) -> String {

@@ -3,14 +3,15 @@
 //! A sphere of radius F seen through M is the ellipsoid M (F u). Along an axis its outline is F L (cos, sin), L L^T being the part
 //! of M M^T that belongs to the other two axes. From aside, w is out of the paper: a wire is in front where w > 0.
 
-use super::sphere::{Epoch, Sample};
+use super::sphere::{Epoch, Sample, Sphere};
 use crate::plot::{Colour, with_dark_style};
+use crate::report::Report;
 use magcomp::nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 /// Stretches that are shown, at most.
-pub(super) const MOST_EPOCHS: usize = 6;
+const MOST_EPOCHS: usize = 6;
 /// Edge of a panel and height of the line above it, pixels.
 const PANEL: f64 = 275.0;
 const TITLE: f64 = 42.0;
@@ -31,8 +32,29 @@ const WIRE: usize = 30;
 const PROJECTIONS: [(usize, usize, &str); 3] =
     [(0, 1, "x right, y up"), (0, 2, "x right, z up"), (1, 2, "y right, z up")];
 
+/// Adds the picture `NAME_sphere.svg` and the page `NAME_sphere.html`; `recording` is what it is called.
+pub(super) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: &str) {
+    let epochs = sphere.epochs();
+    if epochs.is_empty() {
+        return;
+    }
+    let shown = MOST_EPOCHS.min(epochs.len());
+    let more = match epochs.len() - shown {
+        0 => String::new(),
+        more => format!(" The latest {shown} stretches are shown, {more} before them are not."),
+    };
+    let caption = format!(
+        "{recording}: one line for each stretch between decided changes. Raw samples less b (orange) lie on the fitted \
+         ellipsoid where M and b are right, corrected samples (blue) on the sphere; both outlines are those of the calibration \
+         at the stretch's end. Right: the corrected sphere turned; red rings are directions that no sample of the stretch came \
+         within 12 degrees of.{more}"
+    );
+    report.figure(&format!("{name}_sphere"), svg(&epochs[epochs.len() - shown..]), &caption);
+    report.page(&format!("{name}_sphere"), sphere.page(recording), "Turn the sphere, scrub in time");
+}
+
 /// A picture of these stretches, one below the other.
-pub(super) fn svg(epochs: &[Epoch<'_>]) -> String {
+fn svg(epochs: &[Epoch<'_>]) -> String {
     let (width, height) = (4.0 * PANEL, epochs.len() as f64 * (PANEL + TITLE));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
