@@ -139,3 +139,16 @@ fn the_page_of_the_paper_names_what_there_is() {
         assert!(cells.len() >= 4 && cells[..cells.len() - 1].iter().all(|cell| !cell.is_empty()), "{row}");
     }
 }
+
+/// What docs/TESTERS.md tells testers to type is understood.
+#[test]
+fn the_commands_for_testers_are_understood() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/TESTERS.md");
+    let text = fs::read_to_string(path).expect("docs/TESTERS.md");
+    let typed: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("cargo run --release -- ")).collect();
+    assert!(typed.len() >= 3, "{typed:?}");
+    for line in typed {
+        let parsed = Cli::try_parse_from(["magcomp"].into_iter().chain(line.split_whitespace()));
+        assert!(parsed.is_ok(), "{line}: {}", parsed.unwrap_err());
+    }
+}
