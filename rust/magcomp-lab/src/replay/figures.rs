@@ -146,7 +146,7 @@ impl Figures {
         let two_sigma = reading.heading.and_then(|heading| Some(2.0 * heading.heading_sigma_deg?));
         two_sigma.iter().for_each(|sigma| self.two_sigma.add(*sigma));
         // what carries the heading goes through the noise of the samples: no more than one point a pixel is needed
-        let sampled = self.rows.is_multiple_of((self.extent.rows / PIXELS).max(1));
+        let sampled = self.rows.is_multiple_of(self.extent.rows.div_ceil(PIXELS).max(1));
         if sampled {
             let sigma = two_sigma.unwrap_or(f64::NAN);
             self.band.push((time_s, -sigma, sigma));
