@@ -2,13 +2,14 @@
 //! `magcomp`, which is a thin shell over these modules.
 //!
 //! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual streams; `crb` and
-//! `simulate` feed `experiment`; `recording` feeds `replay`; `table`, `plot` and `report` show what came out.
+//! `simulate` feed `experiment`; `import` makes loggers' sessions into a `recording`, which feeds `replay`; `table`, `plot` and `report` show what came out.
 
 pub mod baseline;
 pub mod command;
 pub mod crb;
 pub mod error;
 pub mod experiment;
+pub mod import;
 pub mod inertial;
 pub mod motion;
 pub mod parameters;

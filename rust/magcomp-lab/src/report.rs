@@ -12,6 +12,7 @@ pub struct Report {
     title: String,
     lead: String,
     body: String,
+    /// Files beside the page: name and content.
     figures: Vec<(String, String)>,
 }
 
@@ -55,6 +56,17 @@ impl Report {
             "<figure><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a><figcaption>{caption}</figcaption></figure>"
         );
         self.figures.push((format!("{name}.svg"), svg));
+    }
+
+    /// Adds a page of its own, written as `name`.html beside this one and shown in it.
+    pub fn page(&mut self, name: &str, html: String, title: &str) {
+        let title = escape(title);
+        let _ = writeln!(
+            self.body,
+            "<figure><iframe src=\"{name}.html\" title=\"{title}\" loading=\"lazy\"></iframe>\
+             <figcaption><a href=\"{name}.html\">{title}</a>, as a page of its own: one file that needs no network.</figcaption></figure>"
+        );
+        self.figures.push((format!("{name}.html"), html));
     }
 
     /// Writes the pictures and `index.html` into `folder`, which is made where it is missing. Returns the page's path.

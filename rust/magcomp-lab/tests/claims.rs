@@ -1,9 +1,15 @@
 //! The experiments meet their claims, on runs small enough for every test run.
 
-use magcomp::Normalisation;
+use clap::Parser;
+use magcomp::nalgebra::Vector3;
+use magcomp::{Normalisation, uniformity};
+use magcomp_lab::command::Cli;
 use magcomp_lab::experiment::bound::{self, BoundOptions};
 use magcomp_lab::experiment::step::{self, StepOptions};
 use magcomp_lab::motion::Motion;
+use magcomp_lab::random::{Purpose, Random};
+use std::fs;
+use std::path::{Path, PathBuf};
 
 #[test]
 fn the_corrected_residual_reaches_the_bound_and_the_papers_does_not() {
@@ -42,6 +48,19 @@ fn without_motion_nothing_is_followed_and_nothing_breaks() {
     assert!(result.normalisations.iter().all(|one| one.transient_samples.is_none()));
 }
 
+/// (13), (14): the azimuth jumps from 180 to -180 degrees, and (15) takes the jump for motion.
+#[test]
+fn sigma_t_of_a_device_at_rest_depends_on_its_azimuth() {
+    let mut random = Random::new(1, Purpose::MagnetometerNoise);
+    let mut at_rest = |azimuth_deg: f64| {
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        let samples = (0..100).map(|_| Vector3::new(25.0 * cos, 25.0 * sin, -43.0) + random.normal3() * 0.5);
+        uniformity(samples.collect::<Vec<_>>(), Normalisation::HalfRange)
+    };
+    let [elsewhere, at_180] = [90.0, 180.0].map(&mut at_rest);
+    assert!(elsewhere < 0.02 && at_180 > 0.95, "{elsewhere} and {at_180}");
+}
+
 /// docs/TUNING.md has a line for every choice, in order, with the value in use.
 #[test]
 fn the_choices_are_documented_with_their_values() {
@@ -54,4 +73,82 @@ fn the_choices_are_documented_with_their_values() {
         .map(|(estimator, choice)| format!("{estimator} {} {}", choice.name, choice.value))
         .collect();
     assert_eq!(documented, used, "run `cargo run --release -- sensitivity > docs/TUNING.md`");
+}
+
+/// Every file and folder below `folder`, but what builds leave.
+fn paths(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder of the repository").flatten() {
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with('.') || name == "target" || name == "build" {
+            continue;
+        }
+        if path.is_dir() {
+            paths(&path, found);
+        }
+        found.push(path);
+    }
+}
+
+/// docs/PAPER.md names only files, tests and commands that there are, and has no empty row.
+#[test]
+fn the_page_of_the_paper_names_what_there_is() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = fs::read_to_string(root.join("docs/PAPER.md")).expect("docs/PAPER.md");
+    let mut found = Vec::new();
+    ["rust", "tests", "docs", "android", "ios"].iter().for_each(|folder| paths(&root.join(folder), &mut found));
+    found.extend(["android", "ios"].map(|folder| root.join(folder)));
+    let sources: String = found
+        .iter()
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .map(|path| fs::read_to_string(path).expect("a source"))
+        .collect();
+    let (mut files, mut tests, mut commands) = (0, 0, 0);
+    for span in text.split('`').skip(1).step_by(2) {
+        let is_name = span.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        if span.starts_with("magcomp ") {
+            commands += 1;
+            let arguments = span.replace(['[', ']'], "");
+            let parsed = Cli::try_parse_from(arguments.split_whitespace());
+            assert!(parsed.is_ok(), "{span}: {}", parsed.unwrap_err());
+        } else if is_name && span.matches('_').count() >= 3 {
+            tests += 1;
+            assert!(sources.contains(&format!("fn {span}(")), "no test is called {span}");
+        } else if !span.contains(' ') && (span.ends_with(".rs") || span.ends_with(".sh") || span.ends_with('/')) {
+            files += 1;
+            let place = match (span.strip_prefix("host/"), span.strip_prefix("lab/")) {
+                (Some(test), _) => format!("tests/host/{test}"),
+                (_, Some(test)) => format!("magcomp-lab/tests/{test}"),
+                _ => span.to_owned(),
+            };
+            assert!(found.iter().any(|path| path.ends_with(place.trim_end_matches('/'))), "there is no {span}");
+        }
+    }
+    assert!(files > 50 && tests > 15 && commands > 8, "{files} files, {tests} tests, {commands} commands");
+    for row in
+        text.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| item") && !line.starts_with("| ref"))
+    {
+        let cells: Vec<&str> = row
+            .replace("\\|", "/")
+            .trim_matches('|')
+            .split('|')
+            .map(str::trim)
+            .map(|cell| if cell.is_empty() { "" } else { "told" })
+            .collect();
+        // the last cell, what differs, may be empty
+        assert!(cells.len() >= 4 && cells[..cells.len() - 1].iter().all(|cell| !cell.is_empty()), "{row}");
+    }
+}
+
+/// What docs/TESTERS.md tells testers to type is understood.
+#[test]
+fn the_commands_for_testers_are_understood() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/TESTERS.md");
+    let text = fs::read_to_string(path).expect("docs/TESTERS.md");
+    let typed: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("cargo run --release -- ")).collect();
+    assert!(typed.len() >= 3, "{typed:?}");
+    for line in typed {
+        let parsed = Cli::try_parse_from(["magcomp"].into_iter().chain(line.split_whitespace()));
+        assert!(parsed.is_ok(), "{line}: {}", parsed.unwrap_err());
+    }
 }

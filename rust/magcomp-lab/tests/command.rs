@@ -290,6 +290,9 @@ fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
         &["simulate", "x", "--change", "repeated", "--at", "1e-9"],
         &["step", "--rate", "50"],
         &["step", "--motion", "tumble", "--set", "mid"],
+        &["step", "--motion", "tumble", "--n-min", "50"],
+        &["step", "--method", "adaptive", "--factor", "2"],
+        &["crb", "--p", "0"],
         &["step", "--method", "adaptive", "--spikes", "2"],
         &["step", "--method", "adaptive", "--motion", "tumble", "--scenario", "ramp"],
         &[],
@@ -314,6 +317,34 @@ fn the_help_of_replay_says_what_a_recording_is() {
     let (code, help, _) = run(&["replay", "--help"]);
     assert_eq!(code, 0);
     assert!(help.contains("t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]"), "{help}");
+}
+
+#[test]
+fn the_papers_numbers_can_be_chosen() {
+    let window = |options: &[&str]| {
+        let (code, json, error) =
+            run(&[&["step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
+        assert_eq!((code, error.as_str()), (0, ""));
+        let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(value["normalisations"].as_array().unwrap().len(), 1);
+        value["normalisations"][0]["window"]["mean"].as_f64().unwrap()
+    };
+    // (16) with sigma_T 0.72 of even orientations
+    assert!((window(&[]) - 632.0).abs() < 40.0 && (window(&["--n-max", "4000"]) - 1190.0).abs() < 80.0);
+    assert!((window(&["--n-min", "600"]) - 993.0).abs() < 40.0);
+    // no even set of 100 samples has sigma_T 2: nothing is updated, the window shrinks to N_min
+    assert!(window(&["--sigma-th", "2"]) <= 100.0);
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "12");
+    let rows = |options: &[&str]| {
+        let output = folder.path().join("out.csv");
+        let arguments = ["replay", text(&input), "--method", "windowed", "--output", text(&output)];
+        assert_eq!(run(&[&arguments, options].concat()).0, 0);
+        without_times(&fs::read_to_string(&output).unwrap())
+    };
+    let usual = rows(&[]);
+    assert!(usual != rows(&["--residual", "algebraic"]) && usual != rows(&["--normalisation", "even-sphere"]));
+    assert!(usual == rows(&["--residual", "corrected", "--normalisation", "half-range"]));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::table::Table;
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
@@ -60,4 +60,15 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
 pub(super) fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     let inside = finite(text).ok().filter(|v| (low..=high).contains(v));
     inside.ok_or_else(|| format!("expected a number from {low} to {high}"))
+}
+
+/// Refuses to write a file that is read, by whatever name or link it is called.
+pub(super) fn refuse_same(input: &Path, output: &Path) -> Result<(), LabError> {
+    // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
+    let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
+    if is_file(input) && is_file(output) && same_file::is_same_file(input, output).map_err(LabError::read(output))? {
+        let (input, output) = (input.display(), output.display());
+        return Err(LabError::Usage(format!("--output {output} is the input {input}; name another file")));
+    }
+    Ok(())
 }

@@ -6,8 +6,9 @@ use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_case, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_recording};
 use crate::experiment::compare_view::{add_case, case_table, overview, recording_figure, recording_table};
+use crate::import::{ImportOptions, open};
 use crate::progress;
-use crate::recording::{Source, name_of};
+use crate::recording::name_of;
 use crate::report::Report;
 use crate::scenario::Case;
 use clap::{Args, ValueEnum, value_parser};
@@ -108,7 +109,11 @@ impl Compare {
         let methods = self.methods();
         let mut all = Vec::new();
         for path in &self.recordings {
-            let scores = compare_recording(&mut Source::open(path)?, &methods, self.common.seed)?;
+            let scores = compare_recording(
+                &mut open(std::slice::from_ref(path), &ImportOptions::default())?.0,
+                &methods,
+                self.common.seed,
+            )?;
             all.push(Recorded { recording: name_of(path), methods: scores });
         }
         let tables: Vec<_> = all.iter().map(|one| recording_table(&one.recording, &one.methods)).collect();

@@ -16,6 +16,9 @@ pub(super) struct Crb {
     /// True parameters
     #[arg(long, value_enum, default_value_t)]
     set: ParameterSet,
+    /// Samples P that are averaged at each orientation
+    #[arg(long, value_name = "P", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
+    p: u32,
     /// Sample counts N
     #[arg(long, value_delimiter = ',', default_values_t = SAMPLES.map(|n| n as u32), value_parser = value_parser!(u32).range(9..=100_000))]
     samples: Vec<u32>,
@@ -31,6 +34,7 @@ impl Crb {
         let options = BoundOptions {
             set: self.set,
             runs: self.runs as usize,
+            averaged: self.p as usize,
             seed: self.common.seed,
             samples: self.samples.iter().map(|n| *n as usize).collect(),
             snr_db: self.snr,

@@ -4,6 +4,7 @@ mod common;
 mod compare;
 mod crb;
 mod demo;
+mod import;
 mod replay;
 mod sensitivity;
 mod simulate;
@@ -29,6 +30,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Demo(demo::Demo),
+    Import(import::Import),
     Replay(replay::Replay),
     Step(step::Step),
     Crb(crb::Crb),
@@ -45,6 +47,7 @@ impl Cli {
     pub fn run(self) -> Result<(), LabError> {
         match self.verb {
             Verb::Demo(verb) => verb.run(),
+            Verb::Import(verb) => verb.run(),
             Verb::Replay(verb) => verb.run(),
             Verb::Step(verb) => verb.run(),
             Verb::Crb(verb) => verb.run(),

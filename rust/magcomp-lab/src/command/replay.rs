@@ -1,38 +1,56 @@
 //! `magcomp replay`.
 
-use super::common::{Common, between};
+use super::common::{Common, between, refuse_same};
 use crate::error::LabError;
+use crate::experiment::step::{NormalisationChoice, ResidualChoice};
+use crate::import::{ImportOptions, Summary, open};
 use crate::place::{Day, GeoPoint, declination_deg};
 use crate::progress;
-use crate::recording::{Row, Source, name_of};
-use crate::replay::{Figures, Ignore, Judge, Judgement, Legs, Output, Player, Step, read_waypoints, table, usual_part};
+use crate::recording::{Row, name_of};
+use crate::replay::{
+    Figures, Ignore, Judge, Judgement, Legs, Output, Player, Step, read_waypoints, table as summary, usual_part,
+    write_calibration,
+};
 use crate::report::Report;
+use crate::table::Table;
 use clap::{Args, ValueEnum};
-use magcomp::{Config, HeadingConfig, Method, ReferenceAxis};
-use std::path::{Path, PathBuf};
+use magcomp::{Config, HeadingConfig, Method, ReferenceAxis, WindowedConfig};
+use std::path::PathBuf;
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
 const CHUNK: usize = 4096;
 
-/// Run a recording through the compensator, one row out for every row in.
+/// Run a recording through the compensator, one row out for every magnetometer sample.
 ///
-/// IN is CSV, gzipped or not, with a header: t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's
-/// sign; rad/s; reference orientation, device to east-north-up). Other columns are ignored. Out: the corrected sample c, the
+/// IN is what `magcomp import` takes, or CSV, gzipped or not, with a header: t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's
+/// sign; rad/s; reference orientation, device to east-north-up). A row may leave a sensor's cells empty: then each has its own times.
+/// sys_mx,sys_my,sys_mz (uT) is the field that the operating system calibrated. Other columns are ignored. Out: the corrected sample c, the
 /// estimator's own estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
 #[derive(Debug, Args)]
 pub(super) struct Replay {
-    /// The recording
-    #[arg(value_name = "IN")]
-    input: PathBuf,
+    /// The recording, or the session of a phone logger as of `magcomp import`
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    import: ImportOptions,
     /// How M and b are estimated
     #[arg(long, value_enum, default_value_t)]
     method: MethodChoice,
+    /// Windowed and constant: what the fits minimise
+    #[arg(long, value_enum, default_value_t)]
+    residual: ResidualChoice,
+    /// Windowed: how sigma_T is normalised
+    #[arg(long, value_enum, default_value = "half-range")]
+    normalisation: NormalisationChoice,
     /// Sensors of the recording to leave out
     #[arg(long, value_enum, value_delimiter = ',')]
     ignore: Vec<Sensor>,
     /// Where one row for every input row is written; without it only the summary is printed
     #[arg(long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
+    /// Where the last calibration is written: JSON with M, b, field strength and covariance, which `Calibration` reads
+    #[arg(long, value_name = "OUT.json")]
+    calibration: Option<PathBuf>,
     /// The axis whose heading it is
     #[arg(long, value_enum, default_value_t)]
     axis: AxisChoice,
@@ -120,20 +138,25 @@ impl Replay {
             AxisChoice::Auto => ReferenceAxis::Auto,
         };
         let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
-        let config = Config { method, heading, ..Config::default() };
+        let windowed = WindowedConfig {
+            residual: self.residual.into(),
+            normalisation: self.normalisation.into(),
+            ..WindowedConfig::default()
+        };
+        let config = Config { method, heading, windowed, ..Config::default() };
         config.validate()?;
         let ignore = Ignore {
             gyroscope: self.ignore.contains(&Sensor::Gyro),
             accelerometer: self.ignore.contains(&Sensor::Accel),
         };
 
-        if let Some(output) = &self.output {
-            std::iter::once(&self.input).chain(&self.waypoints).try_for_each(|input| refuse_same(input, output))?;
+        for output in self.output.iter().chain(&self.calibration) {
+            self.inputs.iter().chain(&self.waypoints).try_for_each(|input| refuse_same(input, output))?;
         }
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
         let mut players = (0..self.passes).map(|_| Player::new(&config, ignore)).collect::<Result<Vec<_>, _>>()?;
 
-        let mut source = Source::open(&self.input)?;
+        let (mut source, session) = open(&self.inputs, &self.import)?;
         let extent = *source.extent();
         let usual = usual_part(&extent);
         let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
@@ -172,33 +195,27 @@ impl Replay {
         }
         bar.finish_and_clear();
         output.map_or(Ok(()), Output::finish)?;
+        if let Some(path) = &self.calibration {
+            write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
+        }
 
         let judgement = Judgement { legs: legs.finish(), ..judge.finish() };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let recording = name_of(&self.input);
-        let mut table = table(&recording, &name, &judgement);
+        let recording = name_of(source.path());
+        let mut table = summary(&recording, &name, &judgement);
         if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
             table.note(&format!("no row was answered; the last one says: {}", last.reading.status));
         }
-        self.common.finish(std::slice::from_ref(&table), &judgement, || {
+        let mut tables: Vec<Table> = session.iter().map(Summary::table).collect();
+        tables.push(table);
+        self.common.finish(&tables, &judgement, || {
             let mut report = Report::new(
                 &format!("{recording} replayed"),
                 "Every sample went through the compensator in order; nothing later than a sample went into its answer.",
             );
             figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &recording))?;
-            report.table(&table);
+            tables.iter().for_each(|table| report.table(table));
             Ok(report)
         })
     }
-}
-
-/// Refuses to write a file that is read, by whatever name or link it is called.
-fn refuse_same(input: &Path, output: &Path) -> Result<(), LabError> {
-    // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
-    let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
-    if is_file(input) && is_file(output) && same_file::is_same_file(input, output).map_err(LabError::read(output))? {
-        let (input, output) = (input.display(), output.display());
-        return Err(LabError::Usage(format!("--output {output} is the input {input}; name another file")));
-    }
-    Ok(())
 }

@@ -5,7 +5,7 @@ use crate::error::LabError;
 use crate::experiment::adaptive::{self, AdaptiveOptions};
 use crate::experiment::aided::{self, AidedOptions};
 use crate::experiment::compare_view::add_case;
-use crate::experiment::step::{ResidualChoice, StepOptions, run};
+use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
 use crate::phone::{Phone, PhoneChange};
@@ -35,6 +35,21 @@ pub(super) struct Step {
     /// Figs. 4 and 5: what the fits minimise; corrected when not given
     #[arg(long, value_enum)]
     residual: Option<ResidualChoice>,
+    /// Figs. 4 and 5: all nine parameters step by this factor; 1.5 when not given
+    #[arg(long, value_parser = |text: &str| between(text, 0.1, 10.0))]
+    factor: Option<f64>,
+    /// Figs. 4 and 5: how sigma_T is normalised; both, a column each, when not given
+    #[arg(long, value_enum)]
+    normalisation: Option<NormalisationChoice>,
+    /// Figs. 4 and 5: smallest window N_min, samples; 100 when not given
+    #[arg(long, value_name = "N")]
+    n_min: Option<usize>,
+    /// Figs. 4 and 5: largest window N_max, samples; 2000 when not given
+    #[arg(long, value_name = "N")]
+    n_max: Option<usize>,
+    /// Figs. 4 and 5: threshold of sigma_T; 0.1 when not given
+    #[arg(long, value_name = "SIGMA_T", value_parser = |text: &str| between(text, 0.0, 10.0))]
+    sigma_th: Option<f64>,
     /// Tumble, pedestrian: what changes; parameters for tumble and offset for pedestrian when not given
     #[arg(long, value_enum)]
     change: Option<PhoneChange>,
@@ -75,7 +90,15 @@ enum StepMethod {
 impl Step {
     pub fn run(self) -> Result<(), LabError> {
         let adaptive = self.method == Some(StepMethod::Adaptive);
-        let of_figures = [("--set", self.set.is_some()), ("--residual", self.residual.is_some())];
+        let of_figures = [
+            ("--set", self.set.is_some()),
+            ("--residual", self.residual.is_some()),
+            ("--factor", self.factor.is_some()),
+            ("--normalisation", self.normalisation.is_some()),
+            ("--n-min", self.n_min.is_some()),
+            ("--n-max", self.n_max.is_some()),
+            ("--sigma-th", self.sigma_th.is_some()),
+        ];
         let of_phones = [
             ("--change", self.change.is_some()),
             ("--rate", self.rate.is_some()),
@@ -159,6 +182,11 @@ impl Step {
             motion: self.motion,
             snr_db: self.snr.unwrap_or(defaults.snr_db),
             residual: self.residual.unwrap_or_default(),
+            factor: self.factor.unwrap_or(defaults.factor),
+            normalisations: self.normalisation.map_or(defaults.normalisations, |choice| vec![choice.into()]),
+            n_min: self.n_min.unwrap_or(defaults.n_min),
+            n_max: self.n_max.unwrap_or(defaults.n_max),
+            sigma_th: self.sigma_th.unwrap_or(defaults.sigma_th),
             runs: self.runs.map_or(defaults.runs, |runs| runs as usize),
             seed: self.common.seed,
         };

@@ -22,7 +22,7 @@ const DIP_DEG: f64 = 60.0;
 pub const RATE_HZ: f64 = 100.0;
 /// Orientations of the constant-field compensation (the paper's, P = 1).
 const CONSTANT_FIELD_SAMPLES: usize = 4000;
-/// All parameters times this.
+/// All parameters times this, unless another factor is given: the paper's step of 50 %.
 pub const FACTOR: f64 = 1.5;
 
 /// Which residual the windowed fits use, as the command line names it.
@@ -44,6 +44,24 @@ impl From<ResidualChoice> for Residual {
     }
 }
 
+/// How sigma_T is normalised, as the command line names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NormalisationChoice {
+    /// By 180 and 90 degrees: even orientations give 0.72
+    HalfRange,
+    /// By an even sphere: even orientations give 1
+    EvenSphere,
+}
+
+impl From<NormalisationChoice> for Normalisation {
+    fn from(choice: NormalisationChoice) -> Self {
+        match choice {
+            NormalisationChoice::HalfRange => Self::HalfRange,
+            NormalisationChoice::EvenSphere => Self::EvenSphere,
+        }
+    }
+}
+
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct StepOptions {
@@ -55,6 +73,16 @@ pub struct StepOptions {
     pub snr_db: f64,
     /// What the fits minimise.
     pub residual: ResidualChoice,
+    /// All nine parameters step by this factor.
+    pub factor: f64,
+    /// Readings of the normalisation of sigma_T, one column each.
+    pub normalisations: Vec<Normalisation>,
+    /// Smallest window N_min, samples.
+    pub n_min: usize,
+    /// Largest window N_max, samples.
+    pub n_max: usize,
+    /// Threshold of sigma_T.
+    pub sigma_th: f64,
     /// Runs.
     pub runs: usize,
     /// Names the random numbers; run k uses seed + k.
@@ -68,6 +96,11 @@ impl Default for StepOptions {
             motion: Motion::Uniform,
             snr_db: 30.0,
             residual: ResidualChoice::Corrected,
+            factor: FACTOR,
+            normalisations: vec![Normalisation::HalfRange, Normalisation::EvenSphere],
+            n_min: 100,
+            n_max: 2000,
+            sigma_th: WindowedConfig::default().sigma_th,
             runs: 60,
             seed: 1,
         }
@@ -92,9 +125,9 @@ pub struct StepResult {
 /// # Errors
 /// [`LabError`] when the constant-field compensation fails or a config is refused.
 pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
-    let choices = [Normalisation::HalfRange, Normalisation::EvenSphere];
-    let mut scores = choices.map(|normalisation| Score::new(normalisation, options.seed));
-    let bar = progress::bar(options.runs * choices.len(), "step");
+    let choices = options.normalisations.iter();
+    let mut scores: Vec<Score> = choices.map(|normalisation| Score::new(*normalisation, options.seed)).collect();
+    let bar = progress::bar(options.runs * scores.len(), "step");
     for k in 0..options.runs {
         let seed = options.seed.wrapping_add(k as u64);
         let stream = scenario(options, seed).run();
@@ -130,7 +163,7 @@ fn scenario(options: &StepOptions, seed: u64) -> Scenario {
         rate_hz: RATE_HZ,
         motion: options.motion,
         world_ut: Schedule::constant(world_field_ut(FIELD_UT, DIP_DEG)),
-        parameters: Schedule::step(before, BEFORE as f64 / RATE_HZ, before.times(FACTOR)),
+        parameters: Schedule::step(before, BEFORE as f64 / RATE_HZ, before.times(options.factor)),
         noise: Noise::SnrDb(options.snr_db),
         spikes: None,
         gyroscope: None,
@@ -151,14 +184,15 @@ fn constant_field(options: &StepOptions, seed: u64) -> Result<Calibration, LabEr
         .map_err(|error| LabError::Experiment(format!("constant-field compensation: {error}")))
 }
 
-/// The paper's method with its numbers: N_min 100, N_max 2000, |h| known.
+/// The paper's method, |h| known.
 fn config(options: &StepOptions, constant: Calibration, normalisation: Normalisation) -> Config {
+    let StepOptions { n_min, n_max, sigma_th, .. } = *options;
     let residual = options.residual.into();
     Config {
         method: Method::Windowed,
         initial: Some(constant),
         field_strength_ut: Some(FIELD_UT),
-        windowed: WindowedConfig { n_min: 100, n_max: 2000, normalisation, residual, ..WindowedConfig::default() },
+        windowed: WindowedConfig { n_min, n_max, sigma_th, normalisation, residual, ..WindowedConfig::default() },
         ..Config::default()
     }
 }

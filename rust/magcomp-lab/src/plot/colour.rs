@@ -29,6 +29,12 @@ pub enum Colour {
 }
 
 impl Colour {
+    /// As in SVG and CSS.
+    pub(crate) fn hex(self) -> String {
+        let RGBColor(red, green, blue) = self.rgb();
+        format!("#{red:02x}{green:02x}{blue:02x}")
+    }
+
     pub(super) fn rgb(self) -> RGBColor {
         match self {
             Self::Blue => RGBColor(0x2f, 0x7f, 0xd6),

@@ -22,11 +22,14 @@ pub struct Span {
     pub colour: Colour,
 }
 
+/// (x, low, high) in the order of x; points that are not finite interrupt it.
+pub type Band = Vec<(f64, f64, f64)>;
+
 /// Behind the lines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// (x, low, high) in the order of x; points that are not finite interrupt it.
-    pub band: Vec<(f64, f64, f64)>,
+    /// Bands and their colours.
+    pub bands: Vec<(Colour, Band)>,
     /// Names of lanes, from the bottom; y then counts lanes.
     pub lanes: Vec<&'static str>,
     /// What is in the lanes.
@@ -54,11 +57,13 @@ impl Layers {
         chart: &mut Area<'_, Backend>,
         (low, high): (f64, f64),
     ) -> Result<(), DrawingAreaErrorKind<Backend::ErrorType>> {
-        for piece in self.band.split(|(_, from, to)| !(from + to).is_finite()).filter(|piece| piece.len() > 1) {
-            let below = piece.iter().map(|(x, from, _)| (*x, from.clamp(low, high)));
-            let above = piece.iter().rev().map(|(x, _, to)| (*x, to.clamp(low, high)));
-            let outline: Vec<(f64, f64)> = below.chain(above).collect();
-            chart.draw_series([Polygon::new(outline, Colour::Grey.rgb().mix(BAND))])?;
+        for (colour, band) in &self.bands {
+            for piece in band.split(|(_, from, to)| !(from + to).is_finite()).filter(|piece| piece.len() > 1) {
+                let below = piece.iter().map(|(x, from, _)| (*x, from.clamp(low, high)));
+                let above = piece.iter().rev().map(|(x, _, to)| (*x, to.clamp(low, high)));
+                let outline: Vec<(f64, f64)> = below.chain(above).collect();
+                chart.draw_series([Polygon::new(outline, colour.rgb().mix(BAND))])?;
+            }
         }
         for span in &self.spans {
             let corners = [(span.from, span.lane as f64 - HALF_LANE), (span.to, span.lane as f64 + HALF_LANE)];

@@ -6,7 +6,7 @@ mod layers;
 mod thin;
 
 pub use colour::Colour;
-pub use layers::{Layers, Span};
+pub use layers::{Band, Layers, Span};
 pub use thin::Thin;
 
 use crate::error::LabError;
@@ -176,7 +176,7 @@ fn short(v: f64) -> String {
 }
 
 /// Puts the rule that exchanges ink and paper behind the opening tag.
-fn with_dark_style(svg: &str) -> String {
+pub(crate) fn with_dark_style(svg: &str) -> String {
     let rules: String = DARK
         .iter()
         .map(|(from, to)| format!("[fill=\"{from}\"]{{fill:{to}}}[stroke=\"{from}\"]{{stroke:{to}}}"))

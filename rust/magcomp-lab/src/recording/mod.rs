@@ -1,12 +1,13 @@
 //! Recordings: CSV or gzipped CSV with a header, columns found by name.
 //!
 //! `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz]`: seconds; uT; m/s^2; rad/s; reference orientation. A simulated one
-//! adds `true_bx,true_by,true_bz`, the true hard iron (uT).
+//! adds `true_bx,true_by,true_bz`, the true hard iron (uT); `sys_mx,sys_my,sys_mz` is the field that the operating system
+//! calibrated (uT). A row may leave all cells of a sensor empty: each sensor then has its own times and rate.
 
 mod read;
 mod rows;
 mod write;
 
 pub use read::{Rows, Source, read, read_from, unzipped};
-pub use rows::{Extent, Recording, Row, name_of};
+pub use rows::{Extent, Inertial, Recording, Row, name_of};
 pub use write::{AtomicFile, remove_unfinished_on_signals, write_atomically, write_simulation};

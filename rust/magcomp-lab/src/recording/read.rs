@@ -1,6 +1,6 @@
 //! Reading a recording row by row, with an error that names file, line, column and what was expected there.
 
-use super::rows::{Extent, Recording, Row};
+use super::rows::{Extent, Inertial, Recording, Row};
 use crate::error::{LabError, Place};
 use crate::time::time_ns;
 use csv::{ByteRecord, ReaderBuilder};
@@ -39,7 +39,14 @@ impl Source {
             io::copy(&mut file, &mut copy)?;
             Ok(copy)
         };
-        let file = open().map_err(LabError::read(path))?;
+        Self::of(path, open().map_err(LabError::read(path))?)
+    }
+
+    /// A recording that was written to an unnamed temporary file, under the name it came from.
+    ///
+    /// # Errors
+    /// As of [`Source::open`].
+    pub(crate) fn of(path: &Path, file: File) -> Result<Self, LabError> {
         let mut source = Self { path: path.to_owned(), file, extent: Extent::default() };
         for row in source.rows()? {
             source.extent.add(&row?);
@@ -106,7 +113,8 @@ pub struct Rows {
     reader: csv::Reader<Box<dyn Read>>,
     record: ByteRecord,
     columns: Columns,
-    before: Option<Row>,
+    /// Time of the line before.
+    before: Option<(f64, i64)>,
 }
 
 impl Rows {
@@ -120,12 +128,33 @@ impl Rows {
         Ok(Self { path: path.to_owned(), reader, record, columns, before: None })
     }
 
+    /// The next magnetometer sample, with the events of the lines before it that have none.
     fn read(&mut self) -> Result<Option<Row>, LabError> {
-        if !self.reader.read_byte_record(&mut self.record).map_err(|error| unreadable(&self.path, error))? {
-            return Ok(None);
+        let (mut before, mut system_ut) = (Vec::new(), None);
+        while self.reader.read_byte_record(&mut self.record).map_err(|error| unreadable(&self.path, error))? {
+            let line = self.columns.line(&self.path, &self.record, self.before)?;
+            self.before = Some((line.time_s, line.time_ns));
+            system_ut = line.system_ut.or(system_ut);
+            let Some(field_ut) = line.field_ut else {
+                if line.rate_rad_s.is_some() || line.up_m_s2.is_some() {
+                    let Line { time_ns, rate_rad_s, up_m_s2, .. } = line;
+                    before.push(Inertial { time_ns, rate_rad_s, up_m_s2 });
+                }
+                continue;
+            };
+            return Ok(Some(Row {
+                time_s: line.time_s,
+                time_ns: line.time_ns,
+                field_ut,
+                before,
+                up_m_s2: line.up_m_s2,
+                rate_rad_s: line.rate_rad_s,
+                system_ut,
+                attitude: line.attitude,
+                hard_iron_ut: line.hard_iron_ut,
+            }));
         }
-        self.before = Some(self.columns.row(&self.path, &self.record, self.before.as_ref())?);
-        Ok(self.before)
+        Ok(None)
     }
 }
 
@@ -146,6 +175,18 @@ fn unreadable(path: &Path, error: csv::Error) -> LabError {
     LabError::Read { path: path.to_owned(), source }
 }
 
+/// One line: what each sensor said at its time, where it said anything.
+struct Line {
+    time_s: f64,
+    time_ns: i64,
+    field_ut: Option<Vector3<f64>>,
+    up_m_s2: Option<Vector3<f64>>,
+    rate_rad_s: Option<Vector3<f64>>,
+    system_ut: Option<Vector3<f64>>,
+    attitude: Option<UnitQuaternion<f64>>,
+    hard_iron_ut: Option<Vector3<f64>>,
+}
+
 /// Where each quantity is.
 struct Columns {
     names: Vec<String>,
@@ -153,6 +194,7 @@ struct Columns {
     magnetic: [usize; 3],
     accelerometer: Option<[usize; 3]>,
     gyroscope: Option<[usize; 3]>,
+    system: Option<[usize; 3]>,
     reference: Option<[usize; 4]>,
     hard_iron: Option<[usize; 3]>,
 }
@@ -180,13 +222,14 @@ impl Columns {
             magnetic: [required("mx")?, required("my")?, required("mz")?],
             accelerometer: group(["ax", "ay", "az"], index, wrong)?,
             gyroscope: group(["gx", "gy", "gz"], index, wrong)?,
+            system: group(["sys_mx", "sys_my", "sys_mz"], index, wrong)?,
             reference: group(["qw", "qx", "qy", "qz"], index, wrong)?,
             hard_iron: group(["true_bx", "true_by", "true_bz"], index, wrong)?,
             names,
         })
     }
 
-    fn row(&self, path: &Path, record: &ByteRecord, before: Option<&Row>) -> Result<Row, LabError> {
+    fn line(&self, path: &Path, record: &ByteRecord, before: Option<(f64, i64)>) -> Result<Line, LabError> {
         let line = record.position().map_or(0, csv::Position::line);
         let wrong = |column: Option<usize>, expected: String, found: String| LabError::Recording {
             place: Place {
@@ -208,31 +251,42 @@ impl Columns {
                 if text.trim().is_empty() { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
             text.trim().parse().map_err(|_| wrong(Some(i), "a number".to_owned(), found))
         };
-        let vector = |[x, y, z]: [usize; 3]| Ok::<_, LabError>(Vector3::new(number(x)?, number(y)?, number(z)?));
+        // a sensor that said nothing at this time leaves all its cells empty
+        let silent = |cells: &[usize]| cells.iter().all(|i| record[*i].trim_ascii().is_empty());
+        let vector = |cells: [usize; 3]| {
+            let [x, y, z] = cells;
+            if silent(&cells) {
+                return Ok::<_, LabError>(None);
+            }
+            Ok(Some(Vector3::new(number(x)?, number(y)?, number(z)?)))
+        };
+        let of = |cells: Option<[usize; 3]>| cells.map_or(Ok(None), vector);
 
         let time_s = number(self.time)?;
         if !(-LARGEST_TIME_S..LARGEST_TIME_S).contains(&time_s) {
             return Err(wrong(Some(self.time), "a time in seconds".to_owned(), time_s.to_string()));
         }
         let time_ns = time_ns(time_s);
-        if let Some(before) = before.filter(|before| time_ns <= before.time_ns) {
-            let expected = format!("a time after {} s", before.time_s);
+        if let Some((before_s, _)) = before.filter(|(_, before_ns)| time_ns <= *before_ns) {
+            let expected = format!("a time after {before_s} s");
             return Err(wrong(Some(self.time), expected, format!("{time_s} s")));
         }
-        Ok(Row {
+        Ok(Line {
             time_s,
             time_ns,
             field_ut: vector(self.magnetic)?,
-            up_m_s2: self.accelerometer.map(vector).transpose()?,
-            rate_rad_s: self.gyroscope.map(vector).transpose()?,
+            up_m_s2: of(self.accelerometer)?,
+            rate_rad_s: of(self.gyroscope)?,
+            system_ut: of(self.system)?,
             attitude: match self.reference {
                 None => None,
+                Some(cells) if silent(&cells) => None,
                 Some([w, x, y, z]) => {
                     let q = Quaternion::new(number(w)?, number(x)?, number(y)?, number(z)?);
                     UnitQuaternion::try_new(q, 1e-6).filter(|_| q.norm().is_finite())
                 }
             },
-            hard_iron_ut: self.hard_iron.map(vector).transpose()?,
+            hard_iron_ut: of(self.hard_iron)?,
         })
     }
 }

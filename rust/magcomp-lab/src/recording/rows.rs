@@ -4,8 +4,19 @@ use crate::simulate::Simulation;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 
-/// One row: a magnetometer sample and what the other sensors said at that time.
+/// What the inertial sensors said at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertial {
+    /// In whole nanoseconds.
+    pub time_ns: i64,
+    /// Gyroscope, rad/s.
+    pub rate_rad_s: Option<Vector3<f64>>,
+    /// Accelerometer, m/s^2, Android's sign.
+    pub up_m_s2: Option<Vector3<f64>>,
+}
+
+/// A magnetometer sample and what the other sensors said since the sample before it.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Time as written, s.
     pub time_s: f64,
@@ -13,14 +24,26 @@ pub struct Row {
     pub time_ns: i64,
     /// Raw field, uT, device frame; not finite where the file says `nan`.
     pub field_ut: Vector3<f64>,
-    /// Accelerometer, m/s^2, Android's sign.
+    /// Events of the inertial sensors between the sample before and this one, in order; none where all sensors share their rows.
+    pub before: Vec<Inertial>,
+    /// Accelerometer at this very time, m/s^2, Android's sign.
     pub up_m_s2: Option<Vector3<f64>>,
-    /// Gyroscope, rad/s.
+    /// Gyroscope at this very time, rad/s.
     pub rate_rad_s: Option<Vector3<f64>>,
+    /// The latest field that the operating system calibrated since the sample before, uT.
+    pub system_ut: Option<Vector3<f64>>,
     /// Reference orientation, device to east-north-up; None where the file has none or says `nan`.
     pub attitude: Option<UnitQuaternion<f64>>,
     /// True hard iron, uT, where it is known.
     pub hard_iron_ut: Option<Vector3<f64>>,
+}
+
+impl Row {
+    /// The accelerometer's latest value since the sample before, m/s^2, Android's sign.
+    #[must_use]
+    pub fn latest_up(&self) -> Option<Vector3<f64>> {
+        self.up_m_s2.or_else(|| self.before.iter().rev().find_map(|event| event.up_m_s2))
+    }
 }
 
 /// How many rows a recording has, and over what time.
@@ -36,6 +59,8 @@ pub struct Extent {
     pub end_s: f64,
     /// Index of the first row with a reference orientation.
     pub first_reference: Option<usize>,
+    /// Some row has the field that the operating system calibrated.
+    pub system: bool,
 }
 
 impl Extent {
@@ -47,6 +72,7 @@ impl Extent {
         if row.attitude.is_some() {
             self.first_reference.get_or_insert(self.rows);
         }
+        self.system |= row.system_ut.is_some();
         self.end_s = row.time_s;
         self.rows += 1;
     }
@@ -86,8 +112,10 @@ impl Recording {
                 time_s: sample.time_ns as f64 / 1e9,
                 time_ns: sample.time_ns,
                 field_ut: sample.field_ut,
+                before: Vec::new(),
                 up_m_s2: up,
                 rate_rad_s: rate,
+                system_ut: None,
                 attitude: Some(truth.attitude),
                 hard_iron_ut: Some(truth.hard_iron_ut),
             }

@@ -1,15 +1,18 @@
-//! A replay as a picture over time: total field, heading error with the sigma that was given with it, hard iron, status.
+//! A replay as a picture over time: heading with its sigma, total field and dip, M and b with their sigmas, status and events;
+//! with a reference the errors too. Then the sphere.
 
 use super::circle::{Circle, off_deg};
 use super::judge::azimuth_deg;
 use super::player::Step;
 use super::sizes::Sizes;
+use super::sphere::Sphere;
+use super::sphere_view::show;
 use crate::error::LabError;
-use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
+use crate::plot::{Band, Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
 use crate::recording::{Extent, Recording, Row};
 use crate::report::Report;
-use magcomp::Event;
 use magcomp::nalgebra::Vector3;
+use magcomp::{Calibration, Event};
 
 /// Lanes of the status strip, from the bottom, and their colours.
 const LANES: [(&str, Colour); 6] = [
@@ -24,6 +27,8 @@ const LANES: [(&str, Colour); 6] = [
 const ROOM: f64 = 2.0;
 const LEAST_DEG: f64 = 5.0;
 const MOST_DEG: f64 = 60.0;
+/// Least difference of total fields that is told, uT.
+const FIELD_STEP_UT: f64 = 0.001;
 /// Least difference of sigmas that is told, degrees.
 const SIGMA_STEP_DEG: f64 = 0.001;
 
@@ -41,9 +46,18 @@ pub struct Figures {
     corrected_error: ErrorLine,
     heading_error: ErrorLine,
     two_sigma: Sizes,
-    band: Vec<(f64, f64, f64)>,
+    band: Band,
+    system: Thin,
+    total_field: Sizes,
+    raw_field: Sizes,
+    heading: Vec<(f64, f64)>,
+    heading_band: Band,
+    dip: Thin,
     truth: [Thin; 3],
-    hard_iron: [Thin; 3],
+    /// b, then M_xx M_yy M_zz less 1 and M_xy M_xz M_yz, with one sigma to both sides.
+    parameters: [Thin; 9],
+    parameter_bands: [Band; 9],
+    sphere: Sphere,
     window: Thin,
     sigma_t: Thin,
     any_sigma_t: bool,
@@ -94,8 +108,16 @@ impl Figures {
             heading_error: error(),
             two_sigma: Sizes::new(SIGMA_STEP_DEG),
             band: Vec::new(),
+            system: line(),
+            total_field: Sizes::new(FIELD_STEP_UT),
+            raw_field: Sizes::new(FIELD_STEP_UT),
+            heading: Vec::new(),
+            heading_band: Vec::new(),
+            dip: line(),
             truth: [line(), line(), line()],
-            hard_iron: [line(), line(), line()],
+            parameters: std::array::from_fn(|_| line()),
+            parameter_bands: Default::default(),
+            sphere: Sphere::new(extent),
             window: line(),
             sigma_t: line(),
             any_sigma_t: false,
@@ -107,10 +129,15 @@ impl Figures {
 
     /// The next row and what came out for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
-        let Step { reading, calibration, .. } = step;
+        let Step { reading, calibration, sigma, .. } = step;
+        self.sphere.add(row, step);
         let time_s = row.time_s - self.extent.start_s;
         self.raw.add(time_s, row.field_ut.norm());
         self.corrected.add(time_s, reading.field_ut.map_or(f64::NAN, |c| c.norm()));
+        self.system.add(time_s, row.system_ut.map_or(f64::NAN, |system| system.norm()));
+        self.raw_field.add(row.field_ut.norm());
+        reading.field_ut.iter().for_each(|c| self.total_field.add(c.norm()));
+        self.dip.add(time_s, reading.heading.map_or(f64::NAN, |heading| heading.inclination_deg));
 
         let azimuth = |vector: Option<Vector3<f64>>| azimuth_deg(row, &vector?);
         self.raw_error.add(time_s, azimuth(Some(row.field_ut)));
@@ -119,14 +146,31 @@ impl Figures {
         let two_sigma = reading.heading.and_then(|heading| Some(2.0 * heading.heading_sigma_deg?));
         two_sigma.iter().for_each(|sigma| self.two_sigma.add(*sigma));
         // what carries the heading goes through the noise of the samples: no more than one point a pixel is needed
-        if self.rows.is_multiple_of((self.extent.rows / PIXELS).max(1)) {
+        let sampled = self.rows.is_multiple_of(self.extent.rows.div_ceil(PIXELS).max(1));
+        if sampled {
             let sigma = two_sigma.unwrap_or(f64::NAN);
             self.band.push((time_s, -sigma, sigma));
+            let heading_deg = reading.heading.map_or(f64::NAN, |heading| heading.heading_deg);
+            // through north the line begins anew on the other side
+            if self.heading.last().is_some_and(|(_, before)| (heading_deg - before).abs() > 180.0) {
+                self.heading.push((time_s, f64::NAN));
+                self.heading_band.push((time_s, f64::NAN, f64::NAN));
+            }
+            self.heading.push((time_s, heading_deg));
+            self.heading_band.push((time_s, heading_deg - sigma, heading_deg + sigma));
         }
 
+        let parameters = calibration.map(|calibration| parameters(&calibration));
+        for i in 0..9 {
+            let value = parameters.map_or(f64::NAN, |parameters| parameters[i]);
+            self.parameters[i].add(time_s, value);
+            if sampled {
+                let sigma = sigma.map_or(f64::NAN, |sigma| sigma[i]);
+                self.parameter_bands[i].push((time_s, value - sigma, value + sigma));
+            }
+        }
         for i in 0..3 {
             self.truth[i].add(time_s, row.hard_iron_ut.map_or(f64::NAN, |b| b[i]));
-            self.hard_iron[i].add(time_s, calibration.map_or(f64::NAN, |calibration| calibration.hard_iron_ut()[i]));
         }
         self.window.add(time_s, reading.window as f64 / 2000.0);
         self.sigma_t.add(time_s, reading.sigma_t.unwrap_or(f64::NAN));
@@ -159,14 +203,38 @@ impl Figures {
     pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
         let fine = self.extent.rows > FINE;
         let series = |name: &str, colour, points| Series { fine, ..Series::new(name, colour, points) };
-        let mut panels = vec![panel(
-            "total field",
-            "uT",
-            vec![
-                series("raw", Colour::Grey, self.raw.points()),
-                series("compensated", Colour::Blue, self.corrected.points()),
-            ],
-        )];
+        let usual = self.total_field.at(980);
+        // a raw field that is far larger is left out, so that the corrected one can be seen
+        let beyond = usual.zip(self.raw_field.at(500)).filter(|(usual, raw)| *raw > ROOM * usual);
+        let title = beyond.map_or_else(
+            || "total field".to_owned(),
+            |(_, raw)| format!("total field (raw: mostly {raw:.0} uT, beyond this)"),
+        );
+        let system = if self.extent.system { "the system's" } else { "" };
+        let mut panels = vec![
+            Panel {
+                y_range: Some((0.0, 360.0)),
+                layers: Layers { bands: vec![(Colour::Blue, self.heading_band)], ..Layers::default() },
+                ..panel("heading, and its 2-sigma band", "deg", vec![series("", Colour::Blue, self.heading)])
+            },
+            Panel {
+                y_range: beyond.map(|(usual, _)| (0.0, ROOM * usual)),
+                ..panel(
+                    &title,
+                    "uT",
+                    vec![
+                        series("raw", Colour::Grey, self.raw.points()),
+                        series(system, Colour::Green, self.system.points()),
+                        series("compensated", Colour::Blue, self.corrected.points()),
+                    ],
+                )
+            },
+            panel(
+                "dip: angle of the field below the horizon",
+                "deg",
+                vec![series("", Colour::Blue, self.dip.points())],
+            ),
+        ];
         if self.extent.first_reference.is_some() {
             // everything's heading error, then that of what carries the heading, closer, with its band
             panels.push(panel(
@@ -180,7 +248,7 @@ impl Figures {
             let range = (ROOM * self.two_sigma.at(900).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
             panels.push(Panel {
                 y_range: Some((-range, range)),
-                layers: Layers { band: self.band, ..Layers::default() },
+                layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
                 ..panel(
                     "error of the heading given, and its 2-sigma band",
                     "deg",
@@ -190,10 +258,19 @@ impl Figures {
         }
         let truth = self.truth.map(Thin::points).into_iter().filter(|b| b.iter().any(|(_, b)| b.is_finite()));
         let truth = truth.map(|b| Series { dashed: true, ..series("", Colour::Grey, b) });
-        let axes = [("b_x", Colour::Blue), ("b_y", Colour::Orange), ("b_z", Colour::Green)];
-        let estimated = self.hard_iron.map(Thin::points).into_iter().zip(axes);
-        let estimated = estimated.map(|(b, (name, colour))| series(name, colour, b));
-        panels.push(panel("hard iron", "uT", truth.chain(estimated).collect()));
+        let colours = [Colour::Blue, Colour::Orange, Colour::Green];
+        let mut lines = self.parameters.map(Thin::points).into_iter().zip(self.parameter_bands);
+        let mut three = |title: &str, unit: &str, names: [&str; 3], before: Vec<Series>| {
+            let (mut all, mut bands) = (before, Vec::new());
+            for ((name, colour), (line, band)) in names.into_iter().zip(colours).zip(lines.by_ref()) {
+                all.push(series(name, colour, line));
+                bands.push((colour, band));
+            }
+            Panel { layers: Layers { bands, ..Layers::default() }, ..panel(title, unit, all) }
+        };
+        panels.push(three("hard iron b, and one sigma", "uT", ["b_x", "b_y", "b_z"], truth.collect()));
+        panels.push(three("soft iron M less 1, and one sigma", "", ["M_xx", "M_yy", "M_zz"], Vec::new()));
+        panels.push(three("soft iron M, and one sigma", "", ["M_xy", "M_xz", "M_yz"], Vec::new()));
         if self.any_sigma_t {
             panels.push(panel(
                 "sigma_T, and window N / 2000",
@@ -218,13 +295,26 @@ impl Figures {
             },
             ..panel("status, and events since when", "", Vec::new())
         });
+        let error = match self.extent.first_reference {
+            Some(_) => {
+                " heading errors against the reference, the lower with the band of two sigmas that was given with it;"
+            }
+            None => "",
+        };
         let caption = format!(
-            "{recording}: raw field (grey) and what the compensator made of it; heading error against the reference, with \
-             the band of two sigmas that was given with it; hard iron (dashed: the truth, where it is known); status and events."
+            "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
+             true b, where it is known); status and events, each at the time since when it holds."
         );
+        show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
         Ok(())
     }
+}
+
+/// b (uT), M_xx M_yy M_zz less 1, M_xy M_xz M_yz: the order of `Compensator::covariance`.
+fn parameters(calibration: &Calibration) -> [f64; 9] {
+    let (b, m) = (calibration.hard_iron_ut(), calibration.soft_iron());
+    [b.x, b.y, b.z, m.m11 - 1.0, m.m22 - 1.0, m.m33 - 1.0, m.m12, m.m13, m.m23]
 }
 
 /// Adds the picture of a replay in memory, as [`Figures`].

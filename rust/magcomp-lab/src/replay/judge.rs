@@ -78,6 +78,10 @@ pub struct Judgement {
     pub published_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
+    /// Spread of the field that the operating system calibrated, on the same rows; none where it was not recorded.
+    pub system_spread_percent: Option<f64>,
+    /// Heading error of that field.
+    pub system_heading: Option<HeadingError>,
     /// The heading against the legs of the way; none without waypoints.
     pub legs: Option<LegJudgement>,
     /// How well a disturbed field was called so.
@@ -159,6 +163,7 @@ pub struct Judge {
     carried: Directions,
     published: Directions,
     raw: Directions,
+    system: Directions,
     total_field: Sizes,
     /// The total field of the rows called disturbed.
     called_disturbed: Sizes,
@@ -186,6 +191,7 @@ impl Judge {
             carried: Directions::default(),
             published: Directions::default(),
             raw: Directions::default(),
+            system: Directions::default(),
             total_field: Sizes::new(FIELD_STEP_UT),
             called_disturbed: Sizes::new(FIELD_STEP_UT),
             events: Vec::new(),
@@ -228,6 +234,7 @@ impl Judge {
             let sigma_deg = reading.field_sigma_ut.map(|sigma_ut| sigma_ut.atan2(across_ut).to_degrees());
             self.ours.add(row, &c, sigma_deg, counted);
             self.raw.add(row, &row.field_ut, None, counted);
+            row.system_ut.iter().for_each(|system| self.system.add(row, system, None, counted));
         }
         if let Some(f) = reading.filtered_field_ut {
             // f, with the sigma of the heading, which it carries
@@ -259,6 +266,8 @@ impl Judge {
             carried_heading: self.carried.azimuths.heading_error(),
             published_heading: self.published.azimuths.heading_error(),
             raw_heading: self.raw.azimuths.heading_error(),
+            system_spread_percent: self.system.lengths.percent(),
+            system_heading: self.system.azimuths.heading_error(),
             legs: None,
             disturbance: self.disturbance(),
             events: self.events.iter().map(declared).collect(),

@@ -123,7 +123,7 @@ impl Legs {
     fn raw_heading_deg(&mut self, row: &Row) -> Option<f64> {
         let gain = ((row.time_s - self.before_s) / UP_TIME_S).min(1.0);
         self.before_s = row.time_s;
-        if let Some(measured) = row.up_m_s2 {
+        if let Some(measured) = row.latest_up() {
             let up = self.up.get_or_insert(measured);
             *up += (measured - *up) * gain;
         }
@@ -157,6 +157,8 @@ mod tests {
                 field_ut: Vector3::new(east, north, -40.0),
                 up_m_s2: Some(Vector3::new(0.0, 0.0, 9.8)),
                 rate_rad_s: None,
+                before: Vec::new(),
+                system_ut: None,
                 attitude: None,
                 hard_iron_ut: None,
             }

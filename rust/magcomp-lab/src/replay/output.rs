@@ -54,7 +54,7 @@ impl Output {
 }
 
 fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
-    let Step { reading, calibration, push_ns } = step;
+    let Step { reading, calibration, push_ns, .. } = step;
     vector(out, reading.field_ut, 6)?;
     vector(out, reading.filtered_field_ut, 6)?;
     let heading = reading.heading;

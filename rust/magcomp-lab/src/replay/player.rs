@@ -1,7 +1,7 @@
 //! A compensator that is given the rows of a recording, in order.
 
 use crate::error::LabError;
-use crate::recording::{Recording, Row};
+use crate::recording::{Inertial, Recording, Row};
 use magcomp::{Calibration, Compensator, Config, MagneticSample, Reading, RotationRateSample, UpSample};
 use std::time::Instant;
 
@@ -21,6 +21,8 @@ pub struct Step {
     pub reading: Reading,
     /// The calibration in force after the sample.
     pub calibration: Option<Calibration>,
+    /// Its standard deviations in the order of `Compensator::covariance`: b (uT), M_xx M_yy M_zz M_xy M_xz M_yz.
+    pub sigma: Option<[f64; 9]>,
     /// Time spent in `push`, nanoseconds.
     pub push_ns: u64,
 }
@@ -44,17 +46,28 @@ impl Player {
 
     /// Plays the next row.
     pub fn play(&mut self, row: &Row) -> Step {
+        let now = Inertial { time_ns: row.time_ns, rate_rad_s: row.rate_rad_s, up_m_s2: row.up_m_s2 };
+        for Inertial { time_ns, rate_rad_s, up_m_s2 } in row.before.iter().copied().chain([now]) {
+            if let Some(rate_rad_s) = rate_rad_s.filter(|_| !self.ignore.gyroscope) {
+                let _ = self.compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
+            }
+            if let Some(up_m_s2) = up_m_s2.filter(|_| !self.ignore.accelerometer) {
+                let _ = self.compensator.push_up(UpSample { time_ns, up_m_s2 });
+            }
+        }
         let (compensator, time_ns) = (&mut self.compensator, row.time_ns);
-        if let Some(rate_rad_s) = row.rate_rad_s.filter(|_| !self.ignore.gyroscope) {
-            let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
-        }
-        if let Some(up_m_s2) = row.up_m_s2.filter(|_| !self.ignore.accelerometer) {
-            let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
-        }
         let started = Instant::now();
         let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
         let push_ns = started.elapsed().as_nanos() as u64;
-        Step { reading, calibration: compensator.calibration(), push_ns }
+        let sigma =
+            compensator.covariance().map(|covariance| std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()));
+        Step { reading, calibration: compensator.calibration(), sigma, push_ns }
+    }
+
+    /// The compensator as it is after the latest row.
+    #[must_use]
+    pub fn compensator(&self) -> &Compensator {
+        &self.compensator
     }
 }
 

@@ -52,6 +52,21 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     let reference =
         if judgement.heading.is_some() { "; heading against the reference, up to one constant" } else { "" };
     let (from_s, to_s) = judgement.counted_s;
+    // beside raw and ours, where it was recorded
+    if let Some(spread_percent) = judgement.system_spread_percent {
+        table.columns.insert(2, "the system's".to_owned());
+        let heading = judgement.system_heading;
+        for row in &mut table.rows {
+            let cell = match row[0].as_str() {
+                "spread of total field, %" => number(Some(spread_percent), 2),
+                "heading error rms, deg" => number(heading.map(|heading| heading.rms_deg), 2),
+                "heading error p95, deg" => number(heading.map(|heading| heading.p95_deg), 2),
+                _ => String::new(),
+            };
+            row.insert(2, cell);
+        }
+        table.note("the system's: the field that the operating system calibrated, on the rows that ours answered");
+    }
     table.note(&format!("errors, spread and disturbance from {from_s:.0} to {to_s:.0} s; spread: standard deviation over mean{reference}"));
     table
 }

@@ -1,0 +1,41 @@
+//! `magcomp import`.
+
+use super::common::Common;
+use crate::error::LabError;
+use crate::import::{ImportOptions, import};
+use crate::recording::write_atomically;
+use crate::report::Report;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Make a phone logger's session into a recording; `replay` takes the same inputs.
+///
+/// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form) or MATLAB Mobile, or plain
+/// CSV whose columns --columns names. Each sensor keeps its own times and rate: a row leaves the cells of the others empty. The
+/// field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
+#[derive(Debug, Args)]
+pub(super) struct Import {
+    /// The session: a zip, a folder, or its files
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// The recording to write; gzipped when the name ends in .gz
+    #[arg(short, long, value_name = "OUT.csv.gz")]
+    output: PathBuf,
+    #[command(flatten)]
+    options: ImportOptions,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl Import {
+    pub fn run(self) -> Result<(), LabError> {
+        self.inputs.iter().try_for_each(|input| super::common::refuse_same(input, &self.output))?;
+        let summary = import(&self.inputs, &self.options, |write| write_atomically(&self.output, |out| write(out)))?;
+        let table = summary.table();
+        self.common.finish(std::slice::from_ref(&table), &summary, || {
+            let mut report = Report::new("A session imported", "What the logger recorded.");
+            report.table(&table);
+            Ok(report)
+        })
+    }
+}

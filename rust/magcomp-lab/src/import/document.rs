@@ -1,0 +1,120 @@
+//! The text files of a session: named files, those of a folder, those of a zip.
+
+use crate::error::LabError;
+use flate2::read::MultiGzDecoder;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// First bytes of a zip.
+const ZIP: &[u8] = b"PK\x03\x04";
+/// First bytes of a gzip file.
+const GZIP: &[u8] = &[0x1f, 0x8b];
+/// Bytes of a file in which a zero means that it is no text.
+const START: usize = 1024;
+/// Endings of names that are read from folders and zips; other files there (pictures, sound, databases) are passed over.
+const TEXT: [&str; 3] = [".csv", ".txt", ".csv.gz"];
+
+/// One text file, unzipped.
+#[derive(Clone, Debug)]
+pub(super) struct Document {
+    /// Where it lies; of one in a zip, the zip's path and the name in it.
+    pub path: PathBuf,
+    /// Its content, without a byte order mark.
+    pub text: Vec<u8>,
+}
+
+impl Document {
+    fn new(path: PathBuf, bytes: Vec<u8>) -> Result<Self, LabError> {
+        let mut text = bytes;
+        if text.starts_with(GZIP) {
+            let mut plain = Vec::new();
+            MultiGzDecoder::new(text.as_slice()).read_to_end(&mut plain).map_err(LabError::read(&path))?;
+            text = plain;
+        }
+        if text.starts_with(b"\xef\xbb\xbf") {
+            text.drain(..3);
+        }
+        if text.iter().take(START).any(|byte| *byte == 0) {
+            return Err(LabError::Usage(format!("{}: {}", path.display(), not_text(&text))));
+        }
+        Ok(Self { path, text })
+    }
+
+    /// Its name without folder and endings, in small letters: `magnetometer`.
+    pub fn stem(&self) -> String {
+        let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+        name.split('.').next().unwrap_or_default().to_owned()
+    }
+
+    /// Its first line that is no comment and not empty.
+    pub fn first_line(&self) -> String {
+        let mut lines = self.text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+        let line = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
+        line.map_or_else(String::new, |line| String::from_utf8_lossy(line).into_owned())
+    }
+}
+
+/// What a file of another form is, by its first bytes, and what to do.
+fn not_text(bytes: &[u8]) -> &'static str {
+    if bytes.starts_with(b"MATLAB") {
+        "a MATLAB file is not read; in MATLAB, writetimetable(MagneticField, \"MagneticField.csv\") makes a CSV of each sensor"
+    } else if bytes.starts_with(b"PAR1") || bytes.starts_with(b"ARROW1") || bytes.starts_with(b"\x89MCAP") {
+        "Parquet, Arrow and mcap files are not read; make CSV of it and name its columns by --columns"
+    } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        "UTF-16 text is not read; save it as UTF-8"
+    } else {
+        "this is no text file; a session is CSV, a folder of CSV files, or a zip of them"
+    }
+}
+
+/// All text files that `inputs` name.
+pub(super) fn documents(inputs: &[PathBuf]) -> Result<Vec<Document>, LabError> {
+    let mut found = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            let entries = fs::read_dir(input).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+            let mut paths: Vec<PathBuf> =
+                entries.map_err(LabError::read(input))?.iter().map(fs::DirEntry::path).collect();
+            paths.retain(|path| path.is_file() && is_text(path));
+            paths.sort();
+            for path in paths {
+                let bytes = fs::read(&path).map_err(LabError::read(&path))?;
+                found.push(Document::new(path, bytes)?);
+            }
+            continue;
+        }
+        let bytes = fs::read(input).map_err(LabError::read(input))?;
+        if bytes.starts_with(ZIP) {
+            unzip(input, &mut found)?
+        } else {
+            found.push(Document::new(input.clone(), bytes)?)
+        }
+    }
+    if found.is_empty() {
+        let names: Vec<String> = inputs.iter().map(|input| input.display().to_string()).collect();
+        return Err(LabError::Usage(format!("{}: no file there ends in {}", names.join(", "), TEXT.join(", "))));
+    }
+    Ok(found)
+}
+
+fn is_text(path: &Path) -> bool {
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+    // "._Gyroscope.csv" is what macOS adds beside a file
+    !name.starts_with("._") && TEXT.iter().any(|ending| name.ends_with(ending))
+}
+
+fn unzip(path: &Path, found: &mut Vec<Document>) -> Result<(), LabError> {
+    let file = File::open(path).map_err(LabError::read(path))?;
+    let mut archive = zip::ZipArchive::new(file).map_err(io::Error::from).map_err(LabError::read(path))?;
+    for index in 0..archive.len() {
+        let mut entry = archive.by_index(index).map_err(io::Error::from).map_err(LabError::read(path))?;
+        let inside = PathBuf::from(entry.name());
+        if entry.is_file() && is_text(&inside) {
+            let (name, mut bytes) = (path.join(inside), Vec::new());
+            entry.read_to_end(&mut bytes).map_err(LabError::read(&name))?;
+            found.push(Document::new(name, bytes)?);
+        }
+    }
+    Ok(())
+}

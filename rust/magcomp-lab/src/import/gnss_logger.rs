@@ -1,0 +1,67 @@
+//! GnssLogger (Google) and loggers of its form: each row begins with what it is, then `utcTimeMillis, elapsedRealtimeNanos, x, y, z`,
+//! and for an uncalibrated sensor the system's estimate of the bias. From LOGGING_FORMAT.md (github.com/google/gps-measurement-tools).
+//!
+//! The system's calibrated field is `Mag` where it was recorded, else what `UncalMag` leaves after its bias.
+
+use super::document::Document;
+use super::session::Session;
+use super::sheet::Sheet;
+use crate::error::LabError;
+
+/// Columns of a row: the time, the value, the bias.
+const TIME: usize = 2;
+const VALUE: [usize; 3] = [3, 4, 5];
+const BIAS: [usize; 3] = [6, 7, 8];
+/// Rows that are read.
+const KINDS: [&str; 6] = ["UncalMag", "Mag", "UncalGyro", "Gyro", "UncalAccel", "Accel"];
+
+/// Whether some row of the first few hundred kilobytes is of this form.
+pub(super) fn is_log(document: &Document) -> bool {
+    let start = &document.text[..document.text.len().min(300_000)];
+    let kind = |line: &[u8]| {
+        KINDS.iter().any(|kind| line.strip_prefix(kind.as_bytes()).is_some_and(|rest| rest.starts_with(b",")))
+    };
+    start.split(|byte| *byte == b'\n').any(kind)
+}
+
+pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
+    let [mut session, mut calibrated] = [Session::default(), Session::default()];
+    for document in documents {
+        let sheet = Sheet::new(document);
+        for cells in sheet.lines() {
+            let cells = cells?;
+            let kind = cells.text(0);
+            if !KINDS.contains(&kind.as_str()) {
+                continue;
+            }
+            let time_ns = cells.time_ns(TIME, 1)?;
+            let Some(value) = cells.vector(VALUE)? else { continue };
+            let of = if kind.starts_with("Uncal") { &mut session } else { &mut calibrated };
+            let stream = match kind.as_str() {
+                "UncalMag" | "Mag" => &mut of.raw,
+                "UncalGyro" | "Gyro" => &mut of.rate,
+                _ => &mut of.up,
+            };
+            stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])]);
+            if kind == "UncalMag"
+                && let Some(bias) = cells.vector(BIAS)?
+            {
+                session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])]);
+            }
+        }
+    }
+    if session.raw.events.is_empty() && !calibrated.raw.events.is_empty() {
+        session.raw = calibrated.raw;
+        session
+            .notes
+            .push("the magnetometer is the one that the system calibrates: the log has no UncalMag rows".to_owned());
+    } else if !calibrated.raw.events.is_empty() {
+        session.system = calibrated.raw;
+    }
+    for (uncalibrated, calibrated) in [(&mut session.rate, calibrated.rate), (&mut session.up, calibrated.up)] {
+        if uncalibrated.events.is_empty() {
+            *uncalibrated = calibrated;
+        }
+    }
+    Ok(session)
+}

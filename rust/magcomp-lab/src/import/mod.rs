@@ -1,0 +1,204 @@
+//! Sessions that phone loggers recorded, made into recordings: each sensor keeps its own times and rates, nothing is resampled.
+//!
+//! Made after the loggers' documentation and tried on files written by hand after it; of Sensor Logger also on an iPhone's real
+//! session. No real file of the others was at hand.
+
+mod document;
+mod gnss_logger;
+mod matlab;
+mod phyphox;
+mod plain;
+mod plausible;
+mod sensor_logger;
+mod session;
+mod sheet;
+mod units;
+
+pub use plain::ColumnNames;
+pub use session::Sensor;
+pub use units::{Frame, Units};
+
+use crate::error::{LabError, Place};
+use crate::recording::{Source, unzipped};
+use crate::table::{Table, number};
+use clap::Args;
+use document::{Document, documents};
+use serde::Serialize;
+use session::Session;
+use sheet::{Sheet, shorten};
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes of a file that tell what it is.
+const START: u64 = 4096;
+/// What is accepted, for messages.
+const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
+
+/// How plain CSV is read; the loggers' own files need none of it.
+#[derive(Clone, Debug, Default, PartialEq, Args)]
+pub struct ImportOptions {
+    /// Plain CSV: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
+    #[arg(long, value_name = "t=NAME,mx=NAME,...")]
+    pub columns: Option<ColumnNames>,
+    /// Plain CSV: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
+    #[arg(long, value_name = "t=ns,m=uT,...")]
+    pub units: Option<Units>,
+    /// Which of the file's axes point right, up along the screen, and out of it
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
+    pub frame: Option<Frame>,
+}
+
+/// What a session held.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The logger, or plain CSV.
+    pub logger: &'static str,
+    /// Its sensors.
+    pub sensors: Vec<Sensor>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+impl Summary {
+    /// As a table.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let mut table =
+            Table::new(&format!("{} session", self.logger), &["sensor", "events", "rate Hz", "longest pause s"]);
+        for sensor in &self.sensors {
+            let (rate, pause) = (number(sensor.rate_hz, 1), number(sensor.longest_pause_s, 3));
+            table.row(vec![sensor.sensor.to_owned(), sensor.events.to_string(), rate, pause]);
+        }
+        self.notes.iter().for_each(|note| table.note(note));
+        table
+    }
+}
+
+/// A recording to replay, and what the session held that it was made from; none where the input is a recording already.
+pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Option<Summary>), LabError> {
+    if let [input] = inputs
+        && !is_session(input, options)?
+    {
+        return Ok((Source::open(input)?, None));
+    }
+    let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
+    let failed = || LabError::write(Path::new("a temporary file"));
+    let copy = file.try_clone().map_err(failed())?;
+    let mut out = BufWriter::new(file);
+    let summary = import(inputs, options, |write| write(&mut out).map_err(failed()))?;
+    out.flush().map_err(failed())?;
+    Ok((Source::of(&inputs[0], copy)?, Some(summary)))
+}
+
+/// Whether it must be imported; what can be read only once is a recording.
+fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
+    let kind = std::fs::metadata(input).map_err(LabError::read(input))?;
+    if kind.is_dir() || *options != ImportOptions::default() {
+        return Ok(true);
+    }
+    if !kind.is_file() {
+        return Ok(false);
+    }
+    let mut text = Vec::new();
+    let file = File::open(input).map_err(LabError::read(input))?;
+    // a cut gzip shows itself when it is read whole
+    let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
+    let document = Document { path: input.to_owned(), text };
+    let header = Sheet::new(&document).header;
+    Ok(document.text.starts_with(b"PK")
+        || logger(std::slice::from_ref(&document)).is_some()
+        || !header.iter().any(|name| name == "t_s") && !header.is_empty())
+}
+
+#[derive(Clone, Copy)]
+enum App {
+    SensorLogger,
+    Phyphox,
+    GnssLogger,
+    Matlab,
+}
+
+fn logger(documents: &[Document]) -> Option<App> {
+    let any = |is: fn(&[String]) -> bool| documents.iter().any(|document| is(&Sheet::new(document).header));
+    if documents.iter().any(gnss_logger::is_log) {
+        Some(App::GnssLogger)
+    } else if any(sensor_logger::is_header) {
+        Some(App::SensorLogger)
+    } else if any(phyphox::is_header) {
+        Some(App::Phyphox)
+    } else if any(matlab::is_header) {
+        Some(App::Matlab)
+    } else {
+        None
+    }
+}
+
+/// Reads a session and writes it as a recording through `write`.
+///
+/// # Errors
+/// [`LabError::Recording`] names file, line, column and what to do; [`LabError::Read`]; [`LabError::Usage`]; those of `write`.
+pub fn import(
+    inputs: &[PathBuf],
+    options: &ImportOptions,
+    write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError>,
+) -> Result<Summary, LabError> {
+    let documents = documents(inputs)?;
+    let units = options.units.unwrap_or_default();
+    let found = if options.columns.is_some() { None } else { logger(&documents) };
+    if found.is_some() && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
+        let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
+        return Err(LabError::Usage(format!("--units: {why}")));
+    }
+    if matches!(found, Some(App::SensorLogger | App::Phyphox | App::Matlab)) {
+        refuse_twice(&documents)?;
+    }
+    let (name, mut session) = match found {
+        Some(App::SensorLogger) => ("Sensor Logger", sensor_logger::read(&documents, &units)?),
+        Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
+        Some(App::GnssLogger) => ("GnssLogger", gnss_logger::read(&documents)?),
+        Some(App::Matlab) => ("MATLAB Mobile", matlab::read(&documents)?),
+        None => ("plain CSV", plain_session(&documents, options, &units)?),
+    };
+    session.require_magnetometer(name, inputs)?;
+    session.sort(&options.frame.unwrap_or_default());
+    plausible::check(&session)?;
+    let mut counted = false;
+    write(&mut |out| {
+        counted = session.write(out)?;
+        Ok(())
+    })?;
+    if counted {
+        session.notes.push("times count from the first event".to_owned());
+    }
+    Ok(Summary { logger: name, sensors: session.sensors(), notes: session.notes })
+}
+
+/// Refuses two files of one sensor: they are of two sessions, or one file named twice.
+fn refuse_twice(documents: &[Document]) -> Result<(), LabError> {
+    let twice = documents.iter().enumerate().find_map(|(k, document)| {
+        let before = documents[..k].iter().find(|before| before.stem() == document.stem())?;
+        Some((before.path.display(), document.path.display()))
+    });
+    let Some((first, second)) = twice else { return Ok(()) };
+    Err(LabError::Usage(format!("{first} and {second} are of the same sensor; import one session at a time")))
+}
+
+fn plain_session(documents: &[Document], options: &ImportOptions, units: &Units) -> Result<Session, LabError> {
+    let names = options.columns.clone().unwrap_or_default();
+    let first = &documents[0];
+    let header = Sheet::new(first).header;
+    if header.is_empty() {
+        return Err(LabError::Empty { path: first.path.clone(), what: "nothing in it" });
+    }
+    if options.columns.is_none() && !plain::is_header(&header, &names) {
+        return Err(LabError::Recording {
+            place: Place { path: first.path.clone(), line: 1, column: None },
+            expected: format!(
+                "a header of {LOGGERS}, or a recording's t_s,mx,my,mz; other names by --columns t=NAME,mx=NAME,my=NAME,mz=NAME"
+            ),
+            found: format!("'{}'", shorten(&header.join(","))),
+        });
+    }
+    plain::read(documents, &names, units)
+}

@@ -1,0 +1,107 @@
+//! Sensor Logger (Kelvin Choi; iOS and Android): a zip or a folder with one CSV for each sensor, `time` in nanoseconds since 1970,
+//! the axes in the order z, y, x. From its pages UNITS.md, COORDINATES.md and CROSSPLATFORM.md
+//! (github.com/tszheichoi/awesome-sensor-logger).
+//!
+//! Of the accelerometer: AccelerometerUncalibrated is in g with Apple's sign on iOS, in m/s^2 on Android and where the setting
+//! "Standardise Units & Frames" is on; its size tells which. TotalAcceleration is Android's alone. Gravity is in m/s^2 with the
+//! sign of the platform, which Metadata.csv names. Accelerometer lacks gravity and is not used.
+
+use super::document::Document;
+use super::session::{Session, Stream};
+use super::sheet::Sheet;
+use super::units::{GRAVITY_M_S2, Units};
+use crate::error::LabError;
+use magcomp::nalgebra::Vector3;
+
+/// Accelerations are in g below this median size and in m/s^2 above, halfway on a scale of ratios.
+const BETWEEN_G_AND_M_S2: f64 = 3.1;
+
+pub(super) fn is_header(header: &[String]) -> bool {
+    let has = |name: &str| header.iter().any(|column| column == name);
+    has("time") && has("seconds_elapsed")
+}
+
+pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, LabError> {
+    let mut session = Session::default();
+    let find = |stem: &str| documents.iter().find(|document| document.stem() == stem);
+    let either = |first: &str, second: &str| find(first).or_else(|| find(second));
+
+    match (find("magnetometeruncalibrated"), find("magnetometer")) {
+        (Some(raw), system) => {
+            session.raw = stream(raw, 1.0)?;
+            session.system = system.map(|system| stream(system, 1.0)).transpose()?.unwrap_or_default();
+        }
+        (None, Some(calibrated)) => {
+            session.raw = stream(calibrated, 1.0)?;
+            session.notes.push(
+                "the magnetometer is the one that the system calibrates, because MagnetometerUncalibrated was not recorded".to_owned(),
+            );
+        }
+        (None, None) => {}
+    }
+    if let Some(rate) = either("gyroscopeuncalibrated", "gyroscope") {
+        session.rate = stream(rate, 1.0)?;
+    }
+    if let Some(raw) = find("accelerometeruncalibrated") {
+        session.up = stream(raw, 1.0)?;
+        let factor = units.acceleration.unwrap_or_else(|| {
+            let is_apple = median_norm(&session.up).is_some_and(|norm| norm < BETWEEN_G_AND_M_S2);
+            if is_apple { -GRAVITY_M_S2 } else { 1.0 }
+        });
+        session.up.events.iter_mut().for_each(|(_, up)| *up *= factor);
+    } else if let Some(total) = find("totalacceleration") {
+        session.up = stream(total, units.acceleration.unwrap_or(1.0))?;
+    } else if let Some(gravity) = find("gravity") {
+        let sign = match units.acceleration {
+            Some(factor) => factor,
+            None => platform_sign(find("metadata"), gravity)?,
+        };
+        session.up = stream(gravity, sign)?;
+    } else if find("accelerometer").is_some() {
+        session.notes.push(
+            "Accelerometer has no gravity in it and was left out; record AccelerometerUncalibrated, TotalAcceleration or Gravity"
+                .to_owned(),
+        );
+    }
+    Ok(session)
+}
+
+fn stream(document: &Document, factor: f64) -> Result<Stream<Vector3<f64>>, LabError> {
+    let sheet = Sheet::new(document);
+    let time = sheet.required("time")?;
+    let axes = [sheet.required("x")?, sheet.required("y")?, sheet.required("z")?];
+    let mut stream = Stream::default();
+    for cells in sheet.rows() {
+        let cells = cells?;
+        let time_ns = cells.time_ns(time, 1)?;
+        if let Some(value) = cells.vector(axes)? {
+            stream.add(time_ns, value * factor, || [cells.place(time), cells.place(axes[0])]);
+        }
+    }
+    Ok(stream)
+}
+
+fn median_norm(stream: &Stream<Vector3<f64>>) -> Option<f64> {
+    let mut norms: Vec<f64> = stream.events.iter().map(|(_, value)| value.norm()).collect();
+    norms.sort_by(f64::total_cmp);
+    norms.get(norms.len() / 2).copied()
+}
+
+/// 1 for Android's sign of gravity, -1 for Apple's.
+fn platform_sign(metadata: Option<&Document>, gravity: &Document) -> Result<f64, LabError> {
+    let cell = |name: &str| {
+        let sheet = Sheet::new(metadata?);
+        let column = sheet.column(name)?;
+        sheet.rows().next()?.ok().map(|cells| cells.text(column).to_lowercase())
+    };
+    let standardised = cell("standardisation").is_some_and(|text| text == "true");
+    match cell("platform").as_deref() {
+        Some("android") => Ok(1.0),
+        Some("ios") => Ok(if standardised { 1.0 } else { -1.0 }),
+        _ => Err(LabError::Usage(format!(
+            "{}: the sign of gravity depends on the platform, and no Metadata.csv names it; add that file, or say --units a=m/s2 \
+             for Android, a=-m/s2 for iOS",
+            gravity.path.display()
+        ))),
+    }
+}

@@ -1,0 +1,178 @@
+//! What a logger recorded: each sensor's events with their own times. Written as a recording, one row for each time.
+
+use super::units::Frame;
+use crate::error::{LabError, Place};
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use serde::Serialize;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Times below this (ns) keep their nanoseconds when they are read as seconds; others are counted from the first event.
+const EXACT_NS: i64 = 4_000_000_000_000_000;
+
+/// One sensor's events.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Stream<T> {
+    /// Time, ns, and value; in the order of time once the session is sorted.
+    pub events: Vec<(i64, T)>,
+    /// The cells of time and value of its first event.
+    pub first: Option<[Place; 2]>,
+}
+
+impl<T> Stream<T> {
+    pub fn add(&mut self, time_ns: i64, value: T, places: impl FnOnce() -> [Place; 2]) {
+        self.first.get_or_insert_with(places);
+        self.events.push((time_ns, value));
+    }
+
+    /// In the order of time, one event for each; how many came late, and how many were left out for a time that was there.
+    fn sort(&mut self) -> (usize, usize) {
+        let late = self.events.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
+        self.events.sort_by_key(|(time_ns, _)| *time_ns);
+        let before = self.events.len();
+        self.events.dedup_by_key(|(time_ns, _)| *time_ns);
+        (late, before - self.events.len())
+    }
+
+    /// The value at this time, if the event at `next` has it; then `next` moves on.
+    fn take(&self, next: &mut usize, time_ns: i64) -> Option<&T> {
+        let (_, value) = self.events.get(*next).filter(|(at_ns, _)| *at_ns == time_ns)?;
+        *next += 1;
+        Some(value)
+    }
+
+    fn next_ns(&self, next: usize) -> Option<i64> {
+        self.events.get(next).map(|(time_ns, _)| *time_ns)
+    }
+}
+
+/// All sensors of a session, in the device's axes, uT, rad/s, m/s^2 with Android's sign.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Session {
+    pub raw: Stream<Vector3<f64>>,
+    pub up: Stream<Vector3<f64>>,
+    pub rate: Stream<Vector3<f64>>,
+    pub system: Stream<Vector3<f64>>,
+    pub attitude: Stream<UnitQuaternion<f64>>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// What there is of one sensor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensor {
+    /// Its name.
+    pub sensor: &'static str,
+    /// Its events.
+    pub events: usize,
+    /// Its median rate, Hz; none of fewer than two events.
+    pub rate_hz: Option<f64>,
+    /// Its longest pause, s.
+    pub longest_pause_s: Option<f64>,
+}
+
+impl Session {
+    /// Sorts every sensor's events and turns them into the device's axes.
+    pub fn sort(&mut self, frame: &Frame) {
+        for (name, stream) in [
+            ("magnetometer", &mut self.raw),
+            ("accelerometer", &mut self.up),
+            ("gyroscope", &mut self.rate),
+            ("system's field", &mut self.system),
+        ] {
+            stream.events.iter_mut().for_each(|(_, value)| *value = frame.turn(value));
+            let (late, repeated) = stream.sort();
+            if late > 0 {
+                self.notes.push(format!("{name}: {late} events were older than the one before; all were put in order"));
+            }
+            if repeated > 0 {
+                self.notes.push(format!("{name}: {repeated} events repeated the time of another and were left out"));
+            }
+        }
+        self.attitude.sort();
+    }
+
+    /// What there is of each sensor.
+    pub fn sensors(&self) -> Vec<Sensor> {
+        let names = ["magnetometer", "accelerometer", "gyroscope", "system's field"];
+        let streams = [&self.raw, &self.up, &self.rate, &self.system];
+        let mut sensors: Vec<Sensor> =
+            names.into_iter().zip(streams).map(|(name, s)| sensor(name, &s.events)).collect();
+        sensors.push(sensor("reference", &self.attitude.events));
+        sensors.retain(|sensor| sensor.events > 0);
+        sensors
+    }
+
+    /// Writes it as a recording. Returns whether times were counted from the first event.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<bool> {
+        let mut next = [0; 5];
+        let heads = |next: &[usize; 5]| {
+            let streams = [&self.raw, &self.up, &self.rate, &self.system];
+            let heads = streams.into_iter().zip(next).filter_map(|(stream, next)| stream.next_ns(*next));
+            heads.chain(self.attitude.next_ns(next[4])).min()
+        };
+        let first_ns = heads(&next).unwrap_or(0);
+        let last_ns = [&self.raw, &self.up, &self.rate, &self.system]
+            .into_iter()
+            .filter_map(|s| s.events.last())
+            .map(|(t, _)| *t);
+        let counted = first_ns < -EXACT_NS || last_ns.max().unwrap_or(0) > EXACT_NS;
+        let start_ns = if counted { first_ns } else { 0 };
+        write!(out, "t_s,mx,my,mz,ax,ay,az,gx,gy,gz")?;
+        write!(out, "{}", if self.system.events.is_empty() { "" } else { ",sys_mx,sys_my,sys_mz" })?;
+        writeln!(out, "{}", if self.attitude.events.is_empty() { "" } else { ",qw,qx,qy,qz" })?;
+        while let Some(time_ns) = heads(&next) {
+            write_time(out, time_ns - start_ns)?;
+            let [raw, up, rate, system, attitude] = &mut next;
+            vector(out, self.raw.take(raw, time_ns))?;
+            vector(out, self.up.take(up, time_ns))?;
+            vector(out, self.rate.take(rate, time_ns))?;
+            if !self.system.events.is_empty() {
+                vector(out, self.system.take(system, time_ns))?;
+            }
+            if !self.attitude.events.is_empty() {
+                match self.attitude.take(attitude, time_ns) {
+                    Some(q) => write!(out, ",{},{},{},{}", q.w, q.i, q.j, q.k)?,
+                    None => write!(out, ",,,,")?,
+                }
+            }
+            writeln!(out)?;
+        }
+        Ok(counted)
+    }
+
+    /// Refuses a session without magnetometer, whose files are `paths`.
+    pub fn require_magnetometer(&self, logger: &str, paths: &[PathBuf]) -> Result<(), LabError> {
+        if !self.raw.events.is_empty() {
+            return Ok(());
+        }
+        let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+        let why = "no magnetometer event; record the magnetometer too, uncalibrated where the logger offers it";
+        Err(LabError::Usage(format!("{logger} session {}: {why}", names.join(", "))))
+    }
+}
+
+fn sensor<T>(name: &'static str, events: &[(i64, T)]) -> Sensor {
+    let mut steps: Vec<i64> = events.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    steps.sort_unstable();
+    let seconds = |step: Option<&i64>| step.map(|step| *step as f64 / 1e9);
+    Sensor {
+        sensor: name,
+        events: events.len(),
+        rate_hz: seconds(steps.get(steps.len() / 2)).map(f64::recip),
+        longest_pause_s: seconds(steps.last()),
+    }
+}
+
+fn vector(out: &mut dyn Write, v: Option<&Vector3<f64>>) -> io::Result<()> {
+    match v {
+        Some(v) => write!(out, ",{},{},{}", v.x, v.y, v.z),
+        None => write!(out, ",,,"),
+    }
+}
+
+/// Seconds, all nine digits.
+fn write_time(out: &mut dyn Write, time_ns: i64) -> io::Result<()> {
+    let (sign, size) = (if time_ns < 0 { "-" } else { "" }, time_ns.unsigned_abs());
+    write!(out, "{sign}{}.{:09}", size / 1_000_000_000, size % 1_000_000_000)
+}

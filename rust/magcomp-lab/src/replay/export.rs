@@ -1,0 +1,42 @@
+//! The last calibration as JSON, which `magcomp::Calibration` reads.
+
+use crate::error::LabError;
+use crate::recording::write_atomically;
+use magcomp::Compensator;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// Writes the calibration in force to `path`: an object with `soft_iron` (M, three columns), `hard_iron_ut` (b) and
+/// `field_strength_ut` as `Calibration` reads and writes them, and beside them, which it passes over,
+/// `covariance` (nine rows, in the order of `covariance_order`; null where it is not known), `time_s` and `recording`.
+///
+/// # Errors
+/// [`LabError::Experiment`] when there is no calibration; [`LabError::Write`].
+pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str, time_s: f64) -> Result<(), LabError> {
+    let calibration = compensator.calibration().ok_or_else(|| {
+        LabError::Experiment(
+            "--calibration: no calibration was found, so none was written; turn the device about more axes".to_owned(),
+        )
+    })?;
+    let parts = serde_json::to_value(calibration).expect("a calibration is JSON");
+    let mut object = Map::new();
+    object.insert("format".to_owned(), json!("magcomp calibration 1"));
+    object.insert("recording".to_owned(), json!(recording));
+    object.insert("time_s".to_owned(), json!(time_s));
+    if let Value::Object(parts) = parts {
+        object.extend(parts);
+    }
+    let covariance = compensator.covariance().map(|covariance| {
+        let row = |i: usize| (0..9).map(|j| covariance[(i, j)]).collect::<Vec<f64>>();
+        (0..9).map(row).collect::<Vec<_>>()
+    });
+    object.insert("covariance".to_owned(), json!(covariance));
+    object.insert(
+        "covariance_order".to_owned(),
+        json!(["b_x", "b_y", "b_z", "m_xx", "m_yy", "m_zz", "m_xy", "m_xz", "m_yz"]),
+    );
+    write_atomically(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, &object)?;
+        writeln!(out)
+    })
+}

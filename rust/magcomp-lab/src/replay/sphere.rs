@@ -1,0 +1,180 @@
+//! The sphere: raw samples lie on an ellipsoid h_m = M h + b, corrected ones on a sphere of radius |h|. Samples are thinned as they
+//! come, so that memory does not grow with a recording.
+
+use super::player::Step;
+use crate::recording::{Extent, Row};
+use magcomp::nalgebra::Vector3;
+use magcomp::{Calibration, Event};
+use serde::Serialize;
+
+/// Samples kept, at most.
+const MOST: usize = 4000;
+/// Samples that an epoch needs to be shown.
+pub(super) const FEWEST: usize = 20;
+/// The page that turns and scrubs.
+const PAGE: &str = include_str!("sphere.html");
+/// Where the page's data go.
+const DATA: &str = "/*DATA*/";
+
+/// A sample of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    /// s after the first row.
+    pub time_s: f64,
+    pub raw: Vector3<f64>,
+    pub corrected: Option<Vector3<f64>>,
+    /// The calibration in force, by its place in the list.
+    pub calibration: Option<usize>,
+}
+
+/// A stretch of time between two decided changes.
+#[derive(Clone, Debug)]
+pub(super) struct Epoch<'a> {
+    /// What began it; none for the first.
+    pub event: Option<Event>,
+    /// From when to when, s after the first row.
+    pub span_s: (f64, f64),
+    pub samples: &'a [Sample],
+    /// In force at its end.
+    pub calibration: Option<Calibration>,
+}
+
+/// The sphere of a replay in the making.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    extent: Extent,
+    every: usize,
+    rows: usize,
+    samples: Vec<Sample>,
+    calibrations: Vec<Calibration>,
+    events: Vec<Event>,
+    course: Course,
+}
+
+/// What the page shows over time; as many of each as there are samples.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Course {
+    heading: Vec<Option<f64>>,
+    sigma: Vec<Option<f64>>,
+    dip: Vec<Option<f64>>,
+    status: Vec<&'static str>,
+}
+
+impl Sphere {
+    /// For a recording of this extent.
+    #[must_use]
+    pub fn new(extent: &Extent) -> Self {
+        Self {
+            extent: *extent,
+            every: extent.rows.div_ceil(MOST).max(1),
+            rows: 0,
+            samples: Vec::new(),
+            calibrations: Vec::new(),
+            events: Vec::new(),
+            course: Course::default(),
+        }
+    }
+
+    /// The next row and what came out for it.
+    pub fn add(&mut self, row: &Row, step: &Step) {
+        let Step { reading, calibration, .. } = step;
+        if let Some(event) = reading.event.filter(|event| self.events.last() != Some(event)) {
+            self.events.push(event);
+        }
+        let shown = self.rows.is_multiple_of(self.every) && row.field_ut.iter().all(|value| value.is_finite());
+        self.rows += 1;
+        if !shown {
+            return;
+        }
+        if let Some(calibration) = calibration.filter(|calibration| self.calibrations.last() != Some(calibration)) {
+            self.calibrations.push(calibration);
+        }
+        let time_s = row.time_s - self.extent.start_s;
+        self.samples.push(Sample {
+            time_s,
+            raw: row.field_ut,
+            corrected: reading.field_ut,
+            calibration: calibration.map(|_| self.calibrations.len() - 1),
+        });
+        let course = &mut self.course;
+        course.heading.push(reading.heading.map(|heading| rounded(heading.heading_deg, 100.0)));
+        course.sigma.push(reading.heading.and_then(|heading| heading.heading_sigma_deg).map(|s| rounded(s, 100.0)));
+        course.dip.push(reading.heading.map(|heading| rounded(heading.inclination_deg, 100.0)));
+        course.status.push(reading.status.label());
+    }
+
+    /// The stretches between decided changes that have samples enough.
+    pub(super) fn epochs(&self) -> Vec<Epoch<'_>> {
+        let seconds = |time_ns: i64| (time_ns - self.extent.start_ns) as f64 / 1e9;
+        let mut begins = vec![(None, f64::NEG_INFINITY)];
+        begins.extend(self.events.iter().map(|event| (Some(*event), seconds(event.since_ns))));
+        let ends = begins.iter().skip(1).map(|(_, begin_s)| *begin_s).chain([f64::INFINITY]).collect::<Vec<_>>();
+        let epochs = begins.into_iter().zip(ends).filter_map(|((event, from_s), to_s)| {
+            let first = self.samples.partition_point(|sample| sample.time_s < from_s);
+            let last = self.samples.partition_point(|sample| sample.time_s < to_s);
+            let samples = self.samples.get(first..last).filter(|samples| samples.len() >= FEWEST)?;
+            let span_s = (samples[0].time_s, samples[samples.len() - 1].time_s);
+            let calibration = samples[samples.len() - 1].calibration.map(|index| self.calibrations[index]);
+            Some(Epoch { event, span_s, samples, calibration })
+        });
+        epochs.collect()
+    }
+
+    /// The page that turns and scrubs; `recording` is what it is called.
+    pub(super) fn page(&self, recording: &str) -> String {
+        PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
+    }
+
+    fn data(&self, recording: &str) -> String {
+        #[derive(Serialize)]
+        struct Fit {
+            b: [f64; 3],
+            m: [f64; 9],
+            f: f64,
+        }
+        #[derive(Serialize)]
+        struct Mark {
+            t: f64,
+            kind: String,
+        }
+        #[derive(Serialize)]
+        struct Data<'a> {
+            title: &'a str,
+            t: Vec<f64>,
+            raw: Vec<[f64; 3]>,
+            fixed: Vec<Option<[f64; 3]>>,
+            fit: Vec<Option<usize>>,
+            fits: Vec<Fit>,
+            marks: Vec<Mark>,
+            #[serde(flatten)]
+            course: &'a Course,
+        }
+        let tenths = |v: &Vector3<f64>| [v.x, v.y, v.z].map(|value| rounded(value, 100.0));
+        let fit = |calibration: &Calibration| Fit {
+            b: tenths(calibration.hard_iron_ut()),
+            // row by row; M is symmetric
+            m: std::array::from_fn(|i| rounded(calibration.soft_iron()[(i / 3, i % 3)], 1e5)),
+            f: rounded(calibration.field_strength_ut(), 1000.0),
+        };
+        let start_ns = self.extent.start_ns;
+        let mark = |event: &Event| Mark {
+            t: rounded((event.since_ns - start_ns) as f64 / 1e9, 1000.0),
+            kind: format!("{:?}", event.kind),
+        };
+        let data = Data {
+            title: recording,
+            t: self.samples.iter().map(|sample| rounded(sample.time_s, 1000.0)).collect(),
+            raw: self.samples.iter().map(|sample| tenths(&sample.raw)).collect(),
+            fixed: self.samples.iter().map(|sample| sample.corrected.as_ref().map(tenths)).collect(),
+            fit: self.samples.iter().map(|sample| sample.calibration).collect(),
+            fits: self.calibrations.iter().map(fit).collect(),
+            marks: self.events.iter().map(mark).collect(),
+            course: &self.course,
+        };
+        serde_json::to_string(&data).expect("numbers and names are JSON")
+    }
+}
+
+fn rounded(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts
+}
