@@ -12,7 +12,7 @@
 //! What the motion shows of the split between field and offset is judged by the rotations alone: the chain of a gyroscope is off
 //! in shape by `chain` = 0.05 deg, so that with Q = mean back, (lambda_i, v_i) = eig(I - Q' Q)
 //! ```text
-//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2) v_i v_i'
+//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i',  w_i = Q v_i / |Q v_i|
 //! ```
 //! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
 //! feigns one) and (e, g, tau, s) are plausible under their prior.
@@ -305,7 +305,13 @@ impl FirstFit {
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
         self.widest_rad2 = eigen.eigenvalues.max();
         let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
-        let d = eigen.eigenvalues.map(|l| (chain_ut2 / l.max(1e-12)).min(tuning.far_sd_ut.powi(2)));
+        let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
+        // at most what was known before any sample
+        let most_ut2 = before[(OFFSET, OFFSET)].recip().min(tuning.far_sd_ut.powi(2));
+        let d = Vector3::from_fn(|k, _| {
+            let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
+            (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
+        });
         let d = eigen.eigenvectors * Matrix3::from_diagonal(&d) * eigen.eigenvectors.transpose();
         let cross = -d * q.transpose();
         for (i, j, block) in [(FIELD, FIELD, d), (OFFSET, OFFSET, q * d * q.transpose()), (FIELD, OFFSET, cross)] {
