@@ -31,9 +31,9 @@ let linking: [LinkerSetting] =
     ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.so", "-Xlinker", "--allow-shlib-undefined"])]
     : []
 
-// A stand-in of CoreMotion, for this package's own tests on Linux
-let standIn = onLinux && environment["MAGCOMP_COREMOTION"] == "stand-in"
-let coreMotion: [Target.Dependency] = standIn ? ["CoreMotion"] : []
+// Stand-ins of Apple's frameworks, for this package's own tests on Linux
+let frameworks = onLinux && environment["MAGCOMP_FRAMEWORKS"] == "stand-in" ? ["Combine", "CoreMotion"] : []
+let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
 
 var targets: [Target] = [
     native,
@@ -46,7 +46,7 @@ var targets: [Target] = [
     ),
     .target(
         name: "Magcomp",
-        dependencies: ["MagcompBindings", "MagcompFFI"] + coreMotion,
+        dependencies: ["MagcompBindings", "MagcompFFI"] + standIns,
         path: "ios/Sources/Magcomp",
         resources: [.copy("PrivacyInfo.xcprivacy")]
     ),
@@ -57,7 +57,7 @@ if onLinux {
         .systemLibrary(name: "MagcompTestHooks", path: "ios/Tests/TestHooks"),
         .testTarget(
             name: "MagcompTests",
-            dependencies: ["Magcomp", "MagcompTestHooks"] + coreMotion,
+            dependencies: ["Magcomp", "MagcompTestHooks"] + standIns,
             path: "ios/Tests/MagcompTests"
         ),
         .executableTarget(
@@ -67,8 +67,9 @@ if onLinux {
         ),
     ]
 }
-if standIn {
-    targets.append(.target(name: "CoreMotion", path: "ios/Tests/CoreMotion"))
+targets += frameworks.map {
+    // the version of Core Motion from which on the library asks for the authorization status
+    .target(name: $0, path: "ios/Tests/\($0)", swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
 }
 
 let package = Package(

@@ -13,8 +13,9 @@ need swift "${rust_tools[@]}"
 . tests/swift-toolchain.sh
 expected "$target/swift/expected.txt"
 gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"
+gzip -dc tests/recordings/broad_01_slow_rotation_A.csv.gz >"$target/swift/slow_rotation.csv"
 
-export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
+export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
 # the package's own warnings are errors, and what it builds stays out of its folder
 mkdir -p "$target/swift/symbols/Magcomp"
 options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)

@@ -25,8 +25,8 @@ extension Reading {
             modelOrder: ModelOrder(c.model_order),
             reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
             mode: SensorMode(c.mode),
-            event: Event(c.event),
-            status: Status(c.status)
+            event: FieldEvent(c.event),
+            status: CompensationStatus(c.status)
         )
     }
 }
@@ -67,9 +67,9 @@ extension ModelOrder {
     }
 }
 
-extension Event {
+extension FieldEvent {
     fileprivate init?(_ c: MagcompEvent) {
-        let kind: EventKind? = switch c.kind {
+        let kind: FieldEventKind? = switch c.kind {
         case 0: .deviceStep
         case 1: .deviceStepBack
         case 2: .placeChanged
@@ -81,10 +81,10 @@ extension Event {
     }
 }
 
-extension Status {
+extension CompensationStatus {
     init(_ c: MagcompStatus) {
         self = switch c.kind {
-        case 0: .collecting(missing: Missing(c))
+        case 0: .collecting(missing: CollectingReason(c))
         case 1: .tracking
         case 2: .suspect(sinceNs: c.whole.0)
         case 3: .held(reason: HoldReason(c))
@@ -95,7 +95,7 @@ extension Status {
     }
 }
 
-extension Missing {
+extension CollectingReason {
     fileprivate init(_ c: MagcompStatus) {
         self = switch c.reason {
         case 0: .samples(have: Int32(c.whole.0), need: Int32(c.whole.1))

@@ -21,7 +21,7 @@ import Testing
                         if k % 50 == 10 { _ = try compensator.coverage() }
                         if number == 7, k == 6 * round { compensator.close() }
                     }
-                } catch MagcompError.Closed {
+                } catch MagcompError.closed {
                     // as it should
                 } catch {
                     wrong.change { $0.append("\(error)") }

@@ -52,6 +52,45 @@ import Testing
         #expect(kinds == ["rate", "up", "magnetic"])
     }
 
+    /// Time goes on while it sleeps, and by a little at every look.
+    final class Clock: PlayingClock {
+        let now = Shared<Int64>(5_000_000_000)
+        let slept = Shared<[Int64]>([])
+
+        var nowNs: Int64 {
+            now.change { $0 += 1_000_000 }
+            return now.value
+        }
+
+        func sleep(forNs ns: Int64) async {
+            now.change { $0 += ns }
+            slept.change { $0.append(ns) }
+        }
+    }
+
+    @Test func itCanPlayAtTheRecordingsPace() async throws {
+        let text = "t_s,mx,my,mz,ax,ay,az\n" + [7.0, 7.5, 8.5, 8.25, 10].map { "\($0),1,2,3,0,0,9.8\n" }.joined()
+        let clock = Clock()
+        let source = RecordingSource(name: "r.csv", speed: 0.5, clock: clock) { Data(text.utf8) }
+        #expect(try await source.samples().collected().count == 10)
+        // each row is due after the first by twice its time; looking takes 1 ms, and what is overdue waits for nothing
+        #expect(clock.slept.value == [999_000_000, 1_999_000_000, 2_998_000_000])
+        for speed in [0, -1, Double.nan, .infinity] {
+            let source = RecordingSource(name: "r.csv", speed: speed) { Data(text.utf8) }
+            let error = MagcompError.config(field: "RecordingSource.speed", value: "\(speed)", expected: "above 0")
+            await #expect(throws: error) { try await source.samples().collected() }
+        }
+    }
+
+    @Test func atAPaceNoReadingIsDropped() async throws {
+        let source = RecordingSource(url: try prepared("recording.csv"), speed: 200)
+        let readings = try await Compass(source: source).readings().collected()
+        let all = try await RecordingSource(url: try prepared("recording.csv")).samples().collected()
+        #expect(readings.allSatisfy { $0.droppedBefore == 0 })
+        let config = Config(heading: HeadingConfig(axis: .auto))
+        #expect(try readings.map(\.reading) == Compensator(config: config).pushAll(all))
+    }
+
     @Test func aFileThatIsMissingIsAnError() async {
         await #expect(throws: (any Error).self) {
             try await RecordingSource(url: URL(fileURLWithPath: "/no/such.csv")).samples().collected()

@@ -26,6 +26,8 @@ import Testing
                 $0.snapshot = snapshot
             }
         }
+
+        func clear() { state.change { $0.snapshot = nil } }
     }
 
     /// Plays events to a store's compensator; `end` runs after the last, before the sequence ends.
