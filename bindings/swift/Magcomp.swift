@@ -1209,6 +1209,108 @@ fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensa
 
 
 /**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+public struct Attitude: Equatable, Hashable {
+    /**
+     * The real part.
+     */
+    public var w: Double
+    /**
+     * The part of i.
+     */
+    public var x: Double
+    /**
+     * The part of j.
+     */
+    public var y: Double
+    /**
+     * The part of k.
+     */
+    public var z: Double
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    public var sigmaDeg: Double?
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * The real part.
+         */w: Double,
+        /**
+         * The part of i.
+         */x: Double,
+        /**
+         * The part of j.
+         */y: Double,
+        /**
+         * The part of k.
+         */z: Double,
+        /**
+         * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+         * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+         */sigmaDeg: Double?) {
+        self.w = w
+        self.x = x
+        self.y = y
+        self.z = z
+        self.sigmaDeg = sigmaDeg
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Attitude: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Attitude {
+        return
+            try Attitude(
+                w: FfiConverterDouble.read(from: &buf),
+                x: FfiConverterDouble.read(from: &buf),
+                y: FfiConverterDouble.read(from: &buf),
+                z: FfiConverterDouble.read(from: &buf),
+                sigmaDeg: FfiConverterOptionDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: Attitude, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.w, into: &buf)
+        FfiConverterDouble.write(value.x, into: &buf)
+        FfiConverterDouble.write(value.y, into: &buf)
+        FfiConverterDouble.write(value.z, into: &buf)
+        FfiConverterOptionDouble.write(value.sigmaDeg, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
+    return try FfiConverterTypeAttitude.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+public func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
+    return FfiConverterTypeAttitude.lower(value)
+}
+
+
+/**
  * Raw field = soft iron * field + hard iron.
  */
 public struct Calibration: Equatable, Hashable, Codable {
@@ -2302,6 +2404,11 @@ public struct Reading: Equatable, Hashable, Codable {
      */
     public var heading: Heading?
     /**
+     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+     * `up`, or where the field is vertical.
+     */
+    public var attitude: Attitude?
+    /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
      */
     public var sigmaT: Double?
@@ -2367,6 +2474,10 @@ public struct Reading: Equatable, Hashable, Codable {
          * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
          */heading: Heading?,
         /**
+         * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+         * `up`, or where the field is vertical.
+         */attitude: Attitude?,
+        /**
          * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
          */sigmaT: Double?,
         /**
@@ -2405,6 +2516,7 @@ public struct Reading: Equatable, Hashable, Codable {
         self.filteredFieldUt = filteredFieldUt
         self.totalFieldUt = totalFieldUt
         self.heading = heading
+        self.attitude = attitude
         self.sigmaT = sigmaT
         self.window = window
         self.coverage = coverage
@@ -2439,6 +2551,7 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 filteredFieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
                 totalFieldUt: FfiConverterOptionDouble.read(from: &buf),
                 heading: FfiConverterOptionTypeHeading.read(from: &buf),
+                attitude: FfiConverterOptionTypeAttitude.read(from: &buf),
                 sigmaT: FfiConverterOptionDouble.read(from: &buf),
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
@@ -2459,6 +2572,7 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterOptionTypeVector3.write(value.filteredFieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.totalFieldUt, into: &buf)
         FfiConverterOptionTypeHeading.write(value.heading, into: &buf)
+        FfiConverterOptionTypeAttitude.write(value.attitude, into: &buf)
         FfiConverterOptionDouble.write(value.sigmaT, into: &buf)
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
@@ -5127,6 +5241,30 @@ fileprivate struct FfiConverterOptionString: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
+    typealias SwiftType = Attitude?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeAttitude.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeAttitude.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
     typealias SwiftType = Calibration?
 
@@ -5573,6 +5711,20 @@ package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall()
 }
 }
 /**
+ * The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
+ *
+ * None when the field is vertical, or anything is not finite or zero. It has no sigma.
+ */
+public func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
+    return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_func_attitude(
+        FfiConverterTypeVector3_lower(fieldUt),
+        FfiConverterTypeVector3_lower(up),uniffiCallStatus
+    )
+})
+}
+/**
  * The corrected field, microtesla, of a raw sample (microtesla), by a calibration.
  *
  * Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
@@ -5636,6 +5788,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_start_logging() != 64664) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_func_attitude() != 58912) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_correct() != 13713) {

@@ -424,6 +424,11 @@ RustBuffer uniffi_magcomp_ffi_fn_func_geomagnetic_field(double latitude_deg, dou
 void uniffi_magcomp_ffi_fn_func_start_logging(RustBuffer tag, RustBuffer level, RustCallStatus *_Nonnull out_status
 );
 #endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_FUNC_ATTITUDE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_FUNC_ATTITUDE
+RustBuffer uniffi_magcomp_ffi_fn_func_attitude(RustBuffer field_ut, RustBuffer up, RustCallStatus *_Nonnull out_status
+);
+#endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_FUNC_CORRECT
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_FUNC_CORRECT
 RustBuffer uniffi_magcomp_ffi_fn_func_correct(RustBuffer calibration, RustBuffer raw_ut, RustCallStatus *_Nonnull out_status
@@ -714,6 +719,12 @@ uint16_t uniffi_magcomp_ffi_checksum_func_geomagnetic_field(void
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_START_LOGGING
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_START_LOGGING
 uint16_t uniffi_magcomp_ffi_checksum_func_start_logging(void
+
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_ATTITUDE
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_ATTITUDE
+uint16_t uniffi_magcomp_ffi_checksum_func_attitude(void
 
 );
 #endif

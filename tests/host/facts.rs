@@ -1,11 +1,11 @@
 //! The facts every language of the library agrees on: gauge, signs, units, statuses, errors. Kotlin and Swift assert the
 //! same file.
 
-use magcomp::nalgebra::Vector3;
+use magcomp::nalgebra::{Quaternion, Vector3};
 use magcomp::{
     Calibration, Compensator, Config, ConstantField, EventRejection, FitError, FitOptions, HoldReason, MagneticSample,
     Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation, SnapshotError, Status, UpSample,
-    WindowedConfig, heading, true_heading_deg,
+    WindowedConfig, attitude, heading, true_heading_deg,
 };
 use magcomp_tests::{symmetric, vectors};
 use serde_json::Value;
@@ -77,6 +77,11 @@ fn headings() {
         assert!(close(found.heading_deg, "heading_deg"), "{}: {found:?}", case["name"]);
         assert!(close(found.inclination_deg, "inclination_deg"), "{}: {found:?}", case["name"]);
         assert!(close(true_deg, "true_heading_deg"), "{}: {true_deg}", case["name"]);
+        let [w, x, y, z] = <[f64; 4]>::try_from(numbers(&case["attitude"])).unwrap();
+        let to_world = attitude(&field_ut, &up).unwrap().to_world.into_inner();
+        // a quaternion and its negative are the same attitude
+        let product = to_world.dot(&Quaternion::new(w, x, y, z));
+        assert!((product.abs() - 1.0).abs() < 1e-12 && to_world.w >= 0.0, "{}: {to_world}", case["name"]);
     }
 }
 

@@ -3,8 +3,8 @@
 
 use magcomp::nalgebra::{Rotation3, Vector3};
 use magcomp::{
-    Compensator, Config, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample, SensorMode, Status,
-    UpSample,
+    Compensator, Config, EventQueue, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample,
+    SensorEvent, SensorMode, Status, UpSample,
 };
 use magcomp_tests::{REF, Random, calibration, sample};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -128,4 +128,28 @@ fn push_takes_no_memory() {
         compensator.reset();
         assert_eq!(taken() - start, 0, "{method:?}: adopt and reset");
     }
+}
+
+/// In order, in batches, with more events than there is room for, over a pause and another clock.
+#[test]
+fn the_queue_takes_no_memory() {
+    let mut queue = EventQueue::new(0.25).expect("in range");
+    let mut out = 0;
+    let start = taken();
+    for k in 0..20_000_i64 {
+        let time_ns = match k {
+            0..10_000 => (k ^ 63) * 1_000_000,
+            10_000..15_000 => 20_000_000_000 + k * 10_000,
+            _ => k * 2_000_000,
+        };
+        let value = Vector3::repeat(k as f64);
+        let event = match k % 3 {
+            0 => SensorEvent::Magnetic(MagneticSample { time_ns, field_ut: value }),
+            1 => SensorEvent::Up(UpSample { time_ns, up_m_s2: value }),
+            _ => SensorEvent::RotationRate(RotationRateSample { time_ns, rate_rad_s: value }),
+        };
+        queue.push(event, |_| out += 1);
+    }
+    queue.flush(|_| out += 1);
+    assert_eq!((taken() - start, out), (0, 20_000));
 }

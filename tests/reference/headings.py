@@ -5,7 +5,7 @@ World frame: east, north, up, north magnetic. The formula: turn the device's axi
 frame, R^T (0, F cos dip, -F sin dip) and R^T (0, 0, 1), and never R.
 
 Attitude: yaw (clockwise seen from above), then pitch (top edge up), then roll (right edge down):
-R = Rz(-yaw) Rx(pitch) Ry(roll).
+R = Rz(-yaw) Rx(pitch) Ry(roll). Its quaternion w, x, y, z is multiplied from half angles, so that it comes from no matrix.
 
 Automatic axis (documented in heading.rs): the level direction square to the screen's right edge, up x right; where the
 right edge rises beyond a sine of 0.707 the camera takes over in proportion, alone from 0.9.
@@ -65,6 +65,19 @@ def turn(axis, deg):
     }[axis]
 
 
+def half(axis, deg):
+    """The turn as a quaternion w, x, y, z."""
+    q = np.zeros(4)
+    q[0], q[1 + "xyz".index(axis)] = np.cos(np.radians(deg) / 2), np.sin(np.radians(deg) / 2)
+    return q
+
+
+def product(p, q):
+    """Hamilton's: first q, then p."""
+    w, v = p[0] * q[0] - p[1:] @ q[1:], p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])
+    return np.array([w, *v])
+
+
 def bearing(v):
     """None within 1e-3 of the vertical: no bearing that a test could hold anyone to."""
     return None if np.hypot(v[0], v[1]) < 1e-3 else float(np.degrees(np.arctan2(v[0], v[1])) % 360)
@@ -80,6 +93,8 @@ def automatic(right, camera):
 def attitude(yaw, pitch, roll, dip, strength):
     r = turn("z", -yaw) @ turn("x", pitch) @ turn("y", roll)
     field = r.T @ (strength * np.array([0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))
+    # the same turns as half angles: no matrix
+    q = product(product(half("z", -yaw), half("x", pitch)), half("y", roll))
     answers = {}
     for rotation, (right, top) in AXES.items():
         right, top, camera = r @ right, r @ top, r @ np.array([0, 0, -1])
@@ -95,6 +110,7 @@ def attitude(yaw, pitch, roll, dip, strength):
         "field_ut": field,
         "up": r.T @ [0, 0, 1],
         "inclination_deg": dip,
+        "attitude": q if q[0] >= 0 else -q,
         "screen_rotations": answers,
     }
 
@@ -124,7 +140,7 @@ def main():
         if k % 5 == 3:
             pitch, roll = rng.choice([-90, 90]) + rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5)
         attitudes.append(attitude(yaw, pitch, roll, dip, rng.uniform(22, 67)))
-    about = "headings in degrees clockwise from magnetic north; null where the axis points up or down"
+    about = "headings in degrees clockwise from magnetic north; null where the axis points up or down; attitude w x y z, device to east north up"
     write("headings.json", "headings.py", SEED, about, {"facts": facts, "attitudes": attitudes})
 
 

@@ -10,6 +10,8 @@ extension Reading {
                 headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
                 inclinationDeg: c.inclination_deg)
         }
+        let (w, x, y, z) = c.attitude
+        let attitude = known(w).map { Attitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
         self.init(
             timeNs: timeNs,
             fieldUt: vector(c.field_ut),
@@ -17,6 +19,7 @@ extension Reading {
             filteredFieldUt: vector(c.filtered_field_ut),
             totalFieldUt: known(c.total_field_ut),
             heading: heading,
+            attitude: attitude,
             sigmaT: known(c.sigma_t),
             window: c.window,
             coverage: c.coverage,

@@ -127,11 +127,12 @@ import Testing
 
     func expectReadings(_ readings: [Reading]) {
         let ours = readings.map {
-            let (field, heading) = ($0.fieldUt, $0.heading)
+            let (field, heading, attitude) = ($0.fieldUt, $0.heading, $0.attitude)
             return "reading \($0.timeNs) \($0.status.label())"
                 + bits([
                     field?.x, field?.y, field?.z, $0.totalFieldUt, heading?.headingDeg, heading?.headingSigmaDeg,
-                    heading?.inclinationDeg, $0.sigmaT, Double($0.window), $0.coverage,
+                    heading?.inclinationDeg, attitude?.w, attitude?.x, attitude?.y, attitude?.z, attitude?.sigmaDeg,
+                    $0.sigmaT, Double($0.window), $0.coverage,
                 ])
         }
         let theirs = expected["reading"] ?? []

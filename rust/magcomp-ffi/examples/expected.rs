@@ -1,8 +1,8 @@
 //! What the core itself says of a shared recording and of the golden vectors, every number by its bits, for the tests
 //! of the wrappers: `cargo run --example expected -- tests/recordings/NAME.csv.gz tests/vectors`.
 //!
-//! Lines: `reading TIME LABEL BITS...` (field, total field, heading, its sigma, inclination, sigma_T, window, coverage),
-//! `fit NAME BITS...` (b, M, field strength) and `heading NUMBER BITS...` (for each axis, each screen rotation); `-` for
+//! Lines: `reading TIME LABEL BITS...` (field, total field, heading, its sigma, inclination, attitude w x y z, its
+//! sigma, sigma_T, window, coverage), `fit NAME BITS...` (b, M, field strength) and `heading NUMBER BITS...` (for each axis, each screen rotation); `-` for
 //! what is not known.
 
 use magcomp::nalgebra::Vector3;
@@ -58,6 +58,10 @@ fn write_reading(reading: &Reading, out: &mut String) -> std::fmt::Result {
     bits(reading.heading.map(|heading| heading.heading_deg), out)?;
     bits(reading.heading.and_then(|heading| heading.heading_sigma_deg), out)?;
     bits(reading.heading.map(|heading| heading.inclination_deg), out)?;
+    for k in [3, 0, 1, 2] {
+        bits(reading.attitude.map(|attitude| attitude.to_world.coords[k]), out)?;
+    }
+    bits(reading.attitude.and_then(|attitude| attitude.sigma_deg), out)?;
     bits(reading.sigma_t, out)?;
     bits(Some(reading.window as f64), out)?;
     bits(Some(reading.coverage), out)?;

@@ -45,6 +45,9 @@ typedef struct MagcompReading {
     double heading_sigma_deg;
     double true_heading_deg;
     double inclination_deg;
+    /// The quaternion w, x, y, z.
+    double attitude[4];
+    double attitude_sigma_deg;
     double sigma_t;
     double coverage;
     double direction_sigma_deg;

@@ -47,7 +47,10 @@ mod slot {
     pub(super) const EVENT: usize = 30;
     /// Two times.
     pub(super) const EVENT_TIMES: usize = 31;
-    pub(super) const COUNT: usize = 35;
+    /// Four numbers.
+    pub(super) const ATTITUDE: usize = 35;
+    pub(super) const ATTITUDE_SIGMA: usize = 39;
+    pub(super) const COUNT: usize = 40;
 }
 
 type Slots = [f64; slot::COUNT];
@@ -79,6 +82,8 @@ fn slots_of(reading: &FlatReading) -> Slots {
         heading_sigma_deg,
         true_heading_deg,
         inclination_deg,
+        attitude,
+        attitude_sigma_deg,
         sigma_t,
         coverage,
         direction_sigma_deg,
@@ -99,6 +104,8 @@ fn slots_of(reading: &FlatReading) -> Slots {
     out[slot::HEADING_SIGMA] = *heading_sigma_deg;
     out[slot::TRUE_HEADING] = *true_heading_deg;
     out[slot::INCLINATION] = *inclination_deg;
+    out[slot::ATTITUDE..slot::ATTITUDE + 4].copy_from_slice(attitude);
+    out[slot::ATTITUDE_SIGMA] = *attitude_sigma_deg;
     out[slot::SIGMA_T] = *sigma_t;
     out[slot::WINDOW] = (*window).into();
     out[slot::COVERAGE] = *coverage;

@@ -50,6 +50,9 @@ pub struct FlatReading {
     pub(crate) heading_sigma_deg: f64,
     pub(crate) true_heading_deg: f64,
     pub(crate) inclination_deg: f64,
+    /// w, x, y, z.
+    pub(crate) attitude: [f64; 4],
+    pub(crate) attitude_sigma_deg: f64,
     pub(crate) sigma_t: f64,
     pub(crate) coverage: f64,
     pub(crate) direction_sigma_deg: f64,
@@ -116,6 +119,7 @@ impl FlatReading {
             filtered_field_ut,
             total_field_ut,
             heading,
+            attitude,
             sigma_t,
             window,
             coverage,
@@ -137,6 +141,11 @@ impl FlatReading {
             heading_sigma_deg: number(heading.and_then(|heading| heading.heading_sigma_deg)),
             true_heading_deg: number(heading.and_then(|heading| heading.true_heading_deg)),
             inclination_deg: number(heading.map(|heading| heading.inclination_deg)),
+            attitude: attitude.map_or([f64::NAN; 4], |attitude| {
+                let q = attitude.to_world;
+                [q.w, q.i, q.j, q.k]
+            }),
+            attitude_sigma_deg: number(attitude.and_then(|attitude| attitude.sigma_deg)),
             sigma_t: number(sigma_t),
             coverage,
             direction_sigma_deg: number(direction_sigma_deg),

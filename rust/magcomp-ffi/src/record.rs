@@ -98,6 +98,30 @@ impl From<magcomp::Heading> for Heading {
     }
 }
 
+/// How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+/// north, up), north magnetic. w is at least 0.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct Attitude {
+    /// The real part.
+    pub w: f64,
+    /// The part of i.
+    pub x: f64,
+    /// The part of j.
+    pub y: f64,
+    /// The part of k.
+    pub z: f64,
+    /// One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+    /// degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+    pub sigma_deg: Option<f64>,
+}
+
+impl From<magcomp::Attitude> for Attitude {
+    fn from(a: magcomp::Attitude) -> Self {
+        let magcomp::Attitude { to_world, sigma_deg } = a;
+        Self { w: to_world.w, x: to_world.i, y: to_world.j, z: to_world.k, sigma_deg }
+    }
+}
+
 /// Which axis of the device the heading is that of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum ReferenceAxis {
@@ -149,6 +173,9 @@ pub struct Reading {
     pub total_field_ut: Option<f64>,
     /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
     pub heading: Option<Heading>,
+    /// How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+    /// `up`, or where the field is vertical.
+    pub attitude: Option<Attitude>,
     /// Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
     pub sigma_t: Option<f64>,
     /// Samples in the window of the estimator.
@@ -183,6 +210,7 @@ impl From<magcomp::Reading> for Reading {
             filtered_field_ut,
             total_field_ut,
             heading,
+            attitude,
             sigma_t,
             window,
             coverage,
@@ -200,6 +228,7 @@ impl From<magcomp::Reading> for Reading {
             filtered_field_ut: filtered_field_ut.map(Into::into),
             total_field_ut,
             heading: heading.map(Into::into),
+            attitude: attitude.map(Into::into),
             sigma_t,
             window: count(window),
             coverage,
@@ -365,6 +394,15 @@ pub(crate) fn heading_in(
     let found = magcomp::heading(field_ut, up, frame.axis.into(), frame.screen_rotation.into())?;
     let true_heading_deg = frame.declination_deg.map(|d| magcomp::true_heading_deg(found.heading_deg, d));
     Some(Heading { true_heading_deg, ..found.into() })
+}
+
+/// The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
+///
+/// None when the field is vertical, or anything is not finite or zero. It has no sigma.
+#[uniffi::export]
+pub fn attitude(field_ut: Vector3, up: Vector3) -> Result<Option<Attitude>, MagcompError> {
+    crate::guarded::caught(|| magcomp::attitude(&field_ut.into(), &up.into()).map(Into::into))
+        .map_err(|what| MagcompError::Panicked { what })
 }
 
 /// True heading, degrees, 0 to 360, from a magnetic heading and the declination (east positive), degrees.

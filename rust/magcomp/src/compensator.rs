@@ -7,13 +7,15 @@ mod check;
 mod keep;
 
 use crate::answer::Answer;
+use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
 use crate::calibration::Calibration;
-use crate::config::{Config, ConfigError, Method, validate_heading};
+use crate::config::{Config, Method, validate_heading};
 use crate::coverage::Coverage;
 use crate::estimator::Tunings;
 use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::quadric::EllipsoidFit;
+use crate::range::ConfigError;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
@@ -217,16 +219,24 @@ impl Compensator {
     }
 
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
-        let pointing = answer.filtered_field_ut.or(answer.field_ut);
+        let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
+        let least_deg = self.config.heading.tilt_sigma_deg;
+        let tilt_sigma_deg = match answer.tilt_rad2 {
+            Some(variance) => least_deg.hypot(variance.sqrt().to_degrees()),
+            None => self.inputs.tilt.sigma_deg(least_deg),
+        };
         Reading {
             time_ns,
             field_ut: answer.field_ut,
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: (pointing.zip(answer.up))
-                .and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), answer.tilt_rad2)),
+            heading: pointing.and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), tilt_sigma_deg)),
+            attitude: pointing.and_then(|(field, up)| {
+                let sigma_deg = covariance.and_then(|p| attitude_sigma_deg(&field, &up, &p, tilt_sigma_deg));
+                Some(Attitude { sigma_deg, ..attitude(&field, &up)? })
+            }),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,
@@ -244,14 +254,10 @@ impl Compensator {
         field: &Vector3<f64>,
         up: &Vector3<f64>,
         covariance: Option<&Matrix3<f64>>,
-        tilt_rad2: Option<f64>,
+        tilt_sigma_deg: f64,
     ) -> Option<Heading> {
         let config = &self.config.heading;
         let found = heading(field, up, config.axis, config.screen_rotation)?;
-        let tilt_sigma_deg = match tilt_rad2 {
-            Some(variance) => config.tilt_sigma_deg.hypot(variance.sqrt().to_degrees()),
-            None => self.inputs.tilt.sigma_deg(config.tilt_sigma_deg),
-        };
         Some(Heading {
             heading_sigma_deg: covariance.and_then(|covariance| {
                 heading_sigma_deg(field, up, config.axis, config.screen_rotation, covariance, tilt_sigma_deg)

@@ -4,6 +4,7 @@ use crate::calibration::Calibration;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
+use crate::range::{Check, ConfigError, first_failed, range};
 use serde::{Deserialize, Serialize};
 
 /// How M and b are estimated.
@@ -72,39 +73,6 @@ impl Default for Config {
     }
 }
 
-/// A field of the config is outside its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("config: {field} is {value}, expected {expected}")]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub struct ConfigError {
-    /// Path of the field, for instance `windowed.n_min`.
-    pub field: &'static str,
-    /// What it was.
-    pub value: String,
-    /// What it may be.
-    pub expected: &'static str,
-}
-
-/// A check of a field against its range, both ends allowed; `none` passes where the field may be left out.
-macro_rules! range {
-    ($path:literal, $value:expr, $low:literal, $high:literal $(, $unit:literal)?) => {
-        Check {
-            ok: ($low..=$high).contains(&$value),
-            field: $path,
-            value: &$value,
-            expected: concat!($low, " to ", $high $(, " ", $unit)?),
-        }
-    };
-    ($path:literal, $value:expr, none, $low:literal, $high:literal, $unit:literal) => {
-        Check {
-            ok: $value.is_none_or(|value| ($low..=$high).contains(&value)),
-            field: $path,
-            value: &$value,
-            expected: concat!($low, " to ", $high, " ", $unit, ", or none"),
-        }
-    };
-}
-
 impl Config {
     /// Whether every field is inside its range.
     ///
@@ -142,19 +110,4 @@ pub(crate) fn validate_heading(heading: &HeadingConfig) -> Result<(), ConfigErro
         range!("heading.declination_deg", heading.declination_deg, none, -180.0, 180.0, "deg"),
         range!("heading.tilt_sigma_deg", heading.tilt_sigma_deg, 0.0, 90.0, "deg"),
     ])
-}
-
-/// Whether a field is inside its range, its path, its value, and the range.
-struct Check<'a> {
-    ok: bool,
-    field: &'static str,
-    value: &'a dyn std::fmt::Debug,
-    expected: &'static str,
-}
-
-fn first_failed(checks: &[Check<'_>]) -> Result<(), ConfigError> {
-    let Some(Check { field, value, expected, .. }) = checks.iter().find(|check| !check.ok) else { return Ok(()) };
-    let value = format!("{value:?}");
-    let value = value.strip_prefix("Some(").and_then(|v| v.strip_suffix(')')).unwrap_or(&value).to_owned();
-    Err(ConfigError { field, value, expected })
 }

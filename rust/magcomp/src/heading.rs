@@ -99,7 +99,7 @@ pub struct Heading {
 }
 
 /// Axes whose sine to the vertical is smaller have no heading: 1e-6 is 0.2 arc seconds.
-const VERTICAL: f64 = 1e-6;
+pub(crate) const VERTICAL: f64 = 1e-6;
 /// Where the right edge rises (sine of its elevation) the automatic axis begins to follow the camera, 45 deg ...
 const RISE_BEGIN: f64 = 0.707;
 /// ... and where it follows the camera alone, 64 deg.
@@ -118,8 +118,7 @@ pub fn heading(
     axis: ReferenceAxis,
     rotation: ScreenRotation,
 ) -> Option<Heading> {
-    let up = up.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
-    let field = field_ut.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))?;
+    let (up, field) = (unit(up)?, unit(field_ut)?);
     let east = field.cross(&up);
     let horizontal = east.norm();
     if horizontal < VERTICAL {
@@ -188,10 +187,19 @@ pub fn heading_sigma_deg(
     };
     let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
     let variance = (covariance_ut2 * across).dot(&across) + tilt * tilt;
-    let sd = variance.max(0.0).sqrt();
-    // the arc tangent stops at 90; a horizontal part lost in its uncertainty knows no direction at all
-    let sigma = if sd > 2.0 * horizontal { 180.0 } else { sd.atan2(horizontal).to_degrees() };
+    angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)
+}
+
+/// The standard deviation of an angle whose vector has this length, and this standard deviation across it, degrees.
+pub(crate) fn angle_sigma_deg(sd: f64, length: f64) -> Option<f64> {
+    // the arc tangent stops at 90; a vector lost in its uncertainty knows no direction at all
+    let sigma = if sd > 2.0 * length { 180.0 } else { sd.atan2(length).to_degrees() };
     sigma.is_finite().then_some(sigma)
+}
+
+/// A vector of length 1; None for one that has no direction.
+pub(crate) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    v.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))
 }
 
 /// True heading from a magnetic heading and the declination (east positive), degrees, 0 to 360.

@@ -27,8 +27,10 @@
 //! | the gauge: M symmetric, M = P R | [`Calibration::from_any`] | `calibration.rs` |
 //! | ours, with a gyroscope: state, propagation, measurement, hypotheses | [`Method::Aided`] | `estimator/aided/` |
 //! | ours, the magnetometer alone: a bank of hypotheses over exact moments | [`Method::Adaptive`] | `estimator/adaptive/` |
+//! | events that are delivered late or in batches, in the order of their times | [`EventQueue`] | `sensing/order.rs` |
 //! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
 //! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
+//! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
 //! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
 //! | the settings; the state as text | [`Config`], [`Compensator::snapshot`] | `config.rs`, `snapshot.rs` |
@@ -41,6 +43,7 @@
 pub use nalgebra;
 
 mod answer;
+mod attitude;
 mod calibration;
 mod compensator;
 mod config;
@@ -48,15 +51,17 @@ mod coverage;
 mod estimator;
 mod heading;
 mod quadric;
+mod range;
 mod reading;
 mod sample;
 mod sensing;
 mod snapshot;
 mod tuning;
 
+pub use attitude::{Attitude, attitude, attitude_sigma_deg};
 pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
 pub use compensator::Compensator;
-pub use config::{Config, ConfigError, Method};
+pub use config::{Config, Method};
 pub use coverage::{CELLS, Coverage};
 #[doc(hidden)]
 pub use estimator::Tunings;
@@ -68,8 +73,10 @@ pub use quadric::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
 };
+pub use range::ConfigError;
 pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
+pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 #[doc(hidden)]

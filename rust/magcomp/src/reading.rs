@@ -1,5 +1,6 @@
 //! What one `push` answers: the corrected sample, the heading, and in `status` what the compensator is doing.
 
+use crate::attitude::Attitude;
 use crate::heading::Heading;
 use crate::quadric::FitError;
 use nalgebra::Vector3;
@@ -21,6 +22,9 @@ pub struct Reading {
     pub total_field_ut: Option<f64>,
     /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
     pub heading: Option<Heading>,
+    /// How the device lies in the world, from the vector that the heading comes from. None without a calibration, without a recent
+    /// `up`, or where the field is vertical.
+    pub attitude: Option<Attitude>,
     /// (15) sigma_T over the latest N_min samples; the adaptive method forms it anew every 25. None until there are that
     /// many and a calibration.
     pub sigma_t: Option<f64>,

@@ -681,6 +681,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_start_logging(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_func_attitude(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_func_correct(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_heading(
@@ -825,6 +827,8 @@ internal object UniffiLib {
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_start_logging(`tag`: RustBuffer.ByValue,`level`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
+    external fun uniffi_magcomp_ffi_fn_func_attitude(`fieldUt`: RustBuffer.ByValue,`up`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_correct(`calibration`: RustBuffer.ByValue,`rawUt`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_func_heading(`fieldUt`: RustBuffer.ByValue,`up`: RustBuffer.ByValue,`frame`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
@@ -957,6 +961,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_start_logging() and 0xFFFF) != 64664) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_func_attitude() and 0xFFFF) != 58912) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_correct() and 0xFFFF) != 13713) {
@@ -2343,6 +2350,79 @@ public object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstantFi
 
 
 /**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+data class Attitude (
+    /**
+     * The real part.
+     */
+    val `w`: kotlin.Double
+    ,
+    /**
+     * The part of i.
+     */
+    val `x`: kotlin.Double
+    ,
+    /**
+     * The part of j.
+     */
+    val `y`: kotlin.Double
+    ,
+    /**
+     * The part of k.
+     */
+    val `z`: kotlin.Double
+    ,
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    val `sigmaDeg`: kotlin.Double?
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+public object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
+    override fun read(buf: ByteBuffer): Attitude {
+        return Attitude(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: Attitude) = (
+            FfiConverterDouble.allocationSize(value.`w`) +
+            FfiConverterDouble.allocationSize(value.`x`) +
+            FfiConverterDouble.allocationSize(value.`y`) +
+            FfiConverterDouble.allocationSize(value.`z`) +
+            FfiConverterOptionalDouble.allocationSize(value.`sigmaDeg`)
+    )
+
+    override fun write(value: Attitude, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`w`, buf)
+            FfiConverterDouble.write(value.`x`, buf)
+            FfiConverterDouble.write(value.`y`, buf)
+            FfiConverterDouble.write(value.`z`, buf)
+            FfiConverterOptionalDouble.write(value.`sigmaDeg`, buf)
+    }
+}
+
+
+
+/**
  * Raw field = soft iron * field + hard iron.
  */
 data class Calibration (
@@ -3134,6 +3214,12 @@ data class Reading (
     val `heading`: Heading?
     ,
     /**
+     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+     * `up`, or where the field is vertical.
+     */
+    val `attitude`: Attitude?
+    ,
+    /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
      */
     val `sigmaT`: kotlin.Double?
@@ -3207,6 +3293,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalTypeHeading.read(buf),
+            FfiConverterOptionalTypeAttitude.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
@@ -3227,6 +3314,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.allocationSize(value.`filteredFieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`totalFieldUt`) +
             FfiConverterOptionalTypeHeading.allocationSize(value.`heading`) +
+            FfiConverterOptionalTypeAttitude.allocationSize(value.`attitude`) +
             FfiConverterOptionalDouble.allocationSize(value.`sigmaT`) +
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
@@ -3246,6 +3334,7 @@ public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterOptionalTypeVector3.write(value.`filteredFieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`totalFieldUt`, buf)
             FfiConverterOptionalTypeHeading.write(value.`heading`, buf)
+            FfiConverterOptionalTypeAttitude.write(value.`attitude`, buf)
             FfiConverterOptionalDouble.write(value.`sigmaT`, buf)
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
@@ -5693,6 +5782,38 @@ public object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?>
 /**
  * @suppress
  */
+public object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?> {
+    override fun read(buf: ByteBuffer): Attitude? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeAttitude.read(buf)
+    }
+
+    override fun allocationSize(value: Attitude?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeAttitude.allocationSize(value)
+        }
+    }
+
+    override fun write(value: Attitude?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeAttitude.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 public object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibration?> {
     override fun read(buf: ByteBuffer): Calibration? {
         if (buf.get().toInt() == 0) {
@@ -6269,6 +6390,24 @@ public object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vecto
         FfiConverterTypeLogLevel.lower(`level`),_status)
 }
 
+
+
+        /**
+         * The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
+         *
+         * None when the field is vertical, or anything is not finite or zero. It has no sigma.
+         */
+    @Throws(MagcompException::class) fun `attitude`(`fieldUt`: Vector3, `up`: Vector3): Attitude? {
+            return FfiConverterOptionalTypeAttitude.lift(
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_func_attitude(
+
+
+        FfiConverterTypeVector3.lower(`fieldUt`),
+        FfiConverterTypeVector3.lower(`up`),_status)
+}
+    )
+    }
 
 
         /**

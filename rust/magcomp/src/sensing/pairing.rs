@@ -31,14 +31,14 @@ const WANDER_TIME_S: f64 = 0.5;
 /// A sensor whose newest event is older than this at a magnetometer time counts as absent, s: two and a half periods of the
 /// slowest rate supported (10 Hz). Smaller: a hiccup of the operating system turns the gyroscope off. Larger: a stopped
 /// gyroscope is taken for stillness.
-const STALE_S: f64 = 0.25;
+pub(crate) const STALE_S: f64 = 0.25;
 /// Largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
 const MAX_RATE_RAD_S: f64 = 60.0;
 /// Largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
 const MAX_UP_M_S2: f64 = 200.0;
 /// An event further ahead of the newest magnetometer sample than this is from another clock, s: longer than any system holds a
 /// sensor's events back while it delivers another's.
-const MAX_LEAD_S: f64 = 10.0;
+pub(crate) const MAX_LEAD_S: f64 = 10.0;
 
 /// Why an event was not taken. The state is as if it had never come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

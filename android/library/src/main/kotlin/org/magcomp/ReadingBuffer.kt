@@ -22,6 +22,18 @@ public class ReadingBuffer {
     /** Corrected field out of the screen, microtesla. */
     public val zUt: Double get() = slots[FIELD + 2]
 
+    /** One standard deviation of the corrected field per axis, microtesla. */
+    public val fieldSigmaUt: Double get() = slots[FIELD_SIGMA]
+
+    /** The estimator's own, smoother estimate of the same vector, to the right of the screen, microtesla. */
+    public val filteredXUt: Double get() = slots[FILTERED_FIELD]
+
+    /** The same towards the top of the screen, microtesla. */
+    public val filteredYUt: Double get() = slots[FILTERED_FIELD + 1]
+
+    /** The same out of the screen, microtesla. */
+    public val filteredZUt: Double get() = slots[FILTERED_FIELD + 2]
+
     /** Length of the corrected field, microtesla. */
     public val totalFieldUt: Double get() = slots[TOTAL_FIELD]
 
@@ -37,6 +49,21 @@ public class ReadingBuffer {
     /** Angle of the field below the horizon, degrees. */
     public val inclinationDeg: Double get() = slots[INCLINATION]
 
+    /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
+    public val attitudeW: Double get() = slots[ATTITUDE]
+
+    /** Its part of i. */
+    public val attitudeX: Double get() = slots[ATTITUDE + 1]
+
+    /** Its part of j. */
+    public val attitudeY: Double get() = slots[ATTITUDE + 2]
+
+    /** Its part of k. */
+    public val attitudeZ: Double get() = slots[ATTITUDE + 3]
+
+    /** One standard deviation of the attitude, as [Attitude.sigmaDeg], degrees. */
+    public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
+
     /** Uniformity sigma_T of the latest orientations, dimensionless. */
     public val sigmaT: Double get() = slots[SIGMA_T]
 
@@ -45,6 +72,24 @@ public class ReadingBuffer {
 
     /** Share of the directions seen in that window, 0 to 1. */
     public val coverage: Double get() = slots[COVERAGE]
+
+    /** Predicted rms error of a corrected direction, over all directions, degrees. */
+    public val directionSigmaDeg: Double get() = slots[DIRECTION_SIGMA]
+
+    /** The same for the one combination of parameters that is known worst, degrees. */
+    public val worstSigmaDeg: Double get() = slots[WORST_SIGMA]
+
+    /** By how much the operating system's own hard iron jumped with this sample, microtesla. */
+    public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
+
+    /** Which parameters the latest change set free; null where that is not known. */
+    public val modelOrder: ModelOrder? get() = modelOrder(slots, 0)
+
+    /** The sensors the estimator runs on. */
+    public val mode: SensorMode get() = mode(slots, 0)
+
+    /** The latest change that was decided. Allocates. */
+    public val event: Event? get() = event(slots, 0)
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
     public val status: Status get() = status(slots)
@@ -77,6 +122,8 @@ public class ReadingBuffer {
         const val MODEL_ORDER = 29
         const val EVENT = 30
         const val EVENT_TIMES = 31
+        const val ATTITUDE = 35
+        const val ATTITUDE_SIGMA = 39
 
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading {
             val heading = known(slots[at + HEADING])?.let {
@@ -87,6 +134,15 @@ public class ReadingBuffer {
                     inclinationDeg = slots[at + INCLINATION],
                 )
             }
+            val attitude = known(slots[at + ATTITUDE])?.let {
+                Attitude(
+                    w = it,
+                    x = slots[at + ATTITUDE + 1],
+                    y = slots[at + ATTITUDE + 2],
+                    z = slots[at + ATTITUDE + 3],
+                    sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
+                )
+            }
             return Reading(
                 timeNs = timeNs,
                 fieldUt = vector(slots, at + FIELD),
@@ -94,14 +150,15 @@ public class ReadingBuffer {
                 filteredFieldUt = vector(slots, at + FILTERED_FIELD),
                 totalFieldUt = known(slots[at + TOTAL_FIELD]),
                 heading = heading,
+                attitude = attitude,
                 sigmaT = known(slots[at + SIGMA_T]),
                 window = slots[at + WINDOW].toInt(),
                 coverage = slots[at + COVERAGE],
                 directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
                 worstSigmaDeg = known(slots[at + WORST_SIGMA]),
-                modelOrder = ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt()),
+                modelOrder = modelOrder(slots, at),
                 reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
-                mode = SensorMode.entries[slots[at + MODE].toInt()],
+                mode = mode(slots, at),
                 event = event(slots, at),
                 status = status(slots, at),
             )
@@ -119,6 +176,11 @@ public class ReadingBuffer {
                 else -> error("status $kind: the library's native part is of another version")
             }
         }
+
+        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? =
+            ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
+
+        private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
 
         private fun event(slots: DoubleArray, at: Int): Event? =
             EventKind.entries.getOrNull(slots[at + EVENT].toInt())?.let { kind ->

@@ -48,6 +48,40 @@ class BorderTest {
     }
 
     @Test
+    fun `a buffer shows every field of a reading`() {
+        Compensator().use { compensator ->
+            val buffer = ReadingBuffer()
+            for (event in events(values)) {
+                if (event is SensorSample.Magnetic) {
+                    with(event.sample) { compensator.push(timeNs, fieldUt.x, fieldUt.y, fieldUt.z, buffer) }
+                } else {
+                    compensator.pushAll(listOf(event))
+                }
+            }
+            val shown = with(buffer) {
+                Reading(
+                    timeNs, Vector3(xUt, yUt, zUt), fieldSigmaUt, Vector3(filteredXUt, filteredYUt, filteredZUt), totalFieldUt,
+                    Heading(headingDeg, headingSigmaDeg, trueHeadingDeg, inclinationDeg),
+                    Attitude(attitudeW, attitudeX, attitudeY, attitudeZ, attitudeSigmaDeg), sigmaT, window, coverage,
+                    directionSigmaDeg, worstSigmaDeg, modelOrder, reportedHardIronJumpUt, mode, event, status,
+                )
+            }
+            val unknown = Vector3(Double.NaN, Double.NaN, Double.NaN)
+            val reading = buffer.toReading()
+            val spelled = reading.copy(
+                filteredFieldUt = reading.filteredFieldUt ?: unknown,
+                heading = with(reading.heading!!) { copy(trueHeadingDeg = trueHeadingDeg ?: Double.NaN) },
+                reportedHardIronJumpUt = Double.NaN,
+                sigmaT = reading.sigmaT ?: Double.NaN,
+                directionSigmaDeg = reading.directionSigmaDeg ?: Double.NaN,
+                worstSigmaDeg = reading.worstSigmaDeg ?: Double.NaN,
+            )
+            assertEquals(spelled, shown)
+            assertNotNull(reading.attitude!!.sigmaDeg)
+        }
+    }
+
+    @Test
     fun `every status is read from JNI as uniffi has it`() {
         val problems = listOf(
             FitProblem.TooFewSamples(8),

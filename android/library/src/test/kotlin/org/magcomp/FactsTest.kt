@@ -64,6 +64,11 @@ class FactsTest {
             assertEquals(case.getDouble("heading_deg"), found.headingDeg, 1e-9, case.getString("name"))
             assertEquals(case.getDouble("true_heading_deg"), found.trueHeadingDeg!!, 1e-9, case.getString("name"))
             assertEquals(case.getDouble("inclination_deg"), found.inclinationDeg, 1e-9, case.getString("name"))
+            val (w, x, y, z) = attitude(vector(case.getJSONArray("field_ut")), vector(case.getJSONArray("up")))!!
+            val q = case.getJSONArray("attitude")
+            // a quaternion and its negative are the same attitude
+            val product = w * q.getDouble(0) + x * q.getDouble(1) + y * q.getDouble(2) + z * q.getDouble(3)
+            assertEquals(1.0, abs(product), 1e-12, case.getString("name"))
         }
     }
 

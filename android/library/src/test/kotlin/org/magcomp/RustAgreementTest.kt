@@ -110,9 +110,11 @@ class RustAgreementTest {
         val ours = readings.map {
             val field = it.fieldUt
             val heading = it.heading
+            val attitude = it.attitude
             "reading ${it.timeNs} ${it.status.label()}" + bits(
                 field?.x, field?.y, field?.z, it.totalFieldUt, heading?.headingDeg, heading?.headingSigmaDeg,
-                heading?.inclinationDeg, it.sigmaT, it.window.toDouble(), it.coverage,
+                heading?.inclinationDeg, attitude?.w, attitude?.x, attitude?.y, attitude?.z, attitude?.sigmaDeg, it.sigmaT,
+                it.window.toDouble(), it.coverage,
             )
         }
         val theirs = expected.getValue("reading")

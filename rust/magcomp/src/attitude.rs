@@ -1,0 +1,64 @@
+//! The attitude of the device from a corrected field h and the direction of up, and its uncertainty.
+//!
+//! ```text
+//! east E = h x up, north N = up x E (unit vectors):   v_world = [E N up]^T v_device
+//! phi: the small rotation of the world that takes the true attitude to the one found
+//! phi_east, phi_north: up leans                     variance s_tilt^2 each
+//! phi_up: h errs along E, or V leans into E         variance (E^T P E + V^2 s_tilt^2) / H^2
+//! H = |h x up|, V = h . up, P: covariance of h
+//! ```
+//! The sum of the three variances is the same in every frame.
+
+use crate::heading::{VERTICAL, angle_sigma_deg, unit};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub struct Attitude {
+    /// Takes a vector of the device frame (not turned with the screen's content) to (east, north, up), north magnetic. Its w is at least 0.
+    pub to_world: UnitQuaternion<f64>,
+    /// One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+    /// degrees, 0 to 180. 180 where north is lost in its uncertainty; None when the calibration's own uncertainty is not known.
+    pub sigma_deg: Option<f64>,
+}
+
+/// The attitude from a corrected field (uT) and `up` (any length), both in the device frame.
+///
+/// None when the field is vertical, or anything is not finite or of length zero. `sigma_deg` is left empty: see [`attitude_sigma_deg`].
+#[must_use]
+pub fn attitude(field_ut: &Vector3<f64>, up: &Vector3<f64>) -> Option<Attitude> {
+    let (up, field) = (unit(up)?, unit(field_ut)?);
+    let east = field.cross(&up).try_normalize(VERTICAL)?;
+    // once more across, because rounding is large where the field is almost vertical
+    let north = up.cross(&east).try_normalize(VERTICAL)?;
+    let east = north.cross(&up);
+    let to_device = Rotation3::from_basis_unchecked(&[east, north, up]);
+    let to_world = UnitQuaternion::from_rotation_matrix(&to_device.inverse());
+    let to_world = if to_world.w < 0.0 { UnitQuaternion::new_unchecked(-to_world.into_inner()) } else { to_world };
+    Some(Attitude { to_world, sigma_deg: None })
+}
+
+/// One standard deviation of the attitude, as [`Attitude::sigma_deg`] defines it.
+///
+/// `field_ut` is the corrected field, `covariance_ut2` the covariance of its error (uT^2), `tilt_sigma_deg` the standard
+/// deviation of `up` about a horizontal axis. None where [`attitude`] is.
+#[must_use]
+pub fn attitude_sigma_deg(
+    field_ut: &Vector3<f64>,
+    up: &Vector3<f64>,
+    covariance_ut2: &Matrix3<f64>,
+    tilt_sigma_deg: f64,
+) -> Option<f64> {
+    let up = unit(up)?;
+    unit(field_ut)?.cross(&up).try_normalize(VERTICAL)?;
+    let east = field_ut.cross(&up);
+    let horizontal = east.norm();
+    let across = east / horizontal;
+    let tilt = tilt_sigma_deg.to_radians();
+    let variance = (covariance_ut2 * across).dot(&across) + (field_ut.dot(&up) * tilt).powi(2);
+    let about_up_deg = angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)?;
+    let sigma = about_up_deg.hypot(tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
+    sigma.is_finite().then_some(sigma)
+}
