@@ -3,7 +3,7 @@ import PackageDescription
 
 // The native library: on Apple platforms an XCFramework, that of a release or, with MAGCOMP_XCFRAMEWORK, one in a folder
 // of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --release -p magcomp-ffi` left in
-// target/release, or in the folder MAGCOMP_NATIVE.
+// target/release, or in the folder MAGCOMP_NATIVE, which a Mac uses too where it is given: the tests need its hooks.
 // `ios/build-xcframework.sh --release URL` fills this in: where a release's XCFramework is, and its checksum.
 let release: (url: String, checksum: String)? = nil
 
@@ -11,13 +11,13 @@ let environment = Context.environment
 let localFramework = "target/ios/MagcompFFI.xcframework"
 
 #if os(Linux)
-let onLinux = environment["MAGCOMP_XCFRAMEWORK"] == nil
+let (fromCargo, shared) = (environment["MAGCOMP_XCFRAMEWORK"] == nil, "so")
 #else
-let onLinux = false
+let (fromCargo, shared) = (environment["MAGCOMP_NATIVE"] != nil, "dylib")
 #endif
 
 let native: Target =
-    if onLinux {
+    if fromCargo {
         .systemLibrary(name: "MagcompFFI", path: "ios/Sources/MagcompFFI")
     } else if let release, environment["MAGCOMP_XCFRAMEWORK"] == nil {
         .binaryTarget(name: "MagcompFFI", url: release.url, checksum: release.checksum)
@@ -27,12 +27,14 @@ let native: Target =
 let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/release"
 // allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
 let linking: [LinkerSetting] =
-    onLinux
-    ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.so", "-Xlinker", "--allow-shlib-undefined"])]
-    : []
+    fromCargo
+    ? [
+        .unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.\(shared)"]),
+        .unsafeFlags(["-Xlinker", "--allow-shlib-undefined"], .when(platforms: [.linux])),
+    ] : []
 
 // Stand-ins of Apple's frameworks, for this package's own tests on Linux
-let frameworks = onLinux && environment["MAGCOMP_FRAMEWORKS"] == "stand-in" ? ["Combine", "CoreMotion"] : []
+let frameworks = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in" ? ["Combine", "CoreMotion"] : []
 let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
 
 var targets: [Target] = [
@@ -51,7 +53,7 @@ var targets: [Target] = [
         resources: [.copy("PrivacyInfo.xcprivacy")]
     ),
 ]
-if onLinux {
+if fromCargo {
     // what the feature `test-hooks` adds to the native library
     targets += [
         .systemLibrary(name: "MagcompTestHooks", path: "ios/Tests/TestHooks"),
@@ -74,7 +76,8 @@ targets += frameworks.map {
 
 let package = Package(
     name: "magcomp",
-    platforms: [.iOS(.v15)],
+    // the tests use Observation
+    platforms: [.iOS(.v15), .macOS(fromCargo ? .v14 : .v12)],
     products: [.library(name: "Magcomp", targets: ["Magcomp"])],
     targets: targets,
     swiftLanguageModes: [.v6]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation and
-# the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
+# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation,
+# its format and the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
 # `tests/swift.sh benchmark` prints what a push costs. PROFILE=ship takes the library as phones get it, which builds longer.
 # Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT, by default
 # ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
@@ -22,6 +22,7 @@ options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
 options+=(-Xswiftc -emit-symbol-graph -Xswiftc -emit-symbol-graph-dir -Xswiftc "$target/swift/symbols")
 case "${1:-}" in
     "")
+        swift_tool swift-format lint --strict -r --configuration .swift-format ios/Sources ios/Tests ios/Sample Package.swift
         swift_run build "${options[@]}"
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel

@@ -1212,7 +1212,7 @@ fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensa
  * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
  * north, up), north magnetic. w is at least 0.
  */
-public struct Attitude: Equatable, Hashable {
+public struct Attitude: Equatable, Hashable, Codable {
     /**
      * The real part.
      */
@@ -1273,7 +1273,7 @@ extension Attitude: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Attitude {
         return
             try Attitude(
@@ -1298,14 +1298,14 @@ public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
+fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
     return try FfiConverterTypeAttitude.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
+fileprivate func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
     return FfiConverterTypeAttitude.lower(value)
 }
 
@@ -5715,7 +5715,7 @@ package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall()
  *
  * None when the field is vertical, or anything is not finite or zero. It has no sigma.
  */
-public func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
+package func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
     return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_attitude(

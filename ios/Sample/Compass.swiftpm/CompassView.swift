@@ -4,6 +4,7 @@ import SwiftUI
 /// One screen: the rose, the heading with its uncertainty as an arc, the field, the status in words, and guidance.
 struct CompassView: View {
     let model: CompassModel
+    let source: CoreMotionSource
 
     var body: some View {
         VStack(spacing: 12) {
@@ -17,6 +18,8 @@ struct CompassView: View {
             if let system = model.systemField {
                 Text("iOS: \(microtesla(length(system.fieldUt))), accuracy \(String(describing: system.accuracy))")
                     .font(.footnote)
+                // read with the system's field, which is renewed with every sample
+                Text("device motion is \(lag) late").font(.footnote)
             }
         }
         .padding()
@@ -27,6 +30,10 @@ struct CompassView: View {
     private var heading: String {
         guard let heading = model.headingDeg else { return "no heading yet" }
         return "\(degrees(heading)) \u{b1} \(degrees(model.headingSigmaDeg))"
+    }
+
+    private var lag: String {
+        source.lagS.map { ($0 * 1000).formatted(.number.precision(.fractionLength(0))) + " ms" } ?? "not yet known to be"
     }
 
     private var field: String { model.totalFieldUt.map(microtesla) ?? "" }

@@ -29,17 +29,19 @@ extension Reading {
     ///   - timeNs: time of the sample, nanoseconds
     ///   - status: what the compensator is doing
     ///   - heading: heading and inclination
+    ///   - attitude: how the device lies
     ///   - fieldUt: the corrected field, microtesla, device frame
     ///   - coverage: share of the directions seen, 0 to 1
     ///   - event: the latest decided change
     public init(
-        timeNs: Int64 = 0, status: CompensationStatus, heading: Heading? = nil, fieldUt: Vector3? = nil,
-        coverage: Double = 0, event: FieldEvent? = nil
+        timeNs: Int64 = 0, status: CompensationStatus, heading: Heading? = nil, attitude: Attitude? = nil,
+        fieldUt: Vector3? = nil, coverage: Double = 0, event: FieldEvent? = nil
     ) {
         let length = fieldUt.map { ($0.x * $0.x + $0.y * $0.y + $0.z * $0.z).squareRoot() }
         self.init(
             timeNs: timeNs, fieldUt: fieldUt, fieldSigmaUt: nil, filteredFieldUt: nil, totalFieldUt: length,
-            heading: heading, sigmaT: nil, window: 0, coverage: coverage, directionSigmaDeg: nil, worstSigmaDeg: nil,
+            heading: heading, attitude: attitude, sigmaT: nil, window: 0, coverage: coverage, directionSigmaDeg: nil,
+            worstSigmaDeg: nil,
             modelOrder: nil, reportedHardIronJumpUt: nil, mode: .gyroscopeAndGravity, event: event, status: status)
     }
 }

@@ -29,8 +29,9 @@ import Foundation
 ///
 /// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Events go out
 /// in the order of their times (``SensorOptions/holdS``), though device motion is delivered later than the magnetometer, or
-/// earlier; ``lagS`` says by how much. Updates start with the first iterator of ``samples()`` and stop with the last; each gets every event. Iterating throws
-/// ``SensorError`` when a sensor is missing or the system refuses, and `MagcompError.config` for options out of range.
+/// earlier; ``lagS`` says by how much. Updates start with the first iterator of ``samples()`` and stop with the last; each
+/// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
+/// `MagcompError.config` for options out of range.
 public final class CoreMotionSource: MagneticFieldSource {
     private let updates: Updates
 

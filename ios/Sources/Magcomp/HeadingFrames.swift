@@ -1,3 +1,16 @@
+extension Attitude {
+    /// How a device lies by one corrected field and one `up`, in their device frame: device to east, magnetic north and up.
+    ///
+    /// - Parameters:
+    ///   - fieldUt: the corrected field, microtesla
+    ///   - up: any length, pointing up
+    /// - Returns: nil where the two have one direction, or one has none
+    public init?(fieldUt: Vector3, up: Vector3) throws {
+        guard let found = try attitude(fieldUt: fieldUt, up: up) else { return nil }
+        self = found
+    }
+}
+
 extension Heading {
     /// The heading and inclination of one corrected field and one `up`, in their device frame.
     ///

@@ -52,7 +52,9 @@ public struct RecordingSource: MagneticFieldSource {
     }
 
     public func samples() -> SensorSamples {
-        SensorSamples(live: false) { [self] in Rows(name: name, pace: speed.map { Pace(speed: $0, clock: clock) }, open: open) }
+        SensorSamples(live: false) { [self] in
+            Rows(name: name, pace: speed.map { Pace(speed: $0, clock: clock) }, open: open)
+        }
     }
 }
 

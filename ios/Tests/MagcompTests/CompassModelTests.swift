@@ -34,8 +34,9 @@ import Testing
         let event = FieldEvent(kind: .deviceStep, sinceNs: 1, decidedNs: 2)
         let unseen = [Vector3(x: 0, y: 0, z: 1)]
         let sample = MagneticSample(timeNs: 3, fieldUt: Vector3(x: 1, y: 2, z: 3))
-        state.show(CompensatedReading(
-            reading: Reading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
+        state.show(
+            CompensatedReading(
+                reading: Reading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
         #expect(state.event == event && state.unseenDirections == unseen && state.status == "tracking")
     }
 
@@ -236,9 +237,11 @@ import Testing
 
     @Test func anErrorLeavesNothingOfTheReadingsBeforeIt() async {
         let access = SensorError.accessRefused(sensor: "magnetometer").localizedDescription
-        let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
-            Played(events: everything).samples(), Self.failing(), Self.failing(after: everything), Self.failing(),
-        ])))
+        let model = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Played(events: everything).samples(), Self.failing(), Self.failing(after: everything), Self.failing(),
+                ])))
         await model.run()
         #expect(model.headingDeg != nil && model.totalFieldUt != nil && model.systemField != nil && model.coverage > 0)
         // at the next run's beginning, after readings of its own, and while it collected
@@ -250,12 +253,16 @@ import Testing
     }
 
     @Test func aGoodRunLeavesNothingOfAnErrorBeforeIt() async throws {
-        let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
-            Self.failing(after: everything), Played(events: everything).samples(),
-        ])))
-        let young = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
-            Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...])).samples(),
-        ])))
+        let model = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Self.failing(after: everything), Played(events: everything).samples(),
+                ])))
+        let young = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...])).samples(),
+                ])))
         await model.run()
         await model.run()
         #expect(model.status == "tracking")

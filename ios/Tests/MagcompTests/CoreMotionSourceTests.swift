@@ -1,4 +1,4 @@
-#if canImport(CoreMotion)
+#if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
 import Magcomp

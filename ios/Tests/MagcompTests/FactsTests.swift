@@ -89,7 +89,7 @@ import Testing
             #expect(abs(found.headingDeg - fact.headingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(try #require(found.trueHeadingDeg) - fact.trueHeadingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - fact.inclinationDeg) < 1e-9, "\(fact.name)")
-            let lies = try #require(try attitude(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up)))
+            let lies = try #require(try Attitude(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up)))
             // a quaternion and its negative are the same attitude
             let product = zip([lies.w, lies.x, lies.y, lies.z], fact.attitude).reduce(0) { $0 + $1.0 * $1.1 }
             #expect(abs(abs(product) - 1) < 1e-12, "\(fact.name)")

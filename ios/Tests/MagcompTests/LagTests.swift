@@ -1,4 +1,4 @@
-#if canImport(CoreMotion)
+#if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
 import Magcomp
@@ -15,9 +15,10 @@ import Testing
             let text = try String(contentsOf: prepared(name), encoding: .utf8)
             for line in text.split(separator: "\n").dropFirst() {
                 let v = line.split(separator: ",").map { Double($0)! }
-                rows.append(CMMotionManager.Row(
-                    timestamp: v[0], field: (v[1], v[2], v[3]),
-                    gravity: (-v[4] / 9.80665, -v[5] / 9.80665, -v[6] / 9.80665), rate: (v[7], v[8], v[9])))
+                rows.append(
+                    CMMotionManager.Row(
+                        timestamp: v[0], field: (v[1], v[2], v[3]),
+                        gravity: (-v[4] / 9.80665, -v[5] / 9.80665, -v[6] / 9.80665), rate: (v[7], v[8], v[9])))
                 orientations.append(v[10].isNaN ? nil : (v[10], v[11], v[12], v[13]))
             }
         }

@@ -5,21 +5,23 @@ import Testing
 @Suite struct RecordingSourceTests {
     func source(_ text: String) -> RecordingSource { RecordingSource(name: "r.csv") { Data(text.utf8) } }
 
-    @Test(arguments: [
-        ("t_s,mx,my\n", 1, "mz", "the column is missing"),
-        ("t_s,mx,my,mz\n0,1,2,3\n1,1,x,3\n", 3, "my", "'x' is no number"),
-        ("t_s,mx,my,mz\n0,1,2\n", 2, nil, "3 cells, expected 4"),
-        ("t_s,mx,my,mz\nnan,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
-        ("t_s,mx,my,mz\n1e300,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
-        ("", 1, nil, "the header is missing"),
-    ] as [(String, Int, String?, String)])
+    @Test(
+        arguments: [
+            ("t_s,mx,my\n", 1, "mz", "the column is missing"),
+            ("t_s,mx,my,mz\n0,1,2,3\n1,1,x,3\n", 3, "my", "'x' is no number"),
+            ("t_s,mx,my,mz\n0,1,2\n", 2, nil, "3 cells, expected 4"),
+            ("t_s,mx,my,mz\nnan,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
+            ("t_s,mx,my,mz\n1e300,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
+            ("", 1, nil, "the header is missing"),
+        ] as [(String, Int, String?, String)])
     func oneThatIsNotInOrderSaysWhere(text: String, line: Int, column: String?, problem: String) async {
         let error = RecordingError(name: "r.csv", line: line, column: column, problem: problem)
         await #expect(throws: error) { try await source(text).samples().collected() }
     }
 
     @Test func compressedOnesSayWhatToDo() async throws {
-        let source = RecordingSource(url: repository.appendingPathComponent("tests/recordings/broad_34_attached_magnet_3cm.csv.gz"))
+        let source = RecordingSource(
+            url: repository.appendingPathComponent("tests/recordings/broad_34_attached_magnet_3cm.csv.gz"))
         do {
             _ = try await source.samples().collected()
             Issue.record("no error")
