@@ -817,6 +817,14 @@ fileprivate func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> 
 package protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     func calibration() throws  -> Calibration?
@@ -969,6 +977,22 @@ public convenience init(config: Config)throws  {
 
 
 
+
+    /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+open func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_adopt(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeCalibration_lower(calibration),
+        FfiConverterDouble.lower(hardIronSigmaUt),uniffiCallStatus
+    )
+}
+}
 
     /**
      * Hard iron, soft iron and field strength in force, if any.
@@ -1402,6 +1426,11 @@ public struct Config: Equatable, Hashable, Codable {
      */
     public var initial: Calibration?
     /**
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+     * first headings less sure, and learning faster.
+     */
+    public var initialSigmaUt: Double?
+    /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
      * there is no other: readings from the first sample on, as good as that estimate. Default false.
      */
@@ -1440,6 +1469,10 @@ public struct Config: Equatable, Hashable, Codable {
          * A calibration to begin with, for instance that of the last launch. Default none.
          */initial: Calibration? = nil,
         /**
+         * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+         * first headings less sure, and learning faster.
+         */initialSigmaUt: Double? = nil,
+        /**
          * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
          * there is no other: readings from the first sample on, as good as that estimate. Default false.
          */useReportedHardIron: Bool? = nil,
@@ -1463,6 +1496,7 @@ public struct Config: Equatable, Hashable, Codable {
          */windowed: WindowedConfig? = nil) {
         self.method = method
         self.initial = initial
+        self.initialSigmaUt = initialSigmaUt
         self.useReportedHardIron = useReportedHardIron
         self.rangeUt = rangeUt
         self.railUt = railUt
@@ -1489,6 +1523,7 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
             try Config(
                 method: FfiConverterOptionTypeCompensationMethod.read(from: &buf),
                 initial: FfiConverterOptionTypeCalibration.read(from: &buf),
+                initialSigmaUt: FfiConverterOptionDouble.read(from: &buf),
                 useReportedHardIron: FfiConverterOptionBool.read(from: &buf),
                 rangeUt: FfiConverterOptionDouble.read(from: &buf),
                 railUt: FfiConverterOptionDouble.read(from: &buf),
@@ -1501,6 +1536,7 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
     public static func write(_ value: Config, into buf: inout [UInt8]) {
         FfiConverterOptionTypeCompensationMethod.write(value.method, into: &buf)
         FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
+        FfiConverterOptionDouble.write(value.initialSigmaUt, into: &buf)
         FfiConverterOptionBool.write(value.useReportedHardIron, into: &buf)
         FfiConverterOptionDouble.write(value.rangeUt, into: &buf)
         FfiConverterOptionDouble.write(value.railUt, into: &buf)
@@ -4294,10 +4330,6 @@ public enum ModelOrder: Equatable, Hashable, Codable {
      */
     case hardIron
     /**
-     * Hard iron and the diagonal of the soft iron.
-     */
-    case diagonal
-    /**
      * All nine.
      */
     case all
@@ -4330,11 +4362,9 @@ fileprivate struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
 
         case 2: return .hardIron
 
-        case 3: return .diagonal
+        case 3: return .all
 
-        case 4: return .all
-
-        case 5: return .former
+        case 4: return .former
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
@@ -4352,16 +4382,12 @@ fileprivate struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
             writeInt(&buf, Int32(2))
 
 
-        case .diagonal:
+        case .all:
             writeInt(&buf, Int32(3))
 
 
-        case .all:
-            writeInt(&buf, Int32(4))
-
-
         case .former:
-            writeInt(&buf, Int32(5))
+            writeInt(&buf, Int32(4))
 
         }
     }
@@ -5800,6 +5826,9 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_true_heading_deg() != 22358) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_adopt() != 43325) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_calibration() != 6080) {

@@ -258,6 +258,11 @@ void uniffi_magcomp_ffi_fn_free_compensator(uint64_t handle, RustCallStatus *_No
 uint64_t uniffi_magcomp_ffi_fn_constructor_compensator_new(RustBuffer config, RustCallStatus *_Nonnull out_status
 );
 #endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_ADOPT
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_ADOPT
+void uniffi_magcomp_ffi_fn_method_compensator_adopt(uint64_t ptr, RustBuffer calibration, double hard_iron_sigma_ut, RustCallStatus *_Nonnull out_status
+);
+#endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_CALIBRATION
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_COMPENSATOR_CALIBRATION
 RustBuffer uniffi_magcomp_ffi_fn_method_compensator_calibration(uint64_t ptr, RustCallStatus *_Nonnull out_status
@@ -743,6 +748,12 @@ uint16_t uniffi_magcomp_ffi_checksum_func_heading(void
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_TRUE_HEADING_DEG
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_FUNC_TRUE_HEADING_DEG
 uint16_t uniffi_magcomp_ffi_checksum_func_true_heading_deg(void
+
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_ADOPT
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_CHECKSUM_METHOD_COMPENSATOR_ADOPT
+uint16_t uniffi_magcomp_ffi_checksum_method_compensator_adopt(void
 
 );
 #endif

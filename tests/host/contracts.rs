@@ -189,7 +189,7 @@ fn the_count_towards_another_clock_is_no_part_of_a_snapshot() {
 
 /// Every bit of a reading but the heading.
 fn all_but_heading(reading: &Reading) -> String {
-    serde_json::to_string(&Reading { heading: None, ..*reading }).expect("plain data")
+    serde_json::to_string(&Reading { heading: None, attitude: None, ..*reading }).expect("plain data")
 }
 
 /// Through a change of the device, a gyroscope that goes and comes back, and another clock.
@@ -542,7 +542,7 @@ fn whatever_calibration_may_be_adopted_does_no_harm() {
                 for k in 0..1500 {
                     phone.gyroscope = !(500..1000).contains(&k);
                     if adopted && k % 400 == 100 {
-                        compensator.adopt(given);
+                        compensator.adopt(given, 2.0).unwrap();
                     }
                     let reading = phone.advance(&mut compensator);
                     assert!(is_sound(&reading, &compensator), "{method:?}, {m}, {b}, {field}, sample {k}: {reading:?}");
@@ -563,7 +563,8 @@ fn whatever_calibration_may_be_adopted_does_no_harm() {
 #[test]
 fn every_number_of_the_config_has_a_range() {
     type Set = fn(&mut Config, f64);
-    let fields: [(&str, Set); 8] = [
+    let fields: [(&str, Set); 9] = [
+        ("initial_sigma_ut", |c, v| c.initial_sigma_ut = v),
         ("range_ut", |c, v| c.range_ut = v),
         ("rail_ut", |c, v| c.rail_ut = Some(v)),
         ("field_strength_ut", |c, v| c.field_strength_ut = Some(v)),
@@ -586,12 +587,12 @@ fn every_number_of_the_config_has_a_range() {
 
 /// What a stored config says: every setting may be left out, and none is unknown.
 #[test]
-fn a_config_has_fifteen_settings_each_with_a_default() {
+fn a_config_has_sixteen_settings_each_with_a_default() {
     fn settings(value: &serde_json::Value) -> usize {
         value.as_object().map_or(1, |fields| fields.values().map(settings).sum())
     }
     let usual = Config::default();
-    assert_eq!(settings(&serde_json::to_value(&usual).expect("plain data")), 15);
+    assert_eq!(settings(&serde_json::to_value(&usual).expect("plain data")), 16);
     let read = |text: &str| serde_json::from_str::<Config>(text);
     assert_eq!(read("{}").expect("all may be left out"), usual);
     let mut other = usual;

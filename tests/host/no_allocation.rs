@@ -124,7 +124,7 @@ fn push_takes_no_memory() {
         }
         assert!(headings > 1000 && another_clock && alone);
         let start = taken();
-        compensator.adopt(before);
+        compensator.adopt(before, 2.0).unwrap();
         compensator.reset();
         assert_eq!(taken() - start, 0, "{method:?}: adopt and reset");
     }

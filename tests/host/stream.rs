@@ -324,7 +324,7 @@ fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
         }
         let b = truth.hard_iron_ut() + Vector3::new(40.0, 0.0, 0.0);
         let given = Calibration::new(*truth.soft_iron(), b, 45.0).expect("a calibration");
-        compensator.adopt(given);
+        compensator.adopt(given, 2.0).unwrap();
         assert_eq!(compensator.calibration(), Some(given));
         let (raw_ut, reading) = push(&mut compensator, 150);
         assert!(

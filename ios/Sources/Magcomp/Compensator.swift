@@ -70,6 +70,16 @@ public final class Compensator: Sendable {
     /// Hard iron, soft iron and field strength in force, if any.
     public func calibration() throws -> Calibration? { try native.calibration() }
 
+    /// From now on this calibration is in force, until something better is learned. The stream goes on.
+    ///
+    /// - Parameter hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+    ///   first readings are as unsure as that
+    /// - Throws: `MagcompError.Calibration` when it is none, `MagcompError.Config` when the standard deviation is out of range;
+    ///   nothing has changed then
+    public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {
+        try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)
+    }
+
     /// Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
     /// nil when it is not known.
     public func covariance() throws -> [Double]? { try native.covariance() }

@@ -63,9 +63,8 @@ extension ModelOrder {
         switch code {
         case 0: self = .nothing
         case 1: self = .hardIron
-        case 2: self = .diagonal
-        case 3: self = .all
-        case 4: self = .former
+        case 2: self = .all
+        case 3: self = .former
         default: return nil
         }
     }

@@ -102,6 +102,23 @@ import Testing
         #expect(try push(2, reported: 97).reportedHardIronJumpUt == 3)
     }
 
+    @Test func anAdoptedCalibrationIsAsUnsureAsItIsSaidToBe() throws {
+        let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
+        let calibration = Calibration(softIron: none, hardIronUt: Vector3(x: 120, y: -80, z: 300), fieldStrengthUt: 45)
+        func first(_ sigmaUt: Double) throws -> Double? {
+            let compensator = try Compensator()
+            try compensator.adopt(calibration, hardIronSigmaUt: sigmaUt)
+            return try compensator.push(MagneticSample(timeNs: 1, fieldUt: Vector3(x: 120, y: -35, z: 300))).fieldSigmaUt
+        }
+        #expect((3.0...6.0).contains(try #require(try first(3))))
+        #expect((30.0...60.0).contains(try #require(try first(30))))
+        let compensator = try Compensator()
+        #expect(throws: MagcompError.Config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
+            try compensator.adopt(calibration, hardIronSigmaUt: 0)
+        }
+        #expect(try compensator.calibration() == nil)
+    }
+
     @Test func afterClosingEveryUseIsATypedError() throws {
         let compensator = try Compensator()
         compensator.close()

@@ -1,4 +1,4 @@
-//! The compensator as it crosses the border: one mutex around one core object, and what belongs X
+//! The compensator as it crosses the border: one mutex around one core object, and what belongs to it.
 
 use crate::config::Config;
 use crate::error::MagcompError;
@@ -42,6 +42,10 @@ pub(crate) fn find(handle: i64) -> Option<Arc<Compensator>> {
 /// Strength of the field of a first calibration from the operating system's estimate, microtesla, where the config has
 /// none: the mean of the Earth's, 22 to 67.
 const USUAL_FIELD_UT: f64 = 45.0;
+
+/// How well that estimate is believed, microtesla per axis. A choice, not measured: wide enough for a system that has seen few
+/// directions yet.
+const REPORTED_SIGMA_UT: f64 = 10.0;
 
 #[uniffi::export]
 impl Compensator {
@@ -94,6 +98,14 @@ impl Compensator {
     /// Hard iron, soft iron and field strength in force, if any.
     pub fn calibration(&self) -> Result<Option<Calibration>, MagcompError> {
         self.running.with(|running| Ok(running.core.calibration().map(Into::into)))
+    }
+
+    /// From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+    /// one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+    /// that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+    /// changed then.
+    pub fn adopt(&self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), MagcompError> {
+        self.running.with(|running| Ok(running.core.adopt(calibration.try_into()?, hard_iron_sigma_ut)?))
     }
 
     /// The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
@@ -200,7 +212,10 @@ impl Running {
         let before = self.reported_ut.replace(now);
         if use_reported && before != Some(now) && self.core.calibration().is_none() {
             match prior(now, self.core.config()) {
-                Ok(calibration) => self.core.adopt(calibration),
+                Ok(calibration) => {
+                    // a constant within its range
+                    let _ = self.core.adopt(calibration, REPORTED_SIGMA_UT);
+                }
                 Err(error) => log::warn!("the operating system's hard iron was not taken over: {error}"),
             }
         }

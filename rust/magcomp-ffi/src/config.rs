@@ -28,6 +28,10 @@ pub struct Config {
     /// A calibration to begin with, for instance that of the last launch. Default none.
     #[uniffi(default = None)]
     pub initial: Option<Calibration>,
+    /// One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+    /// first headings less sure, and learning faster.
+    #[uniffi(default = None)]
+    pub initial_sigma_ut: Option<f64>,
     /// Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
     /// there is no other: readings from the first sample on, as good as that estimate. Default false.
     #[uniffi(default = None)]
@@ -149,11 +153,12 @@ pub struct HeadingConfig {
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, range_ut, rail_ut, field_strength_ut, heading, windowed } =
+    let magcomp::Config { method, initial, initial_sigma_ut, range_ut, rail_ut, field_strength_ut, heading, windowed } =
         magcomp::Config::default();
     Config {
         method: Some(method.into()),
         initial: initial.map(Into::into),
+        initial_sigma_ut: Some(initial_sigma_ut),
         use_reported_hard_iron: Some(false),
         range_ut: Some(range_ut),
         rail_ut,

@@ -161,9 +161,8 @@ impl FlatReading {
             model_order: model_order.map_or(NONE, |order| match order {
                 ModelOrder::Nothing => 0,
                 ModelOrder::HardIron => 1,
-                ModelOrder::Diagonal => 2,
-                ModelOrder::All => 3,
-                ModelOrder::Former => 4,
+                ModelOrder::All => 2,
+                ModelOrder::Former => 3,
             }),
             event: event.map_or(FlatEvent { kind: NONE, since_ns: 0, decided_ns: 0 }, |event| FlatEvent {
                 kind: match event.kind {

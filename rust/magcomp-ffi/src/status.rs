@@ -150,8 +150,6 @@ pub enum ModelOrder {
     Nothing,
     /// Hard iron alone.
     HardIron,
-    /// Hard iron and the diagonal of the soft iron.
-    Diagonal,
     /// All nine.
     All,
     /// Back to a calibration from before.

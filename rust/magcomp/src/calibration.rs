@@ -111,6 +111,24 @@ impl From<Calibration> for CalibrationParts {
     }
 }
 
+/// A calibration from elsewhere, and how well it is believed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Given {
+    pub calibration: Calibration,
+    /// One standard deviation of each component of its b, uT.
+    pub sigma_ut: f64,
+}
+
+/// The same of a calibration that comes without it.
+pub(crate) const USUAL_SIGMA_UT: f64 = 2.0;
+
+impl Given {
+    /// Nothing is known of how well it is to be believed.
+    pub fn usual(calibration: Calibration) -> Self {
+        Self { calibration, sigma_ut: USUAL_SIGMA_UT }
+    }
+}
+
 impl Calibration {
     /// A calibration from a symmetric positive definite M (dimensionless; no element of it or of its inverse beyond +-1000),
     /// b (uT, each component within +-100 000) and the field strength |h| (1 to 1000 uT).

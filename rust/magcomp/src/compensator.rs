@@ -8,8 +8,8 @@ mod keep;
 
 use crate::answer::Answer;
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
-use crate::calibration::Calibration;
-use crate::config::{Config, Method, validate_heading};
+use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
+use crate::config::{Config, Method, validate_heading, validate_sigma};
 use crate::coverage::Coverage;
 use crate::estimator::Tunings;
 use crate::estimator::paper::Clerk;
@@ -81,9 +81,11 @@ struct Inputs {
     mode: SensorMode,
     event: Option<Event>,
     tilt: Tilt,
+    /// How well the calibration was believed that was adopted last, uT.
+    adopted_sigma_ut: Option<f64>,
 }
 
-checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT);
+checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT && it.adopted_sigma_ut.is_none_or(|sigma_ut| sigma_ut > 0.0));
 
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
@@ -103,12 +105,16 @@ impl Compensator {
         config.validate()?;
         Ok(Self {
             pairing: InertialPairing::new(),
-            active: Box::new(Active::new(&config, &tunings, config.initial)),
+            active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
             clerk: Self::clerk(&config),
             inputs: Inputs::default(),
             tunings,
             config,
         })
+    }
+
+    fn initial(config: &Config) -> Option<Given> {
+        config.initial.map(|calibration| Given { calibration, sigma_ut: config.initial_sigma_ut })
     }
 
     /// A clerk for a config.
@@ -133,14 +139,36 @@ impl Compensator {
     }
 
     /// From now on this calibration is in force, until something better is learned: for instance one the operating
-    /// system reports. The stream goes on. Every [`Calibration`] can be adopted: its ranges were checked when it was made.
-    pub fn adopt(&mut self, calibration: Calibration) {
+    /// system reports. The stream goes on.
+    ///
+    /// `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, uT, 0.01 to 1000; of its soft iron it is taken
+    /// to err by as much, up to what is usual for phones. The first readings are as unsure as that. Of a calibration that was kept, it
+    /// is the root of a third of the trace of the first 3 x 3 of [`Self::covariance`]. The windowed methods have no prior: their readings
+    /// have no sigma before their own fit.
+    ///
+    /// # Errors
+    /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range; nothing has changed then.
+    pub fn adopt(&mut self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), ConfigError> {
+        validate_sigma("hard_iron_sigma_ut", hard_iron_sigma_ut)?;
+        self.begin_anew(Given { calibration, sigma_ut: hard_iron_sigma_ut });
+        Ok(())
+    }
+
+    fn begin_anew(&mut self, given: Given) {
+        self.inputs.adopted_sigma_ut = Some(given.sigma_ut);
         match &mut *self.active {
-            Active::Windowed(windowed) => windowed.adopt(calibration),
+            Active::Windowed(windowed) => windowed.adopt(given.calibration),
             // the aided one takes over with the next rotation
-            other => *other = Active::new(&self.config, &self.tunings, Some(calibration)),
+            other => *other = Active::new(&self.config, &self.tunings, Some(given)),
         }
-        self.clerk.look_through(Some(calibration));
+        self.clerk.look_through(Some(given.calibration));
+    }
+
+    /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
+    fn in_force(&self) -> Option<Given> {
+        let given = self.active.in_force()?;
+        let adopted_ut = self.inputs.adopted_sigma_ut.or(self.config.initial.map(|_| self.config.initial_sigma_ut));
+        Some(Given { sigma_ut: given.sigma_ut.max(adopted_ut.unwrap_or(USUAL_SIGMA_UT).min(USUAL_SIGMA_UT)), ..given })
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -206,12 +234,12 @@ impl Compensator {
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
         match (&*self.active, is_usable) {
             (Active::Adaptive(_), true) => {
-                *self.active = Active::aided(&self.config, &self.tunings, self.active.calibration());
+                *self.active = Active::aided(&self.config, &self.tunings, self.in_force());
                 // it does not know yet where the field points: this sample goes in as one after a pause
                 PairedInertial { rotation: None, ..paired }
             }
             (Active::Aided(_), false) => {
-                *self.active = Active::new(&self.config, &self.tunings, self.active.calibration());
+                *self.active = Active::new(&self.config, &self.tunings, self.in_force());
                 paired
             }
             _ => paired,
@@ -294,7 +322,7 @@ impl Compensator {
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
         self.pairing = InertialPairing::new();
-        *self.active = Active::new(&self.config, &self.tunings, self.config.initial);
+        *self.active = Active::new(&self.config, &self.tunings, Self::initial(&self.config));
         self.clerk.restart(self.config.initial);
         self.inputs = Inputs::default();
     }

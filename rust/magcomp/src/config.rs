@@ -1,6 +1,6 @@
 //! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, USUAL_SIGMA_UT};
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
@@ -24,7 +24,7 @@ pub enum Method {
     Constant,
 }
 
-/// Everything a [`crate::Compensator`] can be told: fifteen settings. `Config::default()` suits a phone; a setting is changed
+/// Everything a [`crate::Compensator`] can be told: sixteen settings. `Config::default()` suits a phone; a setting is changed
 /// on it.
 ///
 /// ```
@@ -43,6 +43,10 @@ pub struct Config {
     pub method: Method,
     /// A calibration to begin with, for instance that of the last launch. Default none.
     pub initial: Option<Calibration>,
+    /// One standard deviation of each component of `initial`'s hard iron, uT, 0.01 to 1000. Default 2: a phone that was
+    /// calibrated the day before. Larger makes the first headings less sure, and learning faster. The windowed methods, which
+    /// have no prior, do not listen to it.
+    pub initial_sigma_ut: f64,
     /// Largest component of a raw sample, uT, 1 to 100 000; a larger one is rejected. Default 2000: phones carry offsets up to several
     /// hundred uT, and a magnetic cover can add a thousand. Larger accepts stronger magnets.
     pub range_ut: f64,
@@ -64,6 +68,7 @@ impl Default for Config {
         Self {
             method: Method::Auto,
             initial: None,
+            initial_sigma_ut: USUAL_SIGMA_UT,
             range_ut: 2000.0,
             rail_ut: None,
             field_strength_ut: None,
@@ -80,6 +85,7 @@ impl Config {
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let w = &self.windowed;
+        validate_sigma("initial_sigma_ut", self.initial_sigma_ut)?;
         first_failed(&[
             range!("range_ut", self.range_ut, 1.0, 100000.0, "uT"),
             range!("rail_ut", self.rail_ut, none, 1.0, 100000.0, "uT"),
@@ -102,6 +108,11 @@ impl Config {
         ])?;
         validate_heading(&self.heading)
     }
+}
+
+/// Whether a calibration may be believed so far, uT.
+pub(crate) fn validate_sigma(field: &'static str, sigma_ut: f64) -> Result<(), ConfigError> {
+    first_failed(&[Check { field, ..range!("", sigma_ut, 0.01, 1000.0, "uT") }])
 }
 
 /// Whether every field of the heading's is inside its range.

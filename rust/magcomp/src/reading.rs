@@ -76,8 +76,6 @@ pub enum ModelOrder {
     Nothing,
     /// b alone.
     HardIron,
-    /// b and the diagonal of M.
-    Diagonal,
     /// All nine.
     All,
     /// Back to a calibration from before.

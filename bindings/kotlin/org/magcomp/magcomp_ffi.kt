@@ -689,6 +689,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_func_true_heading_deg(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_adopt(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_calibration(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_covariance(
@@ -761,6 +763,8 @@ internal object UniffiLib {
     ): Unit
     external fun uniffi_magcomp_ffi_fn_constructor_compensator_new(`config`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Long
+    external fun uniffi_magcomp_ffi_fn_method_compensator_adopt(`ptr`: Long,`calibration`: RustBuffer.ByValue,`hardIronSigmaUt`: Double,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_covariance(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -973,6 +977,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_true_heading_deg() and 0xFFFF) != 22358) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt() and 0xFFFF) != 43325) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_calibration() and 0xFFFF) != 6080) {
@@ -1452,6 +1459,14 @@ public object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
 public interface NativeCompensatorInterface {
 
     /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     fun `calibration`(): Calibration?
@@ -1654,6 +1669,27 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
             UniffiLib.uniffi_magcomp_ffi_fn_clone_compensator(handle, status)
         }
     }
+
+
+    /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
+     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * changed then.
+     */
+    @Throws(MagcompException::class)override fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_adopt(
+        it,
+
+        FfiConverterTypeCalibration.lower(`calibration`),
+        FfiConverterDouble.lower(`hardIronSigmaUt`),_status)
+}
+    }
+
+
 
 
     /**
@@ -2492,6 +2528,12 @@ data class Config (
     val `initial`: Calibration? = null
     ,
     /**
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
+     * first headings less sure, and learning faster.
+     */
+    val `initialSigmaUt`: kotlin.Double? = null
+    ,
+    /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
      * there is no other: readings from the first sample on, as good as that estimate. Default false.
      */
@@ -2542,6 +2584,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
         return Config(
             FfiConverterOptionalTypeMethod.read(buf),
             FfiConverterOptionalTypeCalibration.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalBoolean.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -2554,6 +2597,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
     override fun allocationSize(value: Config) = (
             FfiConverterOptionalTypeMethod.allocationSize(value.`method`) +
             FfiConverterOptionalTypeCalibration.allocationSize(value.`initial`) +
+            FfiConverterOptionalDouble.allocationSize(value.`initialSigmaUt`) +
             FfiConverterOptionalBoolean.allocationSize(value.`useReportedHardIron`) +
             FfiConverterOptionalDouble.allocationSize(value.`rangeUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`railUt`) +
@@ -2565,6 +2609,7 @@ public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
     override fun write(value: Config, buf: ByteBuffer) {
             FfiConverterOptionalTypeMethod.write(value.`method`, buf)
             FfiConverterOptionalTypeCalibration.write(value.`initial`, buf)
+            FfiConverterOptionalDouble.write(value.`initialSigmaUt`, buf)
             FfiConverterOptionalBoolean.write(value.`useReportedHardIron`, buf)
             FfiConverterOptionalDouble.write(value.`rangeUt`, buf)
             FfiConverterOptionalDouble.write(value.`railUt`, buf)
@@ -4790,10 +4835,6 @@ enum class ModelOrder {
      * Hard iron alone.
      */
     HARD_IRON,
-    /**
-     * Hard iron and the diagonal of the soft iron.
-     */
-    DIAGONAL,
     /**
      * All nine.
      */

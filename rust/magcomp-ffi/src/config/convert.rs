@@ -10,6 +10,7 @@ impl TryFrom<Config> for magcomp::Config {
         let Config {
             method,
             initial,
+            initial_sigma_ut,
             use_reported_hard_iron: _,
             range_ut,
             rail_ut,
@@ -21,6 +22,7 @@ impl TryFrom<Config> for magcomp::Config {
         let config = Self {
             method: method.map_or(d.method, Into::into),
             initial: initial.map(TryInto::try_into).transpose()?,
+            initial_sigma_ut: initial_sigma_ut.unwrap_or(d.initial_sigma_ut),
             range_ut: range_ut.unwrap_or(d.range_ut),
             rail_ut,
             field_strength_ut,
@@ -168,6 +170,7 @@ mod tests {
         let config = Config {
             method: None,
             initial: None,
+            initial_sigma_ut: None,
             use_reported_hard_iron: None,
             range_ut: None,
             rail_ut: None,

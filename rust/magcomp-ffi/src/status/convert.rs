@@ -65,7 +65,7 @@ impl From<magcomp::Event> for Event {
 same_names! {
     EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
     SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
-    ModelOrder { Nothing, HardIron, Diagonal, All, Former }
+    ModelOrder { Nothing, HardIron, All, Former }
     EventKind { DeviceStep, DeviceStepBack, PlaceChanged, Erratic }
 }
 

@@ -1,7 +1,7 @@
 //! The estimator that answers. There is one at a time; another takes its place in the same memory.
 
 use crate::answer::Answer;
-use crate::calibration::{Calibration, UNEVEN_UT};
+use crate::calibration::{Calibration, Given, UNEVEN_UT, USUAL_SIGMA_UT};
 use crate::config::{Config, Method};
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
@@ -25,10 +25,10 @@ pub(super) enum Active {
 
 impl Active {
     /// What a method begins with; of the two of `Auto` the one that needs no gyroscope.
-    pub fn new(config: &Config, tunings: &Tunings, initial: Option<Calibration>) -> Self {
+    pub fn new(config: &Config, tunings: &Tunings, initial: Option<Given>) -> Self {
         match config.method {
             Method::Windowed | Method::Constant => {
-                Self::Windowed(Windowed::new(config.method == Method::Constant, initial))
+                Self::Windowed(Windowed::new(config.method == Method::Constant, initial.map(|given| given.calibration)))
             }
             Method::Auto | Method::Aided | Method::Adaptive => {
                 Self::Adaptive(Adaptive::new(tunings.adaptive, config.field_strength_ut, initial))
@@ -37,10 +37,10 @@ impl Active {
     }
 
     /// The aided estimator, from the calibration in force.
-    pub fn aided(config: &Config, tunings: &Tunings, calibration: Option<Calibration>) -> Self {
+    pub fn aided(config: &Config, tunings: &Tunings, given: Option<Given>) -> Self {
         let mut aided = Aided::new(tunings.aided, config.field_strength_ut);
-        if let Some(calibration) = calibration {
-            aided.begin_from(&calibration);
+        if let Some(given) = given {
+            aided.begin_from(&given);
         }
         Self::Aided(aided)
     }
@@ -74,6 +74,18 @@ impl Active {
             Self::Adaptive(adaptive) => adaptive.calibration(),
             Self::Windowed(windowed) => windowed.calibration(),
         }
+    }
+
+    /// The calibration in force, and the root of the mean variance of a component of b.
+    pub fn in_force(&self) -> Option<Given> {
+        if let Self::Adaptive(adaptive) = self
+            && let Some(given) = adaptive.untouched()
+        {
+            return Some(given);
+        }
+        let variance_ut2 = self.covariance().map(|p| p.fixed_view::<3, 3>(0, 0).trace() / 3.0);
+        let sigma_ut = variance_ut2.map_or(USUAL_SIGMA_UT, |variance| variance.max(0.0).sqrt());
+        Some(Given { calibration: self.calibration()?, sigma_ut })
     }
 
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {

@@ -2,7 +2,7 @@
 
 use super::active::Active;
 use super::{Compensator, Inputs};
-use crate::calibration::Calibration;
+use crate::calibration::Given;
 use crate::config::Config;
 use crate::estimator::paper::ClerkState;
 use crate::heading::HeadingConfig;
@@ -51,7 +51,7 @@ impl Compensator {
             (self.inputs, self.pairing, self.active) = (inputs, pairing, active);
             return Ok(Restored::Everything);
         }
-        self.begin_with(kept.calibration);
+        self.begin_with(kept.calibration.map(Given::usual));
         Ok(Restored::CalibrationOnly)
     }
 
@@ -61,14 +61,14 @@ impl Compensator {
     /// # Errors
     /// [`SnapshotError`] when it is damaged or from a newer version; nothing has changed then.
     pub fn restore_calibration(&mut self, snapshot: &str) -> Result<(), SnapshotError> {
-        self.begin_with(open(snapshot)?.calibration);
+        self.begin_with(open(snapshot)?.calibration.map(Given::usual));
         Ok(())
     }
 
-    pub(super) fn begin_with(&mut self, calibration: Option<Calibration>) {
+    pub(super) fn begin_with(&mut self, given: Option<Given>) {
         self.reset();
-        if let Some(calibration) = calibration {
-            self.adopt(calibration);
+        if let Some(given) = given {
+            self.begin_anew(given);
         }
     }
 }

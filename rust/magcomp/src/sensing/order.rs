@@ -106,7 +106,7 @@ impl EventQueue {
     pub fn push(&mut self, event: SensorEvent, mut out: impl FnMut(SensorEvent)) {
         let time_ns = event.time_ns();
         let since_ns = time_ns.saturating_sub(self.newest_ns());
-        if self.newest_ns() == NEVER || since_ns > PAUSE_NS || since_ns < -ANOTHER_CLOCK_NS {
+        if self.newest_ns() == NEVER || !(-ANOTHER_CLOCK_NS..=PAUSE_NS).contains(&since_ns) {
             self.flush(&mut out);
             self.begin_ns = time_ns;
         }

@@ -409,10 +409,11 @@ fn cold(u: &Vector3<f64>, deviation: f64, strength: Option<f64>) -> Gaussian {
     Gaussian { mean, covariance }
 }
 
-/// A calibration that was given, as far as it is trusted.
-pub(super) fn given(tau: &Tau, at: &Setting) -> Gaussian {
+/// A calibration that was given, whose b errs by `sigma_ut`.
+pub(super) fn given(tau: &Tau, sigma_ut: f64, at: &Setting) -> Gaussian {
     let known = Gaussian { mean: *tau, covariance: TauMatrix::zeros() };
-    let mut known = after(&known, at.tuning.given_iron, at.tuning.given_ut / at.unit_ut);
+    let iron = (at.tuning.given_iron_per_ut * sigma_ut).min(at.tuning.cold_little);
+    let mut known = after(&known, iron, sigma_ut / at.unit_ut);
     known.covariance[(9, 9)] = 1.0;
     // the strength of this place may differ from that of the last
     for i in 0..3 {

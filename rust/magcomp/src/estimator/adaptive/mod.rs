@@ -22,7 +22,7 @@ mod setting;
 mod tuning;
 mod vertical;
 
-use crate::calibration::{Calibration, UNEVEN_UT, typical_field_ut};
+use crate::calibration::{Calibration, Given, UNEVEN_UT, typical_field_ut};
 use crate::reading::{Event, HoldReason, Missing, ModelOrder, Status};
 use crate::sensing::tilt::GRAVITY_M_S2;
 use bank::Bank;
@@ -67,7 +67,7 @@ pub(crate) struct Adaptive {
     tuning: Tuning,
     unit_ut: f64,
     strength_ut: Option<f64>,
-    given: Option<Calibration>,
+    given: Option<Given>,
     bank: Bank,
     noise: Noise,
     up: Option<Vector3<f64>>,
@@ -83,7 +83,7 @@ pub(crate) struct Adaptive {
 
 impl Adaptive {
     /// Knows nothing but, perhaps, the field's strength, uT, and a calibration to begin with.
-    pub fn new(tuning: Tuning, strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
+    pub fn new(tuning: Tuning, strength_ut: Option<f64>, initial: Option<Given>) -> Self {
         let unit_ut = typical_field_ut(strength_ut);
         Self {
             tuning,
@@ -142,9 +142,9 @@ impl Adaptive {
     fn begin(&mut self, time_ns: i64, u: &Vector3<f64>) {
         let tuning = self.tuning;
         let at = self.setting(&tuning);
-        let given = self.given.map(|calibration| {
+        let given = self.given.map(|Given { calibration, sigma_ut }| {
             let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
-            bank::given(&parameters::tau_of(&t, &(calibration.hard_iron_ut() / self.unit_ut)), &at)
+            bank::given(&parameters::tau_of(&t, &(calibration.hard_iron_ut() / self.unit_ut)), sigma_ut, &at)
         });
         self.published = given.map(|known| Published::new(known, self.unit_ut, self.strength_ut));
         self.bank.begin(time_ns, u, given, &at);
@@ -265,8 +265,13 @@ impl Adaptive {
     pub fn calibration(&self) -> Option<Calibration> {
         match self.published {
             Some(published) => published.calibration(),
-            None => self.given.filter(|_| self.bank.is_empty()),
+            None => self.untouched().map(|given| given.calibration),
         }
+    }
+
+    /// What was given, before the first sample.
+    pub fn untouched(&self) -> Option<Given> {
+        self.given.filter(|_| self.bank.is_empty())
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz].

@@ -60,10 +60,8 @@ choices! {
         cold_little: 0.05, "", "phones";
         /// Much
         cold_much: 0.2, "", "phones with covers";
-        /// How far a calibration that was given is trusted: T, relative
-        given_iron: 0.005, "", "the last launch";
-        /// b
-        given_ut: 2.0, "uT", "the last launch";
+        /// How far T of a calibration that was given is off, relative, for each uT that b is; up to a little
+        given_iron_per_ut: 0.0025, "1/uT", "the last launch";
         /// Log probability that a calibration that was given does not hold at all
         log_cold: -6.0, "", "one launch in 400";
         /// Samples nearer than this to one another are averaged (4.5 standard deviations of noise on top)

@@ -18,7 +18,7 @@ use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCA
 use super::strength::Strength;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
-use crate::calibration::Calibration;
+use crate::calibration::Given;
 use crate::reading::SensorMode;
 use crate::snapshot::checked;
 use serde::{Deserialize, Serialize};
@@ -71,18 +71,19 @@ impl Aided {
     }
 
     /// Takes over a calibration from elsewhere, as adopted; where the field points is not known.
-    pub fn begin_from(&mut self, calibration: &Calibration) {
+    pub fn begin_from(&mut self, given: &Given) {
+        let Given { calibration, sigma_ut } = given;
         // the filter's gauge is trace M = 3
         let trace = calibration.soft_iron().trace();
         let e = calibration.soft_iron() * (3.0 / trace) - Matrix3::identity();
         let mut dense = self.fresh(self.tuning.far_sd_ut);
         dense.x[IRON..IRON + 6].copy_from_slice(&[e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
         dense.set_vector(OFFSET, calibration.hard_iron_ut());
-        dense.isolate(OFFSET, self.tuning.given_offset_sd_ut * self.tuning.given_offset_sd_ut);
+        dense.isolate(OFFSET, sigma_ut * sigma_ut);
         dense.isolate(FIELD, self.tuning.far_sd_ut * self.tuning.far_sd_ut);
         dense.isolate(IRON, 0.0);
         dense.isolate(IRON + 3, 0.0);
-        dense.add_iron_variance((self.tuning.given_offset_sd_ut / EARTH_UT.0).powi(2));
+        dense.add_iron_variance((sigma_ut / EARTH_UT.0).min(self.tuning.iron_sd).powi(2));
         let mut gaussian = Gaussian::zero();
         if gaussian.keep(&dense) {
             self.question(&dense);

@@ -116,8 +116,6 @@ choices! {
         confirming: 3.0, "", "spikes";
         /// Standard deviation of the hard iron (root of the trace) up to which a calibration counts as found
         adopt_sd_ut: 6.0, "uT", "7 degrees in a weak field";
-        /// How well a calibration that was given is believed: b, per axis
-        given_offset_sd_ut: 2.0, "uT", "a day's drift of a phone";
         /// Turn in which such a calibration must prove itself
         proving_rad: 0.8, "rad", "a b wrong by 20 uT leaves a misfit of 16 uT";
         /// Rate of turn below which the device rests: slower turns cannot be told from bias

@@ -125,6 +125,18 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun calibration(): Calibration? = unlessClosed { native.calibration() }
 
     /**
+     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     *
+     * @param hardIronSigmaUt one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
+     *   readings are as unsure as that
+     * @throws MagcompException.Calibration when it is none
+     * @throws MagcompException.Config when the standard deviation is out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun adopt(calibration: Calibration, hardIronSigmaUt: Double): Unit =
+        unlessClosed { native.adopt(calibration, hardIronSigmaUt) }
+
+    /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
      * null when it is not known.
      */

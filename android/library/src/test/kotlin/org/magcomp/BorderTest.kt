@@ -266,6 +266,24 @@ class BorderTest {
     }
 
     @Test
+    fun `an adopted calibration is as unsure as it is said to be`() {
+        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0))
+        val calibration = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(120.0, -80.0, 300.0), 45.0)
+        val sigmas = listOf(3.0, 30.0).map { sigmaUt ->
+            Compensator().use {
+                it.adopt(calibration, sigmaUt)
+                it.push(first).fieldSigmaUt!!
+            }
+        }
+        assertTrue(sigmas[0] in 3.0..6.0 && sigmas[1] in 30.0..60.0, "$sigmas")
+        Compensator().use {
+            val error = assertThrows(MagcompException.Config::class.java) { it.adopt(calibration, 0.0) }
+            assertEquals("hard_iron_sigma_ut", error.field)
+            assertNull(it.calibration())
+        }
+    }
+
+    @Test
     fun `a jump of the operating system's hard iron is visible`() {
         Compensator().use { compensator ->
             val b = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, -1.0), null, Vector3(4.0, 2.0, -1.0))
