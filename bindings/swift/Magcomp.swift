@@ -817,9 +817,9 @@ fileprivate func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> 
 package protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
      * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
      * changed then.
      */
     func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
@@ -979,12 +979,12 @@ public convenience init(config: Config)throws  {
 
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
      * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
      * changed then.
      */
-open func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_adopt(
             self.uniffiCloneHandle(),

@@ -25,6 +25,8 @@ public final class CompassModel {
     public private(set) var unseenDirections: [Vector3] = []
     /// What the person can do for a better heading, or nil.
     public private(set) var guidance: String?
+    /// Whether the place is disturbed, so that the heading is not to be relied on.
+    public private(set) var isDisturbed = false
     /// The latest decided change of the field: a cover put on or taken off, another place.
     public private(set) var event: FieldEvent?
     /// All that the latest reading has.
@@ -62,6 +64,7 @@ public final class CompassModel {
         set(\.coverage, state.coverage)
         set(\.unseenDirections, state.unseenDirections)
         set(\.guidance, state.guidance)
+        set(\.isDisturbed, state.isDisturbed)
         set(\.event, state.event)
         set(\.reading, state.reading)
     }

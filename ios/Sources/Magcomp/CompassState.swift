@@ -23,6 +23,11 @@ public struct CompassState: Equatable, Sendable {
     /// All that the latest reading has.
     public var reading: CompensatedReading?
 
+    /// Whether the place is disturbed, so that the heading is not to be relied on.
+    public var isDisturbed: Bool {
+        if case .disturbed = reading?.reading.status { true } else { false }
+    }
+
     /// Nothing known: before the first reading, and for previews.
     public init() {}
 
@@ -43,6 +48,14 @@ public struct CompassState: Equatable, Sendable {
         (coverage, unseenDirections) = (new.coverage, answer.unseenDirections)
         event = new.event
         reading = answer
+    }
+
+    /// A heading as VoiceOver reads it.
+    static func spoken(headingDeg: Double?, sigmaDeg: Double) -> String {
+        guard let headingDeg else { return "no heading yet" }
+        // 359.6 is 0
+        let whole = Int(headingDeg.rounded()) % 360
+        return "heading \(whole) degrees, give or take \(Int(sigmaDeg.rounded(.up)))"
     }
 
     private static func guidance(_ status: CompensationStatus) -> String? {

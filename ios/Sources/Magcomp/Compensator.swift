@@ -74,7 +74,7 @@ public final class Compensator: Sendable {
     ///
     /// - Parameter hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
     ///   first readings are as unsure as that
-    /// - Throws: `MagcompError.Calibration` when it is none, `MagcompError.Config` when the standard deviation is out of range;
+    /// - Throws: `MagcompError.calibration` when it is none, `MagcompError.config` when the standard deviation is out of range;
     ///   nothing has changed then
     public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {
         try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)

@@ -6,7 +6,8 @@ public struct SensorOptions: Equatable, Sendable {
     public var gyroscope: Bool
     /// Whether gravity is used; without it there is no heading. Default true.
     public var up: Bool
-    /// Whether the system's own calibrated field is delivered too, for comparison. Default false.
+    /// Whether the system's own calibrated field is delivered too: for comparison, and because raw less calibrated field is the
+    /// system's hard iron, which gives a first heading before the phone was turned, with a wide sigma. Default false.
     public var systemField: Bool
     /// Longest that an event waits for earlier ones of other sensors, seconds, 0 to 0.25, so that all go out in the order of
     /// their times though the system delivers one sensor later than another; 0: as they are delivered. Default 0.05.

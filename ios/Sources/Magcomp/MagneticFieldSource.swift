@@ -13,7 +13,8 @@ public enum SensorSample: Equatable, Codable, Sendable {
     case rotationRate(RotationRateSample)
     /// An accelerometer or gravity event.
     case up(UpSample)
-    /// The operating system's own calibrated field, for comparison; the compensator does not use it.
+    /// The operating system's own calibrated field. A compensator does not use it; a ``Compass`` takes from it a first hard
+    /// iron, where it has no better.
     case systemField(SystemFieldSample)
 
     /// Time of the event, nanoseconds, on one clock for all sensors.

@@ -113,7 +113,7 @@ import Testing
         #expect((3.0...6.0).contains(try #require(try first(3))))
         #expect((30.0...60.0).contains(try #require(try first(30))))
         let compensator = try Compensator()
-        #expect(throws: MagcompError.Config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
+        #expect(throws: MagcompError.config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
             try compensator.adopt(calibration, hardIronSigmaUt: 0)
         }
         #expect(try compensator.calibration() == nil)

@@ -114,7 +114,14 @@ import Testing
         for (status, guidance) in expected {
             state.show(CompensatedReading(reading: Reading(status: status), sample: sample))
             #expect(state.guidance == guidance && state.status == status.text(), "\(status)")
+            #expect(state.isDisturbed == (status.label() == "disturbed"))
         }
+    }
+
+    @Test func aHeadingAsItIsRead() {
+        #expect(CompassState.spoken(headingDeg: nil, sigmaDeg: 180) == "no heading yet")
+        #expect(CompassState.spoken(headingDeg: 359.6, sigmaDeg: 2.1) == "heading 0 degrees, give or take 3")
+        #expect(CompassState.spoken(headingDeg: 89.7, sigmaDeg: 4) == "heading 90 degrees, give or take 4")
     }
 
     @Test func aSmoothedHeadingGoesTheShorterWayRound() {

@@ -228,6 +228,53 @@ import Testing
         #expect(other.kept.value == nil)
     }
 
+    /// A phone that lies flat, beside what the system makes of it: its hard iron is 2 uT off in every axis.
+    func lying(_ accuracy: SystemFieldSample.Accuracy, samples: Int = 20) -> [SensorSample] {
+        (1...samples).flatMap { k -> [SensorSample] in
+            let timeNs = Int64(k) * stepNs
+            let noise = 0.2 * Double((k * 7) % 5 - 2)
+            let raw = Vector3(x: hardIronUt.x + 10 + noise, y: hardIronUt.y + 28 - noise, z: hardIronUt.z - 40 + noise)
+            let system = Vector3(
+                x: raw.x - hardIronUt.x - 2, y: raw.y - hardIronUt.y + 2, z: raw.z - hardIronUt.z - 2)
+            return [
+                .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: accuracy)),
+                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw)),
+            ]
+        }
+    }
+
+    @Test func theSystemsHardIronGivesAHeadingAtOnce() async throws {
+        let trueDeg = atan2(-10, 28.0) * 180 / Double.pi
+        var sigmas: [Double] = []
+        for accuracy in [SystemFieldSample.Accuracy.high, .medium, .low] {
+            let readings = try await Compass(source: Played(events: lying(accuracy))).readings().collected()
+            let first = try #require(readings.first?.reading.heading, "\(accuracy)")
+            let sigma = try #require(first.headingSigmaDeg)
+            #expect(abs((first.headingDeg - trueDeg).remainder(dividingBy: 360)) < 3 * sigma, "\(first), true \(trueDeg)")
+            #expect(abs((first.headingDeg - trueDeg).remainder(dividingBy: 360)) > 2, "it is the system's, not our own")
+            sigmas.append(sigma)
+            #expect(readings.allSatisfy { $0.reading.heading != nil })
+        }
+        #expect(sigmas == sigmas.sorted() && sigmas[0] > 2 && sigmas[2] > 3 * sigmas[0], "\(sigmas)")
+        // the system knows nothing, or its field is of another time
+        var old = lying(.high)
+        old[1] = .systemField(
+            SystemFieldSample(timeNs: -5 * stepNs, fieldUt: Vector3(x: 10, y: 28, z: -40), accuracy: .high))
+        for events in [lying(.uncalibrated), Array(old[..<3])] {
+            let readings = try await Compass(source: Played(events: events)).readings().collected()
+            #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label() == "collecting" })
+        }
+    }
+
+    @Test func whatWasLearnedIsBetterThanTheSystems() async throws {
+        let store = Slow()
+        _ = try await Compass(source: Played(events: tumbling(1500)), store: store).readings().collected()
+        let next = try await Compass(source: Played(events: lying(.high)), store: store).readings().collected()
+        let first = try #require(next.first?.reading)
+        #expect(abs(try #require(first.fieldUt).y - 28) < 1, "\(first)")
+    }
+
     @Test func anAppThatEntersTheBackgroundSaves() async throws {
         let (source, store) = (Live(), Slow())
         let compass = Compass(source: source, store: store)
