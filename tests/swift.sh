@@ -26,6 +26,15 @@ case "${1:-}" in
         swift_run build "${options[@]}"
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel
+        # an app's own package by path: no reading lost, the numbers of the command
+        cargo build --quiet --locked --profile "$profile" --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --bin magcomp
+        "$native/magcomp" replay --axis auto \
+            tests/recordings/broad_34_attached_magnet_3cm.csv.gz --output "$target/swift/replay.csv" >/dev/null
+        cut -d, -f2-10,14 "$target/swift/replay.csv" | tail -n +2 >"$target/swift/of-replay.csv"
+        swift_run run --package-path ios/Tests/Consumer --scratch-path "$target/swift/consumer" Consumer \
+            "$target/swift/recording.csv" >"$target/swift/of-consumer.csv"
+        cmp "$target/swift/of-replay.csv" "$target/swift/of-consumer.csv"
+        echo "swift: a package of its own reads $(wc -l <"$target/swift/of-consumer.csv") readings, those of magcomp replay"
         # the documentation's links lead somewhere
         cp "$target/swift/symbols/"Magcomp.symbols.json "$target/swift/symbols/Magcomp/"
         swift_tool docc convert ios/Sources/Magcomp/Magcomp.docc --warnings-as-errors \
