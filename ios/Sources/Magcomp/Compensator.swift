@@ -72,8 +72,10 @@ public final class Compensator: Sendable {
 
     /// From now on this calibration is in force, until something better is learned. The stream goes on.
     ///
-    /// - Parameter hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
-    ///   first readings are as unsure as that
+    /// - Parameters:
+    ///   - calibration: hard iron, soft iron and field strength
+    ///   - hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
+    ///     readings are as unsure as that
     /// - Throws: `MagcompError.calibration` when it is none, `MagcompError.config` when the standard deviation is out of range;
     ///   nothing has changed then
     public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {

@@ -1,10 +1,10 @@
 extension Attitude {
-    /// How a device lies by one corrected field and one `up`, in their device frame: device to east, magnetic north and up.
+    /// How a device lies by one corrected field and one `up`, in their device frame: device to east, magnetic north and up. Nil
+    /// where the two have one direction, or one has none.
     ///
     /// - Parameters:
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
-    /// - Returns: nil where the two have one direction, or one has none
     public init?(fieldUt: Vector3, up: Vector3) throws {
         guard let found = try attitude(fieldUt: fieldUt, up: up) else { return nil }
         self = found
@@ -12,13 +12,13 @@ extension Attitude {
 }
 
 extension Heading {
-    /// The heading and inclination of one corrected field and one `up`, in their device frame.
+    /// The heading and inclination of one corrected field and one `up`, in their device frame. Nil where the axis is vertical,
+    /// or a vector has no direction.
     ///
     /// - Parameters:
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
     ///   - frame: the axis whose heading it is; with a declination there is a true heading
-    /// - Returns: nil where the axis is vertical, or a vector has no direction
     /// - Throws: `MagcompError.config` when the declination is out of range
     public init?(fieldUt: Vector3, up: Vector3, frame: HeadingFrame) throws {
         guard let found = try heading(fieldUt: fieldUt, up: up, frame: frame) else { return nil }
