@@ -3,7 +3,7 @@ import PackageDescription
 
 // The native library: on Apple platforms an XCFramework, that of a release or, with MAGCOMP_XCFRAMEWORK, one in a folder
 // of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --release -p magcomp-ffi` left in
-// target/release, or in the folder MAGCOMP_NATIVE.
+// target/release, or in the folder MAGCOMP_NATIVE, which a Mac uses too where it is given: the tests need its hooks.
 // `ios/build-xcframework.sh --release URL` fills this in: where a release's XCFramework is, and its checksum.
 let release: (url: String, checksum: String)? = nil
 
@@ -11,13 +11,13 @@ let environment = Context.environment
 let localFramework = "target/ios/MagcompFFI.xcframework"
 
 #if os(Linux)
-let onLinux = environment["MAGCOMP_XCFRAMEWORK"] == nil
+let (fromCargo, shared) = (environment["MAGCOMP_XCFRAMEWORK"] == nil, "so")
 #else
-let onLinux = false
+let (fromCargo, shared) = (environment["MAGCOMP_NATIVE"] != nil, "dylib")
 #endif
 
 let native: Target =
-    if onLinux {
+    if fromCargo {
         .systemLibrary(name: "MagcompFFI", path: "ios/Sources/MagcompFFI")
     } else if let release, environment["MAGCOMP_XCFRAMEWORK"] == nil {
         .binaryTarget(name: "MagcompFFI", url: release.url, checksum: release.checksum)
@@ -27,13 +27,15 @@ let native: Target =
 let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/release"
 // allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
 let linking: [LinkerSetting] =
-    onLinux
-    ? [.unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.so", "-Xlinker", "--allow-shlib-undefined"])]
-    : []
+    fromCargo
+    ? [
+        .unsafeFlags(["-Xlinker", "\(folder)/libmagcomp_ffi.\(shared)"]),
+        .unsafeFlags(["-Xlinker", "--allow-shlib-undefined"], .when(platforms: [.linux])),
+    ] : []
 
-// A stand-in of CoreMotion, for this package's own tests on Linux
-let standIn = onLinux && environment["MAGCOMP_COREMOTION"] == "stand-in"
-let coreMotion: [Target.Dependency] = standIn ? ["CoreMotion"] : []
+// Stand-ins of Apple's frameworks, for this package's own tests on Linux
+let frameworks = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in" ? ["Combine", "CoreMotion"] : []
+let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
 
 var targets: [Target] = [
     native,
@@ -46,18 +48,18 @@ var targets: [Target] = [
     ),
     .target(
         name: "Magcomp",
-        dependencies: ["MagcompBindings", "MagcompFFI"] + coreMotion,
+        dependencies: ["MagcompBindings", "MagcompFFI"] + standIns,
         path: "ios/Sources/Magcomp",
         resources: [.copy("PrivacyInfo.xcprivacy")]
     ),
 ]
-if onLinux {
+if fromCargo {
     // what the feature `test-hooks` adds to the native library
     targets += [
         .systemLibrary(name: "MagcompTestHooks", path: "ios/Tests/TestHooks"),
         .testTarget(
             name: "MagcompTests",
-            dependencies: ["Magcomp", "MagcompTestHooks"] + coreMotion,
+            dependencies: ["Magcomp", "MagcompTestHooks"] + standIns,
             path: "ios/Tests/MagcompTests"
         ),
         .executableTarget(
@@ -67,13 +69,15 @@ if onLinux {
         ),
     ]
 }
-if standIn {
-    targets.append(.target(name: "CoreMotion", path: "ios/Tests/CoreMotion"))
+targets += frameworks.map {
+    // the version of Core Motion from which on the library asks for the authorization status
+    .target(name: $0, path: "ios/Tests/\($0)", swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
 }
 
 let package = Package(
     name: "magcomp",
-    platforms: [.iOS(.v15)],
+    // the tests use Observation
+    platforms: [.iOS(.v15), .macOS(fromCargo ? .v14 : .v12)],
     products: [.library(name: "Magcomp", targets: ["Magcomp"])],
     targets: targets,
     swiftLanguageModes: [.v6]

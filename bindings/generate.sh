@@ -7,7 +7,7 @@ case "${1:-}" in
     *) echo "usage: bindings/generate.sh [--check]" >&2; exit 2 ;;
 esac
 . tests/need.sh
-need bindings "${rust_tools[@]}"
+need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
 cargo build --quiet --locked --profile test -p uniffi-bindgen
 fresh=$(mktemp -d)
@@ -21,6 +21,7 @@ for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompF
     # the generator leaves spaces at line ends
     sed -i 's/[ \t]*$//' "$fresh/$file"
 done
+perl bindings/swift.pl "$fresh/swift/Magcomp.swift"
 if [ "${1:-}" = --check ]; then
     for language in kotlin swift; do
         diff -r "bindings/$language" "$fresh/$language" || {

@@ -1,24 +1,27 @@
 #!/usr/bin/env bash
-# The native library for iOS as target/ios/MagcompFFI.xcframework: static libraries for devices and for simulators on
-# Apple silicon, with headers and module map. On a Mac with Xcode and Rust's targets aarch64-apple-ios and
-# aarch64-apple-ios-sim (rustup target add); on Debian, without Xcode, with Debian's rustc-web, cargo-web and rust-web-src,
-# to check the structure: what ships is built on a Mac.
-# `--device` leaves out the simulators' slice, for a check: apps then build for devices alone.
-# With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift.
+# The native library as target/ios/MagcompFFI.xcframework: static libraries for iOS devices, for simulators and for macOS,
+# these two for Apple silicon and Intel, with headers and module map. On a Mac with Xcode and Rust's targets (rustup target
+# add aarch64-apple-ios aarch64-apple-ios-sim x86_64-apple-ios aarch64-apple-darwin x86_64-apple-darwin); on Debian, without
+# Xcode, with Debian's rustc-web, cargo-web, rust-web-src and llvm-19, to check the structure: what ships is built on a Mac.
+# `--device` leaves out all but the devices' slice, for a check: apps then build for devices alone.
+# With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift;
+# `--pack URL` does no more than that, with the framework that is there, for one that was checked and signed meanwhile.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "$#:${1:-}" in
-    0: | 1:--device | 2:--release) ;;
-    *) echo "usage: ios/build-xcframework.sh [--device | --release URL]" >&2; exit 2 ;;
+    0: | 1:--device | 2:--release | 2:--pack) ;;
+    *) echo "usage: ios/build-xcframework.sh [--device | --release URL | --pack URL]" >&2; exit 2 ;;
 esac
 # cargo does not know that a build depends on it: another one needs another target folder
-export IPHONEOS_DEPLOYMENT_TARGET=15.0
+export IPHONEOS_DEPLOYMENT_TARGET=15.0 MACOSX_DEPLOYMENT_TARGET=12.0
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}" 2>/dev/null || echo "$PWD/target")
 std=()
+lipo=lipo
 export CARGO_TARGET_DIR=$target/ios-build
 if [ "$(uname)" != Darwin ]; then
     . tests/need.sh
-    need xcframework "${debian_rust[@]}" $([ "${1:-}" != --release ] || echo zip:zip)
+    lipo=llvm-lipo-19
+    need xcframework "${debian_rust[@]}" $lipo:llvm-19 $([ $# != 2 ] || echo zip:zip)
     # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
     export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
     unset RUSTUP_TOOLCHAIN RUSTFLAGS
@@ -27,17 +30,25 @@ if [ "$(uname)" != Darwin ]; then
 fi
 
 framework=$target/ios/MagcompFFI.xcframework
-rm -rf "$framework" "$framework.zip"
+rm -f "$framework.zip"
 
-# slice RUST_TARGET FOLDER
+# slice FOLDER RUST_TARGET...
 slice() {
-    # not `cargo build`: the shared library would need Apple's linker
-    cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type staticlib ${std[@]+"${std[@]}"} --target "$1"
+    local folder=$1 rust libraries=()
+    for rust in "${@:2}"; do
+        # not `cargo build`: the shared library would need Apple's linker
+        cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type staticlib ${std[@]+"${std[@]}"} --target "$rust"
+        libraries+=("$CARGO_TARGET_DIR/$rust/ship/libmagcomp_ffi.a")
+    done
     # Xcode copies what is in Headers into one folder for all frameworks of an app: ours has a folder of its own in it, or
     # the module map would meet another framework's ("Multiple commands produce include/module.modulemap")
-    local headers=$framework/$2/Headers/MagcompFFI
+    local headers=$framework/$folder/Headers/MagcompFFI
     mkdir -p "$headers"
-    cp "$CARGO_TARGET_DIR/$1/ship/libmagcomp_ffi.a" "$framework/$2/"
+    if [ ${#libraries[@]} = 1 ]; then
+        cp "${libraries[0]}" "$framework/$folder/"
+    else
+        $lipo -create "${libraries[@]}" -output "$framework/$folder/libmagcomp_ffi.a"
+    fi
     cp bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h "$headers/"
     cat >"$headers/module.modulemap" <<'MODULE'
 module MagcompFFI {
@@ -47,11 +58,10 @@ module MagcompFFI {
 }
 MODULE
 }
-slice aarch64-apple-ios ios-arm64
-[ "${1:-}" = --device ] || slice aarch64-apple-ios-sim ios-arm64-simulator
-
 # what `xcodebuild -create-xcframework` would write
-library() { # FOLDER, and for simulators the variant
+library() { # PLATFORM-ARCHITECTURES, and for simulators -VARIANT
+    local platform architectures variant
+    IFS=- read -r platform architectures variant <<<"$1"
     cat <<LIBRARY
 		<dict>
 			<key>BinaryPath</key>
@@ -64,24 +74,30 @@ library() { # FOLDER, and for simulators the variant
 			<string>libmagcomp_ffi.a</string>
 			<key>SupportedArchitectures</key>
 			<array>
-				<string>arm64</string>
+$(for architecture in ${architectures/_x86_64/ x86_64}; do echo "				<string>$architecture</string>"; done)
 			</array>
 			<key>SupportedPlatform</key>
-			<string>ios</string>
-${2:+			<key>SupportedPlatformVariant</key>
-			<string>$2</string>
+			<string>$platform</string>
+${variant:+			<key>SupportedPlatformVariant</key>
+			<string>$variant</string>
 }		</dict>
 LIBRARY
 }
-cat >"$framework/Info.plist" <<PLIST
+build() { # all slices, or the devices' alone
+    rm -rf "$framework"
+    slice ios-arm64 aarch64-apple-ios
+    if [ "${1:-}" != --device ]; then
+        slice ios-arm64_x86_64-simulator aarch64-apple-ios-sim x86_64-apple-ios
+        slice macos-arm64_x86_64 aarch64-apple-darwin x86_64-apple-darwin
+    fi
+    cat >"$framework/Info.plist" <<PLIST
 <?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE plist PUBLIC "-//Apple//DTD PLIST 1.0//EN" "http://www.apple.com/DTDs/PropertyList-1.0.dtd">
 <plist version="1.0">
 <dict>
 	<key>AvailableLibraries</key>
 	<array>
-$(library ios-arm64)
-$([ "${1:-}" = --device ] || library ios-arm64-simulator simulator)
+$(for folder in "$framework"/*/; do library "$(basename "$folder")"; done)
 	</array>
 	<key>CFBundlePackageType</key>
 	<string>XFWK</string>
@@ -90,7 +106,9 @@ $([ "${1:-}" = --device ] || library ios-arm64-simulator simulator)
 </dict>
 </plist>
 PLIST
-echo "xcframework: $framework"
+    echo "xcframework: $framework"
+}
+[ "${1:-}" = --pack ] || build "$@"
 
 if [ $# = 2 ]; then
     (cd "$target/ios" && zip -qrX MagcompFFI.xcframework.zip MagcompFFI.xcframework)

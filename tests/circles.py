@@ -20,8 +20,6 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # Still to be opened. Nothing may be added.
 KNOWN = """
-rust/magcomp/src/estimator/aided/mod.rs: . publish start
-rust/magcomp/src/estimator/aided/mod.rs: events watch
 """
 
 

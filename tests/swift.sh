@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation and
-# the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
+# The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation,
+# its format and the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
 # `tests/swift.sh benchmark` prints what a push costs. PROFILE=ship takes the library as phones get it, which builds longer.
 # Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT, by default
 # ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
@@ -13,17 +13,28 @@ need swift "${rust_tools[@]}"
 . tests/swift-toolchain.sh
 expected "$target/swift/expected.txt"
 gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"
+gzip -dc tests/recordings/broad_01_slow_rotation_A.csv.gz >"$target/swift/slow_rotation.csv"
 
-export MAGCOMP_COREMOTION=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
+export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
 # the package's own warnings are errors, and what it builds stays out of its folder
 mkdir -p "$target/swift/symbols/Magcomp"
 options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
 options+=(-Xswiftc -emit-symbol-graph -Xswiftc -emit-symbol-graph-dir -Xswiftc "$target/swift/symbols")
 case "${1:-}" in
     "")
+        swift_tool swift-format lint --strict -r --configuration .swift-format ios/Sources ios/Tests ios/Sample Package.swift
         swift_run build "${options[@]}"
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel
+        # an app's own package by path: no reading lost, the numbers of the command
+        cargo build --quiet --locked --profile "$profile" --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --bin magcomp
+        "$native/magcomp" replay --axis auto \
+            tests/recordings/broad_34_attached_magnet_3cm.csv.gz --output "$target/swift/replay.csv" >/dev/null
+        cut -d, -f2-10,14 "$target/swift/replay.csv" | tail -n +2 >"$target/swift/of-replay.csv"
+        swift_run run --package-path ios/Tests/Consumer --scratch-path "$target/swift/consumer" Consumer \
+            "$target/swift/recording.csv" >"$target/swift/of-consumer.csv"
+        cmp "$target/swift/of-replay.csv" "$target/swift/of-consumer.csv"
+        echo "swift: a package of its own reads $(wc -l <"$target/swift/of-consumer.csv") readings, those of magcomp replay"
         # the documentation's links lead somewhere
         cp "$target/swift/symbols/"Magcomp.symbols.json "$target/swift/symbols/Magcomp/"
         swift_tool docc convert ios/Sources/Magcomp/Magcomp.docc --warnings-as-errors \

@@ -1,24 +1,27 @@
 #!/usr/bin/env bash
 # Builds the XCFramework without a Mac (ios/build-xcframework.sh) and checks its parts: property list against folders,
 # architecture, platform and minimum version of every object, headers and what they declare against what the libraries
-# define, the interfaces Apple wants a reason for against the privacy manifest. Links the device's slice as an app would and
-# prints what is left after dead-stripping. `tests/xcframework.sh` builds the device's slice alone, `tests/xcframework.sh all`
-# the simulators' too. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3, and installs them as
+# define, the interfaces Apple wants a reason for against the privacy manifest, its files against those of another Rust
+# framework in the same app. Links the device's slice as an app would and prints what is left after dead-stripping.
+# `tests/xcframework.sh` builds the device's slice alone, `tests/xcframework.sh all` those of simulators and macOS too,
+# `tests/xcframework.sh built` checks the one that is there, for one that was built on a Mac. LLVM is the suffix of the LLVM
+# tools' names, -19 by default. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3, and installs them as
 # root. Not for shipping, and not tried in Xcode.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/.."
 case "$*" in
     "") slices=ios-arm64 options=(--device) ;;
-    all) slices='ios-arm64 ios-arm64-simulator' options=() ;;
-    *) echo "usage: tests/xcframework.sh [all]" >&2; exit 2 ;;
+    all | built) slices='ios-arm64 ios-arm64_x86_64-simulator macos-arm64_x86_64' options=() ;;
+    *) echo "usage: tests/xcframework.sh [all | built]" >&2; exit 2 ;;
 esac
+llvm=${LLVM--19}
 . tests/need.sh
-need xcframework "${debian_rust[@]}" llvm-nm-19:llvm-19 llvm-objdump-19:llvm-19 llvm-size-19:llvm-19 ld64.lld-19:lld-19 python3:python3
+need xcframework "llvm-nm$llvm:llvm-19" "llvm-objdump$llvm:llvm-19" "llvm-size$llvm:llvm-19" "ld64.lld$llvm:lld-19" python3:python3
 fail() { echo "xcframework: $*" >&2; exit 1; }
 
-ios/build-xcframework.sh "${options[@]}"
-target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+[ "$*" = built ] || ios/build-xcframework.sh ${options[@]+"${options[@]}"}
+target=${CARGO_TARGET_DIR:-$PWD/target}
 framework=$target/ios/MagcompFFI.xcframework
 work=$target/ios/check
 mkdir -p "$work"
@@ -43,43 +46,51 @@ for library in info["AvailableLibraries"]:
     headers = folder / "Headers" / "MagcompFFI"
     known |= {folder / library["LibraryPath"], headers / "module.modulemap"}
     known |= {headers / "MagcompFFI.h", headers / "magcomp.h"}
-    print(folder.name, "iossimulator" if variant else "ios")
+    platform = {"ios": "ios", "ios-simulator": "iossimulator", "macos": "macos"}
+    platform = platform["-".join(filter(None, [library["SupportedPlatform"], variant]))]
+    for architecture in library["SupportedArchitectures"]:
+        print(folder.name, platform, architecture)
+    # Xcode copies all Headers and libraries of an app into two folders; another framework as uniffi's tools make it
+    ours = {path.relative_to(folder / "Headers") for path in headers.rglob("*")} | {pathlib.Path(library["LibraryPath"])}
+    theirs = {pathlib.Path(name) for name in ("module.modulemap", "OtherFFI.h", "libother_ffi.a", "OtherFFI/module.modulemap")}
+    assert not ours & theirs, ours & theirs
 there = {path for path in framework.rglob("*") if path.is_file()}
 assert there == known, there ^ known
 PYTHON
-[ "$(cut -d' ' -f1 "$work/slices" | xargs)" = "$slices" ] || fail "slices: $(cat "$work/slices")"
+[ "$(cut -d' ' -f1 "$work/slices" | sort -u | xargs)" = "$slices" ] || fail "slices: $(cat "$work/slices")"
 
 # names the headers declare, as symbols
 cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\b(uniffi_magcomp_ffi|ffi_magcomp_ffi|magcomp)_[a-z0-9_]+ *\(' |
     sed 's/ *($//; s/^/_/' | sort -u >"$work/declared"
 [ "$(wc -l <"$work/declared")" -gt 60 ] || fail "the headers declare $(wc -l <"$work/declared") functions only"
 
-while read -r slice platform; do
+while read -r slice platform architecture; do
+    [ "$platform" = macos ] && least=12.0 || least=15.0
     library=$framework/$slice/libmagcomp_ffi.a
     for header in bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h; do
         cmp "$header" "$framework/$slice/Headers/MagcompFFI/${header##*/}"
     done
     # one line for every kind of object
-    llvm-objdump-19 --macho --private-headers "$library" >"$work/objects"
+    "llvm-objdump$llvm" --macho --arch="$architecture" --private-headers "$library" >"$work/objects"
     kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" || $1 == "minos" { print $1, $2 }' "$work/objects" | sort -u)
-    [ "$kinds" = "$(printf 'arch ARM64\nminos 15.0\nplatform %s' "$platform")" ] || fail "$slice: objects are $kinds"
+    [ "$kinds" = "$(printf 'arch %s\nminos %s\nplatform %s' "$(tr a-z A-Z <<<"$architecture")" "$least" "$platform")" ] || fail "$slice: objects are $kinds"
     # it complains of bitcode newer than itself; a list that is not whole fails below
-    { llvm-nm-19 --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null || true; } | sort -u >"$work/defined"
+    { "llvm-nm$llvm" --arch="$architecture" --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null || true; } | sort -u >"$work/defined"
     missing=$(comm -23 "$work/declared" "$work/defined")
     [ -z "$missing" ] || fail "$slice: declared and not defined: $missing"
     if grep -q '^_magcomp_test_' "$work/defined"; then fail "$slice: holds test hooks"; fi
-    printf 'xcframework: %-20s %9d bytes, arm64, %s, all %d functions\n' "$slice" "$(stat -c %s "$library")" \
-        "$platform 15.0" "$(wc -l <"$work/declared")"
+    printf 'xcframework: %-26s %9d bytes, %-6s, %s, all %d functions\n' "$slice" "$(wc -c <"$library")" \
+        "$architecture" "$platform $least" "$(wc -l <"$work/declared")"
 done <"$work/slices"
 
 # what an app gets of it: all that Swift may call, and what that needs
-ld64.lld-19 -arch arm64 -platform_version ios 15.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
+"ld64.lld$llvm" -arch arm64 -platform_version ios 15.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
     -undefined dynamic_lookup -o "$work/linked" "$framework/ios-arm64/libmagcomp_ffi.a"
-printf 'xcframework: %d bytes of arm64 after dead-stripping: %s\n' "$(stat -c %s "$work/linked")" \
-    "$(llvm-size-19 -m "$work/linked" | sed -n 's/^Segment \(.*\): \([0-9]*\).*/\1 \2/p' | tr '\n' ' ')"
+printf 'xcframework: %d bytes of arm64 after dead-stripping: %s\n' "$(wc -c <"$work/linked")" \
+    "$("llvm-size$llvm" -m "$work/linked" | sed -n 's/^Segment \(.*\): \([0-9]*\).*/\1 \2/p' | tr '\n' ' ')"
 
 # Apple's list of required-reason interfaces, as far as C has them
-llvm-nm-19 --undefined-only --format=just-symbols "$work/linked" | sort -u >"$work/imports"
+"llvm-nm$llvm" --undefined-only --format=just-symbols "$work/linked" | sort -u >"$work/imports"
 manifest=ios/Sources/Magcomp/PrivacyInfo.xcprivacy
 reason() { # CATEGORY PATTERN: declared if and only if it is imported
     local imported declared

@@ -586,10 +586,10 @@ fileprivate struct FfiConverterString: FfiConverter {
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
-public protocol ConstantFieldProtocol: AnyObject, Sendable {
+package protocol ConstantFieldProtocol: AnyObject, Sendable {
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * One raw sample, microtesla, device frame. Fails with `MagcompError.rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
     func add(rawUt: Vector3) throws
@@ -600,9 +600,9 @@ public protocol ConstantFieldProtocol: AnyObject, Sendable {
     func coverage() throws  -> Coverage
 
     /**
-     * The calibration with its covariance. Fails with `Fit`, which says what is missing; the session can go on.
+     * The calibration with its covariance. Fails with `MagcompError.fit`, which says what is missing; the session can go on.
      */
-    func finish(options: FitOptions?) throws  -> Fit
+    func finish(options: FitOptions?) throws  -> EllipsoidFit
 
     /**
      * Orientations so far.
@@ -610,12 +610,12 @@ public protocol ConstantFieldProtocol: AnyObject, Sendable {
     func orientations() throws  -> Int32
 
     /**
-     * Forgets the orientations, and makes it usable again after `Panicked`.
+     * Forgets the orientations, and makes it usable again after `MagcompError.panicked`.
      */
     func reset() throws
 
     /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
     func shutDown()
 
@@ -623,14 +623,14 @@ public protocol ConstantFieldProtocol: AnyObject, Sendable {
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
-open class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
+public final class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
     fileprivate let handle: UInt64
 
     /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public struct NoHandle {
+    package struct NoHandle {
         public init() {}
     }
 
@@ -640,7 +640,7 @@ open class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    required public init(unsafeFromHandle handle: UInt64) {
+    package init(unsafeFromHandle handle: UInt64) {
         self.handle = handle
     }
 
@@ -652,18 +652,18 @@ open class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public init(noHandle: NoHandle) {
+    package init(noHandle: NoHandle) {
         self.handle = 0
     }
 
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public func uniffiCloneHandle() -> UInt64 {
+    package func uniffiCloneHandle() -> UInt64 {
         return try! rustCall { uniffi_magcomp_ffi_fn_clone_constantfield(self.handle, $0) }
     }
     /**
-     * A session that averages `samples_per_orientation` samples in a row (at least 1) into one orientation. Above 1
+     * A session that averages `samplesPerOrientation` samples in a row (at least 1) into one orientation. Above 1
      * the device must be held still meanwhile; 1 is for a device that is turned about.
      */
 public convenience init(samplesPerOrientation: Int32) {
@@ -690,10 +690,10 @@ public convenience init(samplesPerOrientation: Int32) {
 
 
     /**
-     * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
+     * One raw sample, microtesla, device frame. Fails with `MagcompError.rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
-open func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_add(
             self.uniffiCloneHandle(),
@@ -705,7 +705,7 @@ open func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeMag
     /**
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
-open func coverage()throws  -> Coverage  {
+public func coverage()throws  -> Coverage  {
     return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_coverage(
@@ -715,10 +715,10 @@ open func coverage()throws  -> Coverage  {
 }
 
     /**
-     * The calibration with its covariance. Fails with `Fit`, which says what is missing; the session can go on.
+     * The calibration with its covariance. Fails with `MagcompError.fit`, which says what is missing; the session can go on.
      */
-open func finish(options: FitOptions?)throws  -> Fit  {
-    return try  FfiConverterTypeFit_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func finish(options: FitOptions?)throws  -> EllipsoidFit  {
+    return try  FfiConverterTypeEllipsoidFit_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_finish(
             self.uniffiCloneHandle(),
@@ -730,7 +730,7 @@ open func finish(options: FitOptions?)throws  -> Fit  {
     /**
      * Orientations so far.
      */
-open func orientations()throws  -> Int32  {
+public func orientations()throws  -> Int32  {
     return try  FfiConverterInt32.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_orientations(
@@ -740,9 +740,9 @@ open func orientations()throws  -> Int32  {
 }
 
     /**
-     * Forgets the orientations, and makes it usable again after `Panicked`.
+     * Forgets the orientations, and makes it usable again after `MagcompError.panicked`.
      */
-open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_reset(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -751,9 +751,9 @@ open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_li
 }
 
     /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-open func shutDown()  {try! rustCall() {
+public func shutDown()  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_shut_down(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -769,7 +769,7 @@ open func shutDown()  {try! rustCall() {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeConstantField: FfiConverter {
+fileprivate struct FfiConverterTypeConstantField: FfiConverter {
     typealias FfiType = UInt64
     typealias SwiftType = ConstantField
 
@@ -795,14 +795,14 @@ public struct FfiConverterTypeConstantField: FfiConverter {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeConstantField_lift(_ handle: UInt64) throws -> ConstantField {
+fileprivate func FfiConverterTypeConstantField_lift(_ handle: UInt64) throws -> ConstantField {
     return try FfiConverterTypeConstantField.lift(handle)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt64 {
+fileprivate func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt64 {
     return FfiConverterTypeConstantField.lower(value)
 }
 
@@ -814,12 +814,12 @@ public func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> UInt6
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
  */
-public protocol NativeCompensatorProtocol: AnyObject, Sendable {
+package protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
      * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
      * changed then.
      */
     func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
@@ -848,7 +848,7 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
-    func fit() throws  -> Fit?
+    func fit() throws  -> EllipsoidFit?
 
     /**
      * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
@@ -858,12 +858,12 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func push(sample: MagneticSample) throws  -> Reading
 
     /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     * A gyroscope event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
     func pushRotationRate(sample: RotationRateSample) throws
 
     /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     * An accelerometer or gravity event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
     func pushUp(sample: UpSample) throws
 
@@ -875,26 +875,26 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
      * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * build of the library, else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
      * changed then.
      */
     func restore(snapshot: String) throws  -> Restored
 
     /**
      * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`;
      * nothing has changed then.
      */
     func restoreCalibration(snapshot: String) throws
 
     /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
+     * Fails with `MagcompError.config` when the declination is out of range.
      */
     func setHeadingFrame(frame: HeadingFrame) throws
 
     /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
     func shutDown()
 
@@ -904,7 +904,7 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func snapshot() throws  -> String
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * The calibration in force alone, as such a text of a few hundred characters, for `restoreCalibration`; none when there
      * is none.
      */
     func snapshotCalibration() throws  -> String?
@@ -913,14 +913,14 @@ public protocol NativeCompensatorProtocol: AnyObject, Sendable {
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
  */
-open class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
+package final class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
     fileprivate let handle: UInt64
 
     /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public struct NoHandle {
+    package struct NoHandle {
         public init() {}
     }
 
@@ -930,7 +930,7 @@ open class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    required public init(unsafeFromHandle handle: UInt64) {
+    package init(unsafeFromHandle handle: UInt64) {
         self.handle = handle
     }
 
@@ -942,18 +942,18 @@ open class NativeCompensator: NativeCompensatorProtocol, @unchecked Sendable {
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public init(noHandle: NoHandle) {
+    package init(noHandle: NoHandle) {
         self.handle = 0
     }
 
 #if swift(>=5.8)
     @_documentation(visibility: private)
 #endif
-    public func uniffiCloneHandle() -> UInt64 {
+    package func uniffiCloneHandle() -> UInt64 {
         return try! rustCall { uniffi_magcomp_ffi_fn_clone_compensator(self.handle, $0) }
     }
     /**
-     * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
+     * A compensator for a config. Fails with `MagcompError.config` or `MagcompError.calibration` when a field is out of range.
      */
 public convenience init(config: Config)throws  {
     let handle =
@@ -979,12 +979,12 @@ public convenience init(config: Config)throws  {
 
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
+     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
      * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
+     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
      * changed then.
      */
-open func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_adopt(
             self.uniffiCloneHandle(),
@@ -997,7 +997,7 @@ open func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try 
     /**
      * Hard iron, soft iron and field strength in force, if any.
      */
-open func calibration()throws  -> Calibration?  {
+public func calibration()throws  -> Calibration?  {
     return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_calibration(
@@ -1010,7 +1010,7 @@ open func calibration()throws  -> Calibration?  {
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
      * none when it is not known.
      */
-open func covariance()throws  -> [Double]?  {
+public func covariance()throws  -> [Double]?  {
     return try  FfiConverterOptionSequenceDouble.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_covariance(
@@ -1022,7 +1022,7 @@ open func covariance()throws  -> [Double]?  {
     /**
      * Which directions were seen, for guidance.
      */
-open func coverage()throws  -> Coverage  {
+public func coverage()throws  -> Coverage  {
     return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_coverage(
@@ -1034,7 +1034,7 @@ open func coverage()throws  -> Coverage  {
     /**
      * A number for the fast paths, JNI and C, for the library's own wrapper.
      */
-open func fastHandle() -> Int64  {
+public func fastHandle() -> Int64  {
     return try!  FfiConverterInt64.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_fast_handle(
@@ -1046,8 +1046,8 @@ open func fastHandle() -> Int64  {
     /**
      * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
      */
-open func fit()throws  -> Fit?  {
-    return try  FfiConverterOptionTypeFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func fit()throws  -> EllipsoidFit?  {
+    return try  FfiConverterOptionTypeEllipsoidFit.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_fit(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1060,7 +1060,7 @@ open func fit()throws  -> Fit?  {
      * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
      * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
      */
-open func push(sample: MagneticSample)throws  -> Reading  {
+public func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push(
@@ -1071,9 +1071,9 @@ open func push(sample: MagneticSample)throws  -> Reading  {
 }
 
     /**
-     * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
+     * A gyroscope event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
             self.uniffiCloneHandle(),
@@ -1083,9 +1083,9 @@ open func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWith
 }
 
     /**
-     * An accelerometer or gravity event. Fails with `EventRejected`, which says why it was not used.
+     * An accelerometer or gravity event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_up(
             self.uniffiCloneHandle(),
@@ -1098,7 +1098,7 @@ open func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTy
      * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
      * `Panicked`.
      */
-open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_reset(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1108,10 +1108,10 @@ open func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_li
 
     /**
      * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * build of the library, else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
      * changed then.
      */
-open func restore(snapshot: String)throws  -> Restored  {
+public func restore(snapshot: String)throws  -> Restored  {
     return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_restore(
@@ -1123,10 +1123,10 @@ open func restore(snapshot: String)throws  -> Restored  {
 
     /**
      * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
+     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`;
      * nothing has changed then.
      */
-open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
             self.uniffiCloneHandle(),
@@ -1137,9 +1137,9 @@ open func restoreCalibration(snapshot: String)throws   {try rustCallWithError(Ff
 
     /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
-     * Fails with `Config` when the declination is out of range.
+     * Fails with `MagcompError.config` when the declination is out of range.
      */
-open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(
             self.uniffiCloneHandle(),
@@ -1149,9 +1149,9 @@ open func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(Ff
 }
 
     /**
-     * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
+     * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-open func shutDown()  {try! rustCall() {
+public func shutDown()  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_shut_down(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1162,7 +1162,7 @@ open func shutDown()  {try! rustCall() {
     /**
      * The whole state as text with a version and a checksum, to be kept and restored.
      */
-open func snapshot()throws  -> String  {
+public func snapshot()throws  -> String  {
     return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_snapshot(
@@ -1172,10 +1172,10 @@ open func snapshot()throws  -> String  {
 }
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
+     * The calibration in force alone, as such a text of a few hundred characters, for `restoreCalibration`; none when there
      * is none.
      */
-open func snapshotCalibration()throws  -> String?  {
+public func snapshotCalibration()throws  -> String?  {
     return try  FfiConverterOptionString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(
@@ -1192,7 +1192,7 @@ open func snapshotCalibration()throws  -> String?  {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeNativeCompensator: FfiConverter {
+fileprivate struct FfiConverterTypeNativeCompensator: FfiConverter {
     typealias FfiType = UInt64
     typealias SwiftType = NativeCompensator
 
@@ -1218,14 +1218,14 @@ public struct FfiConverterTypeNativeCompensator: FfiConverter {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeNativeCompensator_lift(_ handle: UInt64) throws -> NativeCompensator {
+fileprivate func FfiConverterTypeNativeCompensator_lift(_ handle: UInt64) throws -> NativeCompensator {
     return try FfiConverterTypeNativeCompensator.lift(handle)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) -> UInt64 {
+fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) -> UInt64 {
     return FfiConverterTypeNativeCompensator.lower(value)
 }
 
@@ -1236,7 +1236,7 @@ public func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensator) 
  * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
  * north, up), north magnetic. w is at least 0.
  */
-public struct Attitude: Equatable, Hashable {
+public struct Attitude: Equatable, Hashable, Codable {
     /**
      * The real part.
      */
@@ -1297,7 +1297,7 @@ extension Attitude: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Attitude {
         return
             try Attitude(
@@ -1322,14 +1322,14 @@ public struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
+fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
     return try FfiConverterTypeAttitude.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
+fileprivate func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
     return FfiConverterTypeAttitude.lower(value)
 }
 
@@ -1337,7 +1337,7 @@ public func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
 /**
  * Raw field = soft iron * field + hard iron.
  */
-public struct Calibration: Equatable, Hashable {
+public struct Calibration: Equatable, Hashable, Codable {
     /**
      * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
@@ -1380,7 +1380,7 @@ extension Calibration: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Calibration {
         return
             try Calibration(
@@ -1401,26 +1401,26 @@ public struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeCalibration_lift(_ buf: RustBuffer) throws -> Calibration {
+fileprivate func FfiConverterTypeCalibration_lift(_ buf: RustBuffer) throws -> Calibration {
     return try FfiConverterTypeCalibration.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeCalibration_lower(_ value: Calibration) -> RustBuffer {
+fileprivate func FfiConverterTypeCalibration_lower(_ value: Calibration) -> RustBuffer {
     return FfiConverterTypeCalibration.lower(value)
 }
 
 
 /**
- * Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
+ * Everything a compensator can be told. A setting left out is the library's default; `defaultConfig()` shows them all.
  */
-public struct Config: Equatable, Hashable {
+public struct Config: Equatable, Hashable, Codable {
     /**
      * How the hard and soft iron are estimated. Default `Auto`.
      */
-    public var method: Method?
+    public var method: CompensationMethod?
     /**
      * A calibration to begin with, for instance that of the last launch. Default none.
      */
@@ -1464,7 +1464,7 @@ public struct Config: Equatable, Hashable {
     public init(
         /**
          * How the hard and soft iron are estimated. Default `Auto`.
-         */method: Method? = nil,
+         */method: CompensationMethod? = nil,
         /**
          * A calibration to begin with, for instance that of the last launch. Default none.
          */initial: Calibration? = nil,
@@ -1517,11 +1517,11 @@ extension Config: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Config {
         return
             try Config(
-                method: FfiConverterOptionTypeMethod.read(from: &buf),
+                method: FfiConverterOptionTypeCompensationMethod.read(from: &buf),
                 initial: FfiConverterOptionTypeCalibration.read(from: &buf),
                 initialSigmaUt: FfiConverterOptionDouble.read(from: &buf),
                 useReportedHardIron: FfiConverterOptionBool.read(from: &buf),
@@ -1534,7 +1534,7 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
     }
 
     public static func write(_ value: Config, into buf: inout [UInt8]) {
-        FfiConverterOptionTypeMethod.write(value.method, into: &buf)
+        FfiConverterOptionTypeCompensationMethod.write(value.method, into: &buf)
         FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
         FfiConverterOptionDouble.write(value.initialSigmaUt, into: &buf)
         FfiConverterOptionBool.write(value.useReportedHardIron, into: &buf)
@@ -1550,14 +1550,14 @@ public struct FfiConverterTypeConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeConfig_lift(_ buf: RustBuffer) throws -> Config {
+fileprivate func FfiConverterTypeConfig_lift(_ buf: RustBuffer) throws -> Config {
     return try FfiConverterTypeConfig.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeConfig_lower(_ value: Config) -> RustBuffer {
+fileprivate func FfiConverterTypeConfig_lower(_ value: Config) -> RustBuffer {
     return FfiConverterTypeConfig.lower(value)
 }
 
@@ -1565,7 +1565,7 @@ public func FfiConverterTypeConfig_lower(_ value: Config) -> RustBuffer {
 /**
  * Which directions of the sphere have been seen, for guidance.
  */
-public struct Coverage: Equatable, Hashable {
+public struct Coverage: Equatable, Hashable, Codable {
     /**
      * Share of the 48 equal cells of the sphere that were seen, 0 to 1.
      */
@@ -1600,7 +1600,7 @@ extension Coverage: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Coverage {
         return
             try Coverage(
@@ -1619,101 +1619,22 @@ public struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> Coverage {
+fileprivate func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> Coverage {
     return try FfiConverterTypeCoverage.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeCoverage_lower(_ value: Coverage) -> RustBuffer {
+fileprivate func FfiConverterTypeCoverage_lower(_ value: Coverage) -> RustBuffer {
     return FfiConverterTypeCoverage.lower(value)
-}
-
-
-/**
- * A change that was decided.
- */
-public struct Event: Equatable, Hashable {
-    /**
-     * What changed.
-     */
-    public var kind: EventKind
-    /**
-     * Time of the first sample that no longer fitted, nanoseconds.
-     */
-    public var sinceNs: Int64
-    /**
-     * Time of the decision, nanoseconds.
-     */
-    public var decidedNs: Int64
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * What changed.
-         */kind: EventKind,
-        /**
-         * Time of the first sample that no longer fitted, nanoseconds.
-         */sinceNs: Int64,
-        /**
-         * Time of the decision, nanoseconds.
-         */decidedNs: Int64) {
-        self.kind = kind
-        self.sinceNs = sinceNs
-        self.decidedNs = decidedNs
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension Event: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeEvent: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Event {
-        return
-            try Event(
-                kind: FfiConverterTypeEventKind.read(from: &buf),
-                sinceNs: FfiConverterInt64.read(from: &buf),
-                decidedNs: FfiConverterInt64.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: Event, into buf: inout [UInt8]) {
-        FfiConverterTypeEventKind.write(value.kind, into: &buf)
-        FfiConverterInt64.write(value.sinceNs, into: &buf)
-        FfiConverterInt64.write(value.decidedNs, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeEvent_lift(_ buf: RustBuffer) throws -> Event {
-    return try FfiConverterTypeEvent.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeEvent_lower(_ value: Event) -> RustBuffer {
-    return FfiConverterTypeEvent.lower(value)
 }
 
 
 /**
  * An ellipsoid fit and how far to trust it.
  */
-public struct Fit: Equatable, Hashable {
+public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * M, b and the field strength.
      */
@@ -1790,16 +1711,16 @@ public struct Fit: Equatable, Hashable {
 }
 
 #if compiler(>=6)
-extension Fit: Sendable {}
+extension EllipsoidFit: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeFit: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Fit {
+fileprivate struct FfiConverterTypeEllipsoidFit: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EllipsoidFit {
         return
-            try Fit(
+            try EllipsoidFit(
                 calibration: FfiConverterTypeCalibration.read(from: &buf),
                 covariance: FfiConverterSequenceDouble.read(from: &buf),
                 iterations: FfiConverterInt32.read(from: &buf),
@@ -1811,7 +1732,7 @@ public struct FfiConverterTypeFit: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: Fit, into buf: inout [UInt8]) {
+    public static func write(_ value: EllipsoidFit, into buf: inout [UInt8]) {
         FfiConverterTypeCalibration.write(value.calibration, into: &buf)
         FfiConverterSequenceDouble.write(value.covariance, into: &buf)
         FfiConverterInt32.write(value.iterations, into: &buf)
@@ -1827,22 +1748,101 @@ public struct FfiConverterTypeFit: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFit_lift(_ buf: RustBuffer) throws -> Fit {
-    return try FfiConverterTypeFit.lift(buf)
+fileprivate func FfiConverterTypeEllipsoidFit_lift(_ buf: RustBuffer) throws -> EllipsoidFit {
+    return try FfiConverterTypeEllipsoidFit.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFit_lower(_ value: Fit) -> RustBuffer {
-    return FfiConverterTypeFit.lower(value)
+fileprivate func FfiConverterTypeEllipsoidFit_lower(_ value: EllipsoidFit) -> RustBuffer {
+    return FfiConverterTypeEllipsoidFit.lower(value)
+}
+
+
+/**
+ * A change that was decided.
+ */
+public struct FieldEvent: Equatable, Hashable, Codable {
+    /**
+     * What changed.
+     */
+    public var kind: FieldEventKind
+    /**
+     * Time of the first sample that no longer fitted, nanoseconds.
+     */
+    public var sinceNs: Int64
+    /**
+     * Time of the decision, nanoseconds.
+     */
+    public var decidedNs: Int64
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * What changed.
+         */kind: FieldEventKind,
+        /**
+         * Time of the first sample that no longer fitted, nanoseconds.
+         */sinceNs: Int64,
+        /**
+         * Time of the decision, nanoseconds.
+         */decidedNs: Int64) {
+        self.kind = kind
+        self.sinceNs = sinceNs
+        self.decidedNs = decidedNs
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension FieldEvent: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeFieldEvent: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FieldEvent {
+        return
+            try FieldEvent(
+                kind: FfiConverterTypeFieldEventKind.read(from: &buf),
+                sinceNs: FfiConverterInt64.read(from: &buf),
+                decidedNs: FfiConverterInt64.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: FieldEvent, into buf: inout [UInt8]) {
+        FfiConverterTypeFieldEventKind.write(value.kind, into: &buf)
+        FfiConverterInt64.write(value.sinceNs, into: &buf)
+        FfiConverterInt64.write(value.decidedNs, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFieldEvent_lift(_ buf: RustBuffer) throws -> FieldEvent {
+    return try FfiConverterTypeFieldEvent.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFieldEvent_lower(_ value: FieldEvent) -> RustBuffer {
+    return FfiConverterTypeFieldEvent.lower(value)
 }
 
 
 /**
  * What a fit accepts and how it iterates. A field left out is the default.
  */
-public struct FitOptions: Equatable, Hashable {
+public struct FitOptions: Equatable, Hashable, Codable {
     /**
      * What is squared and summed. Default `Corrected`.
      */
@@ -1937,7 +1937,7 @@ extension FitOptions: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitOptions {
         return
             try FitOptions(
@@ -1970,14 +1970,14 @@ public struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFitOptions_lift(_ buf: RustBuffer) throws -> FitOptions {
+fileprivate func FfiConverterTypeFitOptions_lift(_ buf: RustBuffer) throws -> FitOptions {
     return try FfiConverterTypeFitOptions.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFitOptions_lower(_ value: FitOptions) -> RustBuffer {
+fileprivate func FfiConverterTypeFitOptions_lower(_ value: FitOptions) -> RustBuffer {
     return FfiConverterTypeFitOptions.lower(value)
 }
 
@@ -1985,7 +1985,7 @@ public func FfiConverterTypeFitOptions_lower(_ value: FitOptions) -> RustBuffer 
 /**
  * The Earth's field at a place and date.
  */
-public struct GeomagneticField: Equatable, Hashable {
+public struct GeomagneticField: Equatable, Hashable, Codable {
     /**
      * From true to magnetic north, degrees, east positive.
      */
@@ -1999,7 +1999,7 @@ public struct GeomagneticField: Equatable, Hashable {
      */
     public var inclinationDeg: Double
     /**
-     * Strength, microtesla: what `Config.field_strength_ut` takes.
+     * Strength, microtesla: what `Config.fieldStrengthUt` takes.
      */
     public var totalFieldUt: Double
 
@@ -2016,7 +2016,7 @@ public struct GeomagneticField: Equatable, Hashable {
          * Below the horizon, degrees, positive when the field points down.
          */inclinationDeg: Double,
         /**
-         * Strength, microtesla: what `Config.field_strength_ut` takes.
+         * Strength, microtesla: what `Config.fieldStrengthUt` takes.
          */totalFieldUt: Double) {
         self.declinationDeg = declinationDeg
         self.declinationSigmaDeg = declinationSigmaDeg
@@ -2036,7 +2036,7 @@ extension GeomagneticField: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> GeomagneticField {
         return
             try GeomagneticField(
@@ -2059,14 +2059,14 @@ public struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeGeomagneticField_lift(_ buf: RustBuffer) throws -> GeomagneticField {
+fileprivate func FfiConverterTypeGeomagneticField_lift(_ buf: RustBuffer) throws -> GeomagneticField {
     return try FfiConverterTypeGeomagneticField.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticField) -> RustBuffer {
+fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticField) -> RustBuffer {
     return FfiConverterTypeGeomagneticField.lower(value)
 }
 
@@ -2074,13 +2074,13 @@ public func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticField) ->
 /**
  * A heading and what belongs to it. All angles in degrees.
  */
-public struct Heading: Equatable, Hashable {
+public struct Heading: Equatable, Hashable, Codable {
     /**
      * Clockwise from magnetic north, 0 to 360 degrees.
      */
     public var headingDeg: Double
     /**
-     * One standard deviation of `heading_deg`, degrees; none when the calibration's own uncertainty is not known.
+     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
      */
     public var headingSigmaDeg: Double?
     /**
@@ -2099,7 +2099,7 @@ public struct Heading: Equatable, Hashable {
          * Clockwise from magnetic north, 0 to 360 degrees.
          */headingDeg: Double,
         /**
-         * One standard deviation of `heading_deg`, degrees; none when the calibration's own uncertainty is not known.
+         * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
          */headingSigmaDeg: Double?,
         /**
          * Clockwise from true north, 0 to 360 degrees. None without a declination.
@@ -2125,7 +2125,7 @@ extension Heading: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeHeading: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeHeading: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Heading {
         return
             try Heading(
@@ -2148,14 +2148,14 @@ public struct FfiConverterTypeHeading: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeading_lift(_ buf: RustBuffer) throws -> Heading {
+fileprivate func FfiConverterTypeHeading_lift(_ buf: RustBuffer) throws -> Heading {
     return try FfiConverterTypeHeading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeading_lower(_ value: Heading) -> RustBuffer {
+fileprivate func FfiConverterTypeHeading_lower(_ value: Heading) -> RustBuffer {
     return FfiConverterTypeHeading.lower(value)
 }
 
@@ -2163,7 +2163,7 @@ public func FfiConverterTypeHeading_lower(_ value: Heading) -> RustBuffer {
 /**
  * How headings are reported. A field left out is the default.
  */
-public struct HeadingConfig: Equatable, Hashable {
+public struct HeadingConfig: Equatable, Hashable, Codable {
     /**
      * The axis whose heading it is. Default the top edge.
      */
@@ -2173,11 +2173,11 @@ public struct HeadingConfig: Equatable, Hashable {
      */
     public var screenRotation: ScreenRotation?
     /**
-     * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
+     * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default none.
      */
     public var declinationDeg: Double?
     /**
-     * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+     * Standard deviation of `up` at rest, degrees, 0 to 90, for `headingSigmaDeg`; what motion adds to gravity comes on top. Default 0.5.
      */
     public var tiltSigmaDeg: Double?
 
@@ -2191,10 +2191,10 @@ public struct HeadingConfig: Equatable, Hashable {
          * How the screen's content is turned. Default not at all.
          */screenRotation: ScreenRotation? = nil,
         /**
-         * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
+         * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default none.
          */declinationDeg: Double? = nil,
         /**
-         * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+         * Standard deviation of `up` at rest, degrees, 0 to 90, for `headingSigmaDeg`; what motion adds to gravity comes on top. Default 0.5.
          */tiltSigmaDeg: Double? = nil) {
         self.axis = axis
         self.screenRotation = screenRotation
@@ -2214,7 +2214,7 @@ extension HeadingConfig: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingConfig {
         return
             try HeadingConfig(
@@ -2237,14 +2237,14 @@ public struct FfiConverterTypeHeadingConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeadingConfig_lift(_ buf: RustBuffer) throws -> HeadingConfig {
+fileprivate func FfiConverterTypeHeadingConfig_lift(_ buf: RustBuffer) throws -> HeadingConfig {
     return try FfiConverterTypeHeadingConfig.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeadingConfig_lower(_ value: HeadingConfig) -> RustBuffer {
+fileprivate func FfiConverterTypeHeadingConfig_lower(_ value: HeadingConfig) -> RustBuffer {
     return FfiConverterTypeHeadingConfig.lower(value)
 }
 
@@ -2252,7 +2252,7 @@ public func FfiConverterTypeHeadingConfig_lower(_ value: HeadingConfig) -> RustB
 /**
  * The axis whose heading is reported, how the screen's content is turned, and the declination.
  */
-public struct HeadingFrame: Equatable, Hashable {
+public struct HeadingFrame: Equatable, Hashable, Codable {
     /**
      * The axis whose heading it is.
      */
@@ -2262,7 +2262,7 @@ public struct HeadingFrame: Equatable, Hashable {
      */
     public var screenRotation: ScreenRotation
     /**
-     * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. None: no true heading.
+     * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. None: no true heading.
      */
     public var declinationDeg: Double?
 
@@ -2276,7 +2276,7 @@ public struct HeadingFrame: Equatable, Hashable {
          * How the screen's content is turned against the device's natural orientation.
          */screenRotation: ScreenRotation,
         /**
-         * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. None: no true heading.
+         * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. None: no true heading.
          */declinationDeg: Double? = nil) {
         self.axis = axis
         self.screenRotation = screenRotation
@@ -2295,7 +2295,7 @@ extension HeadingFrame: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeHeadingFrame: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeHeadingFrame: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingFrame {
         return
             try HeadingFrame(
@@ -2316,14 +2316,14 @@ public struct FfiConverterTypeHeadingFrame: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeadingFrame_lift(_ buf: RustBuffer) throws -> HeadingFrame {
+fileprivate func FfiConverterTypeHeadingFrame_lift(_ buf: RustBuffer) throws -> HeadingFrame {
     return try FfiConverterTypeHeadingFrame.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHeadingFrame_lower(_ value: HeadingFrame) -> RustBuffer {
+fileprivate func FfiConverterTypeHeadingFrame_lower(_ value: HeadingFrame) -> RustBuffer {
     return FfiConverterTypeHeadingFrame.lower(value)
 }
 
@@ -2331,7 +2331,7 @@ public func FfiConverterTypeHeadingFrame_lower(_ value: HeadingFrame) -> RustBuf
 /**
  * One raw magnetometer event.
  */
-public struct MagneticSample: Equatable, Hashable {
+public struct MagneticSample: Equatable, Hashable, Codable {
     /**
      * Time of the event, nanoseconds, strictly increasing from one sample to the next.
      */
@@ -2342,7 +2342,7 @@ public struct MagneticSample: Equatable, Hashable {
     public var fieldUt: Vector3
     /**
      * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `Reading.reported_hard_iron_jump_ut`; `Config.use_reported_hard_iron` makes it
+     * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
      * the first calibration.
      */
     public var reportedHardIronUt: Vector3?
@@ -2358,7 +2358,7 @@ public struct MagneticSample: Equatable, Hashable {
          */fieldUt: Vector3,
         /**
          * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-         * event). A jump in it shows in `Reading.reported_hard_iron_jump_ut`; `Config.use_reported_hard_iron` makes it
+         * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
          * the first calibration.
          */reportedHardIronUt: Vector3? = nil) {
         self.timeNs = timeNs
@@ -2378,7 +2378,7 @@ extension MagneticSample: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticSample {
         return
             try MagneticSample(
@@ -2399,14 +2399,14 @@ public struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> MagneticSample {
+fileprivate func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> MagneticSample {
     return try FfiConverterTypeMagneticSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
+fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
     return FfiConverterTypeMagneticSample.lower(value)
 }
 
@@ -2414,7 +2414,7 @@ public func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> Rus
 /**
  * The answer to one magnetometer sample. What is not known is none, never NaN.
  */
-public struct Reading: Equatable, Hashable {
+public struct Reading: Equatable, Hashable, Codable {
     /**
      * Time of the sample, nanoseconds.
      */
@@ -2424,7 +2424,7 @@ public struct Reading: Equatable, Hashable {
      */
     public var fieldUt: Vector3?
     /**
-     * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+     * One standard deviation of `fieldUt` per axis, microtesla. None when it is not known.
      */
     public var fieldSigmaUt: Double?
     /**
@@ -2432,7 +2432,7 @@ public struct Reading: Equatable, Hashable {
      */
     public var filteredFieldUt: Vector3?
     /**
-     * Length of `field_ut`, microtesla.
+     * Length of `fieldUt`, microtesla.
      */
     public var totalFieldUt: Double?
     /**
@@ -2463,7 +2463,7 @@ public struct Reading: Equatable, Hashable {
     public var directionSigmaDeg: Double?
     /**
      * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-     * something open, also where `sigma_t` does not show it. Adaptive method only.
+     * something open, also where `sigmaT` does not show it. Adaptive method only.
      */
     public var worstSigmaDeg: Double?
     /**
@@ -2482,11 +2482,11 @@ public struct Reading: Equatable, Hashable {
     /**
      * The latest change that was decided, kept until the next. None before the first.
      */
-    public var event: Event?
+    public var event: FieldEvent?
     /**
      * What the compensator is doing, and why.
      */
-    public var status: Status
+    public var status: CompensationStatus
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -2498,13 +2498,13 @@ public struct Reading: Equatable, Hashable {
          * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
          */fieldUt: Vector3?,
         /**
-         * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+         * One standard deviation of `fieldUt` per axis, microtesla. None when it is not known.
          */fieldSigmaUt: Double?,
         /**
          * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
          */filteredFieldUt: Vector3?,
         /**
-         * Length of `field_ut`, microtesla.
+         * Length of `fieldUt`, microtesla.
          */totalFieldUt: Double?,
         /**
          * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
@@ -2528,7 +2528,7 @@ public struct Reading: Equatable, Hashable {
          */directionSigmaDeg: Double?,
         /**
          * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-         * something open, also where `sigma_t` does not show it. Adaptive method only.
+         * something open, also where `sigmaT` does not show it. Adaptive method only.
          */worstSigmaDeg: Double?,
         /**
          * Which parameters the latest change set free. Adaptive method only.
@@ -2542,10 +2542,10 @@ public struct Reading: Equatable, Hashable {
          */mode: SensorMode,
         /**
          * The latest change that was decided, kept until the next. None before the first.
-         */event: Event?,
+         */event: FieldEvent?,
         /**
          * What the compensator is doing, and why.
-         */status: Status) {
+         */status: CompensationStatus) {
         self.timeNs = timeNs
         self.fieldUt = fieldUt
         self.fieldSigmaUt = fieldSigmaUt
@@ -2577,7 +2577,7 @@ extension Reading: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeReading: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Reading {
         return
             try Reading(
@@ -2596,8 +2596,8 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
                 modelOrder: FfiConverterOptionTypeModelOrder.read(from: &buf),
                 reportedHardIronJumpUt: FfiConverterOptionDouble.read(from: &buf),
                 mode: FfiConverterTypeSensorMode.read(from: &buf),
-                event: FfiConverterOptionTypeEvent.read(from: &buf),
-                status: FfiConverterTypeStatus.read(from: &buf)
+                event: FfiConverterOptionTypeFieldEvent.read(from: &buf),
+                status: FfiConverterTypeCompensationStatus.read(from: &buf)
         )
     }
 
@@ -2617,8 +2617,8 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
         FfiConverterOptionTypeModelOrder.write(value.modelOrder, into: &buf)
         FfiConverterOptionDouble.write(value.reportedHardIronJumpUt, into: &buf)
         FfiConverterTypeSensorMode.write(value.mode, into: &buf)
-        FfiConverterOptionTypeEvent.write(value.event, into: &buf)
-        FfiConverterTypeStatus.write(value.status, into: &buf)
+        FfiConverterOptionTypeFieldEvent.write(value.event, into: &buf)
+        FfiConverterTypeCompensationStatus.write(value.status, into: &buf)
     }
 }
 
@@ -2626,14 +2626,14 @@ public struct FfiConverterTypeReading: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeReading_lift(_ buf: RustBuffer) throws -> Reading {
+fileprivate func FfiConverterTypeReading_lift(_ buf: RustBuffer) throws -> Reading {
     return try FfiConverterTypeReading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeReading_lower(_ value: Reading) -> RustBuffer {
+fileprivate func FfiConverterTypeReading_lower(_ value: Reading) -> RustBuffer {
     return FfiConverterTypeReading.lower(value)
 }
 
@@ -2641,7 +2641,7 @@ public func FfiConverterTypeReading_lower(_ value: Reading) -> RustBuffer {
 /**
  * One gyroscope event.
  */
-public struct RotationRateSample: Equatable, Hashable {
+public struct RotationRateSample: Equatable, Hashable, Codable {
     /**
      * Time of the event, nanoseconds, on the magnetometer's clock.
      */
@@ -2676,7 +2676,7 @@ extension RotationRateSample: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> RotationRateSample {
         return
             try RotationRateSample(
@@ -2695,14 +2695,14 @@ public struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRotationRateSample_lift(_ buf: RustBuffer) throws -> RotationRateSample {
+fileprivate func FfiConverterTypeRotationRateSample_lift(_ buf: RustBuffer) throws -> RotationRateSample {
     return try FfiConverterTypeRotationRateSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample) -> RustBuffer {
+fileprivate func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample) -> RustBuffer {
     return FfiConverterTypeRotationRateSample.lower(value)
 }
 
@@ -2710,7 +2710,7 @@ public func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample
 /**
  * Soft iron M: symmetric positive definite, dimensionless.
  */
-public struct SoftIron: Equatable, Hashable {
+public struct SoftIron: Equatable, Hashable, Codable {
     /**
      * m_xx.
      */
@@ -2777,7 +2777,7 @@ extension SoftIron: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeSoftIron: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeSoftIron: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SoftIron {
         return
             try SoftIron(
@@ -2804,14 +2804,14 @@ public struct FfiConverterTypeSoftIron: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeSoftIron_lift(_ buf: RustBuffer) throws -> SoftIron {
+fileprivate func FfiConverterTypeSoftIron_lift(_ buf: RustBuffer) throws -> SoftIron {
     return try FfiConverterTypeSoftIron.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeSoftIron_lower(_ value: SoftIron) -> RustBuffer {
+fileprivate func FfiConverterTypeSoftIron_lower(_ value: SoftIron) -> RustBuffer {
     return FfiConverterTypeSoftIron.lower(value)
 }
 
@@ -2819,7 +2819,7 @@ public func FfiConverterTypeSoftIron_lower(_ value: SoftIron) -> RustBuffer {
 /**
  * One accelerometer or gravity event.
  */
-public struct UpSample: Equatable, Hashable {
+public struct UpSample: Equatable, Hashable, Codable {
     /**
      * Time of the event, nanoseconds, on the magnetometer's clock.
      */
@@ -2854,7 +2854,7 @@ extension UpSample: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> UpSample {
         return
             try UpSample(
@@ -2873,14 +2873,14 @@ public struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeUpSample_lift(_ buf: RustBuffer) throws -> UpSample {
+fileprivate func FfiConverterTypeUpSample_lift(_ buf: RustBuffer) throws -> UpSample {
     return try FfiConverterTypeUpSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer {
+fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer {
     return FfiConverterTypeUpSample.lower(value)
 }
 
@@ -2888,7 +2888,7 @@ public func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer {
 /**
  * Three components in the device frame: x right, y up along the screen, z out of the screen.
  */
-public struct Vector3: Equatable, Hashable {
+public struct Vector3: Equatable, Hashable, Codable {
     /**
      * Along the screen, to the right.
      */
@@ -2931,7 +2931,7 @@ extension Vector3: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeVector3: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeVector3: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Vector3 {
         return
             try Vector3(
@@ -2952,14 +2952,14 @@ public struct FfiConverterTypeVector3: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeVector3_lift(_ buf: RustBuffer) throws -> Vector3 {
+fileprivate func FfiConverterTypeVector3_lift(_ buf: RustBuffer) throws -> Vector3 {
     return try FfiConverterTypeVector3.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeVector3_lower(_ value: Vector3) -> RustBuffer {
+fileprivate func FfiConverterTypeVector3_lower(_ value: Vector3) -> RustBuffer {
     return FfiConverterTypeVector3.lower(value)
 }
 
@@ -2967,7 +2967,7 @@ public func FfiConverterTypeVector3_lower(_ value: Vector3) -> RustBuffer {
 /**
  * The paper's method. A field left out is the default.
  */
-public struct WindowedConfig: Equatable, Hashable {
+public struct WindowedConfig: Equatable, Hashable, Codable {
     /**
      * N_min, samples, 9 to N_max: the shortest window. Default 100.
      */
@@ -3038,7 +3038,7 @@ extension WindowedConfig: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> WindowedConfig {
         return
             try WindowedConfig(
@@ -3065,40 +3065,51 @@ public struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeWindowedConfig_lift(_ buf: RustBuffer) throws -> WindowedConfig {
+fileprivate func FfiConverterTypeWindowedConfig_lift(_ buf: RustBuffer) throws -> WindowedConfig {
     return try FfiConverterTypeWindowedConfig.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -> RustBuffer {
+fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -> RustBuffer {
     return FfiConverterTypeWindowedConfig.lower(value)
 }
 
 
 /**
- * What changed.
+ * What a first calibration still lacks.
  */
 
-public enum EventKind: Equatable, Hashable {
+public enum CollectingReason: Equatable, Hashable, Codable {
 
     /**
-     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     * More samples before a first fit is tried.
      */
-    case deviceStep
+    case samples(
+        /**
+         * Samples so far.
+         */have: Int32,
+        /**
+         * Samples needed.
+         */need: Int32
+    )
     /**
-     * The device returned to an earlier calibration, which was restored.
+     * The samples allow no fit yet.
      */
-    case deviceStepBack
+    case fit(
+        /**
+         * Why.
+         */problem: FitProblem
+    )
     /**
-     * The field of the place stepped: the calibration is held.
+     * The device must be turned.
      */
-    case placeChanged
+    case rotation
     /**
-     * The field follows neither: the calibration is held.
+     * More directions, turned about more than one axis.
      */
-    case erratic
+    case directions
 
 
 
@@ -3107,48 +3118,53 @@ public enum EventKind: Equatable, Hashable {
 }
 
 #if compiler(>=6)
-extension EventKind: Sendable {}
+extension CollectingReason: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeEventKind: FfiConverterRustBuffer {
-    typealias SwiftType = EventKind
+fileprivate struct FfiConverterTypeCollectingReason: FfiConverterRustBuffer {
+    typealias SwiftType = CollectingReason
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EventKind {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CollectingReason {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
-        case 1: return .deviceStep
+        case 1: return .samples(have: try FfiConverterInt32.read(from: &buf), need: try FfiConverterInt32.read(from: &buf)
+        )
 
-        case 2: return .deviceStepBack
+        case 2: return .fit(problem: try FfiConverterTypeFitProblem.read(from: &buf)
+        )
 
-        case 3: return .placeChanged
+        case 3: return .rotation
 
-        case 4: return .erratic
+        case 4: return .directions
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
 
-    public static func write(_ value: EventKind, into buf: inout [UInt8]) {
+    public static func write(_ value: CollectingReason, into buf: inout [UInt8]) {
         switch value {
 
 
-        case .deviceStep:
+        case let .samples(have,need):
             writeInt(&buf, Int32(1))
+            FfiConverterInt32.write(have, into: &buf)
+            FfiConverterInt32.write(need, into: &buf)
 
 
-        case .deviceStepBack:
+        case let .fit(problem):
             writeInt(&buf, Int32(2))
+            FfiConverterTypeFitProblem.write(problem, into: &buf)
 
 
-        case .placeChanged:
+        case .rotation:
             writeInt(&buf, Int32(3))
 
 
-        case .erratic:
+        case .directions:
             writeInt(&buf, Int32(4))
 
         }
@@ -3159,15 +3175,289 @@ public struct FfiConverterTypeEventKind: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeEventKind_lift(_ buf: RustBuffer) throws -> EventKind {
-    return try FfiConverterTypeEventKind.lift(buf)
+fileprivate func FfiConverterTypeCollectingReason_lift(_ buf: RustBuffer) throws -> CollectingReason {
+    return try FfiConverterTypeCollectingReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeEventKind_lower(_ value: EventKind) -> RustBuffer {
-    return FfiConverterTypeEventKind.lower(value)
+fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReason) -> RustBuffer {
+    return FfiConverterTypeCollectingReason.lower(value)
+}
+
+
+
+/**
+ * How the hard and soft iron are estimated.
+ */
+
+public enum CompensationMethod: Equatable, Hashable, Codable {
+
+    /**
+     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
+     */
+    case auto
+    /**
+     * The same as `Auto`.
+     */
+    case aided
+    /**
+     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     */
+    case adaptive
+    /**
+     * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
+     */
+    case windowed
+    /**
+     * Its first step alone: one fit of the first well spread samples, then kept.
+     */
+    case constant
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension CompensationMethod: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeCompensationMethod: FfiConverterRustBuffer {
+    typealias SwiftType = CompensationMethod
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationMethod {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .auto
+
+        case 2: return .aided
+
+        case 3: return .adaptive
+
+        case 4: return .windowed
+
+        case 5: return .constant
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: CompensationMethod, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .auto:
+            writeInt(&buf, Int32(1))
+
+
+        case .aided:
+            writeInt(&buf, Int32(2))
+
+
+        case .adaptive:
+            writeInt(&buf, Int32(3))
+
+
+        case .windowed:
+            writeInt(&buf, Int32(4))
+
+
+        case .constant:
+            writeInt(&buf, Int32(5))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeCompensationMethod_lift(_ buf: RustBuffer) throws -> CompensationMethod {
+    return try FfiConverterTypeCompensationMethod.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeCompensationMethod_lower(_ value: CompensationMethod) -> RustBuffer {
+    return FfiConverterTypeCompensationMethod.lower(value)
+}
+
+
+
+/**
+ * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
+ */
+
+public enum CompensationStatus: Equatable, Hashable, Codable {
+
+    /**
+     * No calibration yet.
+     */
+    case collecting(
+        /**
+         * What is still missing.
+         */missing: CollectingReason
+    )
+    /**
+     * Calibrated, and following changes.
+     */
+    case tracking
+    /**
+     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
+     */
+    case suspect(
+        /**
+         * Time of the first sample that did not fit, nanoseconds.
+         */sinceNs: Int64
+    )
+    /**
+     * Calibrated, but not learning: the calibration is kept.
+     */
+    case held(
+        /**
+         * Why nothing is learned at the moment.
+         */reason: HoldReason
+    )
+    /**
+     * The environment is disturbed, not the device.
+     */
+    case disturbed(
+        /**
+         * Time of the first disturbed sample, nanoseconds.
+         */sinceNs: Int64
+    )
+    /**
+     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
+     */
+    case rejected(
+        /**
+         * Why it was not used.
+         */reason: RejectReason
+    )
+
+
+
+    /**
+     * One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
+     */
+public func label() -> String  {
+    return try!  FfiConverterString.lift(try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_status_label(
+            FfiConverterTypeCompensationStatus_lower(self),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * One sentence an app may show.
+     */
+public func text() -> String  {
+    return try!  FfiConverterString.lift(try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_status_text(
+            FfiConverterTypeCompensationStatus_lower(self),uniffiCallStatus
+    )
+})
+}
+
+
+
+}
+
+#if compiler(>=6)
+extension CompensationStatus: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeCompensationStatus: FfiConverterRustBuffer {
+    typealias SwiftType = CompensationStatus
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationStatus {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .collecting(missing: try FfiConverterTypeCollectingReason.read(from: &buf)
+        )
+
+        case 2: return .tracking
+
+        case 3: return .suspect(sinceNs: try FfiConverterInt64.read(from: &buf)
+        )
+
+        case 4: return .held(reason: try FfiConverterTypeHoldReason.read(from: &buf)
+        )
+
+        case 5: return .disturbed(sinceNs: try FfiConverterInt64.read(from: &buf)
+        )
+
+        case 6: return .rejected(reason: try FfiConverterTypeRejectReason.read(from: &buf)
+        )
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: CompensationStatus, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case let .collecting(missing):
+            writeInt(&buf, Int32(1))
+            FfiConverterTypeCollectingReason.write(missing, into: &buf)
+
+
+        case .tracking:
+            writeInt(&buf, Int32(2))
+
+
+        case let .suspect(sinceNs):
+            writeInt(&buf, Int32(3))
+            FfiConverterInt64.write(sinceNs, into: &buf)
+
+
+        case let .held(reason):
+            writeInt(&buf, Int32(4))
+            FfiConverterTypeHoldReason.write(reason, into: &buf)
+
+
+        case let .disturbed(sinceNs):
+            writeInt(&buf, Int32(5))
+            FfiConverterInt64.write(sinceNs, into: &buf)
+
+
+        case let .rejected(reason):
+            writeInt(&buf, Int32(6))
+            FfiConverterTypeRejectReason.write(reason, into: &buf)
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeCompensationStatus_lift(_ buf: RustBuffer) throws -> CompensationStatus {
+    return try FfiConverterTypeCompensationStatus.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeCompensationStatus_lower(_ value: CompensationStatus) -> RustBuffer {
+    return FfiConverterTypeCompensationStatus.lower(value)
 }
 
 
@@ -3176,7 +3466,7 @@ public func FfiConverterTypeEventKind_lower(_ value: EventKind) -> RustBuffer {
  * Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
  */
 
-public enum EventRejection: Equatable, Hashable {
+public enum EventRejection: Equatable, Hashable, Codable {
 
     /**
      * A component is NaN or infinite.
@@ -3224,7 +3514,7 @@ extension EventRejection: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
     typealias SwiftType = EventRejection
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EventRejection {
@@ -3276,15 +3566,110 @@ public struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeEventRejection_lift(_ buf: RustBuffer) throws -> EventRejection {
+fileprivate func FfiConverterTypeEventRejection_lift(_ buf: RustBuffer) throws -> EventRejection {
     return try FfiConverterTypeEventRejection.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -> RustBuffer {
+fileprivate func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -> RustBuffer {
     return FfiConverterTypeEventRejection.lower(value)
+}
+
+
+
+/**
+ * What changed.
+ */
+
+public enum FieldEventKind: Equatable, Hashable, Codable {
+
+    /**
+     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     */
+    case deviceStep
+    /**
+     * The device returned to an earlier calibration, which was restored.
+     */
+    case deviceStepBack
+    /**
+     * The field of the place stepped: the calibration is held.
+     */
+    case placeChanged
+    /**
+     * The field follows neither: the calibration is held.
+     */
+    case erratic
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension FieldEventKind: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
+    typealias SwiftType = FieldEventKind
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FieldEventKind {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .deviceStep
+
+        case 2: return .deviceStepBack
+
+        case 3: return .placeChanged
+
+        case 4: return .erratic
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: FieldEventKind, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .deviceStep:
+            writeInt(&buf, Int32(1))
+
+
+        case .deviceStepBack:
+            writeInt(&buf, Int32(2))
+
+
+        case .placeChanged:
+            writeInt(&buf, Int32(3))
+
+
+        case .erratic:
+            writeInt(&buf, Int32(4))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFieldEventKind_lift(_ buf: RustBuffer) throws -> FieldEventKind {
+    return try FfiConverterTypeFieldEventKind.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFieldEventKind_lower(_ value: FieldEventKind) -> RustBuffer {
+    return FfiConverterTypeFieldEventKind.lower(value)
 }
 
 
@@ -3293,7 +3678,7 @@ public func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -> Rus
  * Why there is no ellipsoid to report.
  */
 
-public enum FitProblem: Equatable, Hashable {
+public enum FitProblem: Equatable, Hashable, Codable {
 
     /**
      * Fewer samples than parameters.
@@ -3381,7 +3766,7 @@ extension FitProblem: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
     typealias SwiftType = FitProblem
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitProblem {
@@ -3459,14 +3844,14 @@ public struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFitProblem_lift(_ buf: RustBuffer) throws -> FitProblem {
+fileprivate func FfiConverterTypeFitProblem_lift(_ buf: RustBuffer) throws -> FitProblem {
     return try FfiConverterTypeFitProblem.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBuffer {
+fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBuffer {
     return FfiConverterTypeFitProblem.lower(value)
 }
 
@@ -3476,7 +3861,7 @@ public func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBuffer 
  * Why nothing is learned at the moment.
  */
 
-public enum HoldReason: Equatable, Hashable {
+public enum HoldReason: Equatable, Hashable, Codable {
 
     /**
      * sigma_T is below its threshold: the latest orientations are too much alike.
@@ -3520,7 +3905,7 @@ extension HoldReason: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
     typealias SwiftType = HoldReason
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HoldReason {
@@ -3580,120 +3965,15 @@ public struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHoldReason_lift(_ buf: RustBuffer) throws -> HoldReason {
+fileprivate func FfiConverterTypeHoldReason_lift(_ buf: RustBuffer) throws -> HoldReason {
     return try FfiConverterTypeHoldReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeHoldReason_lower(_ value: HoldReason) -> RustBuffer {
+fileprivate func FfiConverterTypeHoldReason_lower(_ value: HoldReason) -> RustBuffer {
     return FfiConverterTypeHoldReason.lower(value)
-}
-
-
-
-/**
- * Least important message that is still written.
- */
-
-public enum LogLevel: Equatable, Hashable {
-
-    /**
-     * Nothing.
-     */
-    case off
-    /**
-     * Defects: a caught panic.
-     */
-    case error
-    /**
-     * What an app should know.
-     */
-    case warn
-    /**
-     * What happened.
-     */
-    case info
-    /**
-     * Details.
-     */
-    case debug
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension LogLevel: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeLogLevel: FfiConverterRustBuffer {
-    typealias SwiftType = LogLevel
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> LogLevel {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .off
-
-        case 2: return .error
-
-        case 3: return .warn
-
-        case 4: return .info
-
-        case 5: return .debug
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: LogLevel, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case .off:
-            writeInt(&buf, Int32(1))
-
-
-        case .error:
-            writeInt(&buf, Int32(2))
-
-
-        case .warn:
-            writeInt(&buf, Int32(3))
-
-
-        case .info:
-            writeInt(&buf, Int32(4))
-
-
-        case .debug:
-            writeInt(&buf, Int32(5))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeLogLevel_lift(_ buf: RustBuffer) throws -> LogLevel {
-    return try FfiConverterTypeLogLevel.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeLogLevel_lower(_ value: LogLevel) -> RustBuffer {
-    return FfiConverterTypeLogLevel.lower(value)
 }
 
 
@@ -3702,14 +3982,14 @@ public func FfiConverterTypeLogLevel_lower(_ value: LogLevel) -> RustBuffer {
  * What went wrong. `text()` says it in a sentence.
  */
 public
-enum MagcompError: Swift.Error, Equatable, Hashable {
+enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
 
 
 
     /**
      * A field of the config is outside its range.
      */
-    case Config(
+    case config(
         /**
          * Path of the field, for instance `windowed.n_min`.
          */field: String,
@@ -3723,7 +4003,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * A magnetometer sample was not used; nothing has changed.
      */
-    case Rejected(
+    case rejected(
         /**
          * Why.
          */reason: RejectReason
@@ -3731,7 +4011,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * A gyroscope, accelerometer or gravity event was not used; nothing has changed.
      */
-    case EventRejected(
+    case eventRejected(
         /**
          * Why.
          */reason: EventRejection
@@ -3739,7 +4019,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * There is no fit.
      */
-    case Fit(
+    case fit(
         /**
          * What the samples lack.
          */problem: FitProblem
@@ -3747,7 +4027,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * A calibration is none.
      */
-    case Calibration(
+    case calibration(
         /**
          * Why, in a sentence.
          */why: String
@@ -3755,11 +4035,11 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
      */
-    case SnapshotDamaged
+    case snapshotDamaged
     /**
      * A snapshot was written by a newer version of this library. Update it or start without the snapshot.
      */
-    case SnapshotNewer(
+    case snapshotNewer(
         /**
          * Version of the snapshot.
          */found: Int64
@@ -3767,7 +4047,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * The geomagnetic model does not cover the place or the date.
      */
-    case Place(
+    case place(
         /**
          * Which limit was passed, in a sentence.
          */why: String
@@ -3775,11 +4055,11 @@ enum MagcompError: Swift.Error, Equatable, Hashable {
     /**
      * The object was closed. Make a new one.
      */
-    case Closed
+    case closed
     /**
      * A defect of this library: the object refuses further use until `reset()`. Please report it.
      */
-    case Panicked(
+    case panicked(
         /**
          * What the panic said.
          */what: String
@@ -3811,7 +4091,7 @@ extension MagcompError: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
     typealias SwiftType = MagcompError
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagcompError {
@@ -3821,32 +4101,32 @@ public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
 
 
 
-        case 1: return .Config(
+        case 1: return .config(
             field: try FfiConverterString.read(from: &buf),
             value: try FfiConverterString.read(from: &buf),
             expected: try FfiConverterString.read(from: &buf)
             )
-        case 2: return .Rejected(
+        case 2: return .rejected(
             reason: try FfiConverterTypeRejectReason.read(from: &buf)
             )
-        case 3: return .EventRejected(
+        case 3: return .eventRejected(
             reason: try FfiConverterTypeEventRejection.read(from: &buf)
             )
-        case 4: return .Fit(
+        case 4: return .fit(
             problem: try FfiConverterTypeFitProblem.read(from: &buf)
             )
-        case 5: return .Calibration(
+        case 5: return .calibration(
             why: try FfiConverterString.read(from: &buf)
             )
-        case 6: return .SnapshotDamaged
-        case 7: return .SnapshotNewer(
+        case 6: return .snapshotDamaged
+        case 7: return .snapshotNewer(
             found: try FfiConverterInt64.read(from: &buf)
             )
-        case 8: return .Place(
+        case 8: return .place(
             why: try FfiConverterString.read(from: &buf)
             )
-        case 9: return .Closed
-        case 10: return .Panicked(
+        case 9: return .closed
+        case 10: return .panicked(
             what: try FfiConverterString.read(from: &buf)
             )
 
@@ -3861,52 +4141,52 @@ public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
 
 
 
-        case let .Config(field,value,expected):
+        case let .config(field,value,expected):
             writeInt(&buf, Int32(1))
             FfiConverterString.write(field, into: &buf)
             FfiConverterString.write(value, into: &buf)
             FfiConverterString.write(expected, into: &buf)
 
 
-        case let .Rejected(reason):
+        case let .rejected(reason):
             writeInt(&buf, Int32(2))
             FfiConverterTypeRejectReason.write(reason, into: &buf)
 
 
-        case let .EventRejected(reason):
+        case let .eventRejected(reason):
             writeInt(&buf, Int32(3))
             FfiConverterTypeEventRejection.write(reason, into: &buf)
 
 
-        case let .Fit(problem):
+        case let .fit(problem):
             writeInt(&buf, Int32(4))
             FfiConverterTypeFitProblem.write(problem, into: &buf)
 
 
-        case let .Calibration(why):
+        case let .calibration(why):
             writeInt(&buf, Int32(5))
             FfiConverterString.write(why, into: &buf)
 
 
-        case .SnapshotDamaged:
+        case .snapshotDamaged:
             writeInt(&buf, Int32(6))
 
 
-        case let .SnapshotNewer(found):
+        case let .snapshotNewer(found):
             writeInt(&buf, Int32(7))
             FfiConverterInt64.write(found, into: &buf)
 
 
-        case let .Place(why):
+        case let .place(why):
             writeInt(&buf, Int32(8))
             FfiConverterString.write(why, into: &buf)
 
 
-        case .Closed:
+        case .closed:
             writeInt(&buf, Int32(9))
 
 
-        case let .Panicked(what):
+        case let .panicked(what):
             writeInt(&buf, Int32(10))
             FfiConverterString.write(what, into: &buf)
 
@@ -3918,44 +4198,44 @@ public struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMagcompError_lift(_ buf: RustBuffer) throws -> MagcompError {
+fileprivate func FfiConverterTypeMagcompError_lift(_ buf: RustBuffer) throws -> MagcompError {
     return try FfiConverterTypeMagcompError.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuffer {
+fileprivate func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> RustBuffer {
     return FfiConverterTypeMagcompError.lower(value)
 }
 
 
 /**
- * How the hard and soft iron are estimated.
+ * Least important message that is still written.
  */
 
-public enum Method: Equatable, Hashable {
+public enum MagcompLogLevel: Equatable, Hashable, Codable {
 
     /**
-     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
+     * Nothing.
      */
-    case auto
+    case off
     /**
-     * The same as `Auto`.
+     * Defects: a caught panic.
      */
-    case aided
+    case error
     /**
-     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     * What an app should know.
      */
-    case adaptive
+    case warn
     /**
-     * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
+     * What happened.
      */
-    case windowed
+    case info
     /**
-     * Its first step alone: one fit of the first well spread samples, then kept.
+     * Details.
      */
-    case constant
+    case debug
 
 
 
@@ -3964,54 +4244,54 @@ public enum Method: Equatable, Hashable {
 }
 
 #if compiler(>=6)
-extension Method: Sendable {}
+extension MagcompLogLevel: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
-    typealias SwiftType = Method
+fileprivate struct FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer {
+    typealias SwiftType = MagcompLogLevel
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Method {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagcompLogLevel {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
-        case 1: return .auto
+        case 1: return .off
 
-        case 2: return .aided
+        case 2: return .error
 
-        case 3: return .adaptive
+        case 3: return .warn
 
-        case 4: return .windowed
+        case 4: return .info
 
-        case 5: return .constant
+        case 5: return .debug
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
 
-    public static func write(_ value: Method, into buf: inout [UInt8]) {
+    public static func write(_ value: MagcompLogLevel, into buf: inout [UInt8]) {
         switch value {
 
 
-        case .auto:
+        case .off:
             writeInt(&buf, Int32(1))
 
 
-        case .aided:
+        case .error:
             writeInt(&buf, Int32(2))
 
 
-        case .adaptive:
+        case .warn:
             writeInt(&buf, Int32(3))
 
 
-        case .windowed:
+        case .info:
             writeInt(&buf, Int32(4))
 
 
-        case .constant:
+        case .debug:
             writeInt(&buf, Int32(5))
 
         }
@@ -4022,126 +4302,15 @@ public struct FfiConverterTypeMethod: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMethod_lift(_ buf: RustBuffer) throws -> Method {
-    return try FfiConverterTypeMethod.lift(buf)
+fileprivate func FfiConverterTypeMagcompLogLevel_lift(_ buf: RustBuffer) throws -> MagcompLogLevel {
+    return try FfiConverterTypeMagcompLogLevel.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeMethod_lower(_ value: Method) -> RustBuffer {
-    return FfiConverterTypeMethod.lower(value)
-}
-
-
-
-/**
- * What a first calibration still lacks.
- */
-
-public enum Missing: Equatable, Hashable {
-
-    /**
-     * More samples before a first fit is tried.
-     */
-    case samples(
-        /**
-         * Samples so far.
-         */have: Int32,
-        /**
-         * Samples needed.
-         */need: Int32
-    )
-    /**
-     * The samples allow no fit yet.
-     */
-    case fit(
-        /**
-         * Why.
-         */problem: FitProblem
-    )
-    /**
-     * The device must be turned.
-     */
-    case rotation
-    /**
-     * More directions, turned about more than one axis.
-     */
-    case directions
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension Missing: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeMissing: FfiConverterRustBuffer {
-    typealias SwiftType = Missing
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Missing {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .samples(have: try FfiConverterInt32.read(from: &buf), need: try FfiConverterInt32.read(from: &buf)
-        )
-
-        case 2: return .fit(problem: try FfiConverterTypeFitProblem.read(from: &buf)
-        )
-
-        case 3: return .rotation
-
-        case 4: return .directions
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: Missing, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case let .samples(have,need):
-            writeInt(&buf, Int32(1))
-            FfiConverterInt32.write(have, into: &buf)
-            FfiConverterInt32.write(need, into: &buf)
-
-
-        case let .fit(problem):
-            writeInt(&buf, Int32(2))
-            FfiConverterTypeFitProblem.write(problem, into: &buf)
-
-
-        case .rotation:
-            writeInt(&buf, Int32(3))
-
-
-        case .directions:
-            writeInt(&buf, Int32(4))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeMissing_lift(_ buf: RustBuffer) throws -> Missing {
-    return try FfiConverterTypeMissing.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeMissing_lower(_ value: Missing) -> RustBuffer {
-    return FfiConverterTypeMissing.lower(value)
+fileprivate func FfiConverterTypeMagcompLogLevel_lower(_ value: MagcompLogLevel) -> RustBuffer {
+    return FfiConverterTypeMagcompLogLevel.lower(value)
 }
 
 
@@ -4150,7 +4319,7 @@ public func FfiConverterTypeMissing_lower(_ value: Missing) -> RustBuffer {
  * Which of the nine parameters a change set free.
  */
 
-public enum ModelOrder: Equatable, Hashable {
+public enum ModelOrder: Equatable, Hashable, Codable {
 
     /**
      * None: they are what they were.
@@ -4182,7 +4351,7 @@ extension ModelOrder: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
     typealias SwiftType = ModelOrder
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ModelOrder {
@@ -4228,14 +4397,14 @@ public struct FfiConverterTypeModelOrder: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeModelOrder_lift(_ buf: RustBuffer) throws -> ModelOrder {
+fileprivate func FfiConverterTypeModelOrder_lift(_ buf: RustBuffer) throws -> ModelOrder {
     return try FfiConverterTypeModelOrder.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBuffer {
+fileprivate func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBuffer {
     return FfiConverterTypeModelOrder.lower(value)
 }
 
@@ -4245,7 +4414,7 @@ public func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBuffer 
  * How the standard deviations in sigma_T are normalised.
  */
 
-public enum Normalisation: Equatable, Hashable {
+public enum Normalisation: Equatable, Hashable, Codable {
 
     /**
      * By half the range of each axis.
@@ -4269,7 +4438,7 @@ extension Normalisation: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
     typealias SwiftType = Normalisation
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Normalisation {
@@ -4303,14 +4472,14 @@ public struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeNormalisation_lift(_ buf: RustBuffer) throws -> Normalisation {
+fileprivate func FfiConverterTypeNormalisation_lift(_ buf: RustBuffer) throws -> Normalisation {
     return try FfiConverterTypeNormalisation.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> RustBuffer {
+fileprivate func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> RustBuffer {
     return FfiConverterTypeNormalisation.lower(value)
 }
 
@@ -4320,7 +4489,7 @@ public func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> RustB
  * Which axis of the device the heading is that of.
  */
 
-public enum ReferenceAxis: Equatable, Hashable {
+public enum ReferenceAxis: Equatable, Hashable, Codable {
 
     /**
      * Top edge of the screen.
@@ -4348,7 +4517,7 @@ extension ReferenceAxis: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
     typealias SwiftType = ReferenceAxis
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ReferenceAxis {
@@ -4388,14 +4557,14 @@ public struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeReferenceAxis_lift(_ buf: RustBuffer) throws -> ReferenceAxis {
+fileprivate func FfiConverterTypeReferenceAxis_lift(_ buf: RustBuffer) throws -> ReferenceAxis {
     return try FfiConverterTypeReferenceAxis.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeReferenceAxis_lower(_ value: ReferenceAxis) -> RustBuffer {
+fileprivate func FfiConverterTypeReferenceAxis_lower(_ value: ReferenceAxis) -> RustBuffer {
     return FfiConverterTypeReferenceAxis.lower(value)
 }
 
@@ -4405,7 +4574,7 @@ public func FfiConverterTypeReferenceAxis_lower(_ value: ReferenceAxis) -> RustB
  * Why a sample was not used.
  */
 
-public enum RejectReason: Equatable, Hashable {
+public enum RejectReason: Equatable, Hashable, Codable {
 
     /**
      * A component is NaN or infinite.
@@ -4489,7 +4658,7 @@ extension RejectReason: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
     typealias SwiftType = RejectReason
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> RejectReason {
@@ -4561,14 +4730,14 @@ public struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRejectReason_lift(_ buf: RustBuffer) throws -> RejectReason {
+fileprivate func FfiConverterTypeRejectReason_lift(_ buf: RustBuffer) throws -> RejectReason {
     return try FfiConverterTypeRejectReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> RustBuffer {
+fileprivate func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> RustBuffer {
     return FfiConverterTypeRejectReason.lower(value)
 }
 
@@ -4578,7 +4747,7 @@ public func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> RustBuf
  * What is squared and summed by a fit.
  */
 
-public enum Residual: Equatable, Hashable {
+public enum Residual: Equatable, Hashable, Codable {
 
     /**
      * Eq. (10) of the paper as written.
@@ -4602,7 +4771,7 @@ extension Residual: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeResidual: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeResidual: FfiConverterRustBuffer {
     typealias SwiftType = Residual
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Residual {
@@ -4636,14 +4805,14 @@ public struct FfiConverterTypeResidual: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> Residual {
+fileprivate func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> Residual {
     return try FfiConverterTypeResidual.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeResidual_lower(_ value: Residual) -> RustBuffer {
+fileprivate func FfiConverterTypeResidual_lower(_ value: Residual) -> RustBuffer {
     return FfiConverterTypeResidual.lower(value)
 }
 
@@ -4653,7 +4822,7 @@ public func FfiConverterTypeResidual_lower(_ value: Residual) -> RustBuffer {
  * What was taken over from a snapshot.
  */
 
-public enum Restored: Equatable, Hashable {
+public enum Restored: Equatable, Hashable, Codable {
 
     /**
      * Everything: readings go on as if nothing had happened.
@@ -4678,7 +4847,7 @@ extension Restored: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeRestored: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeRestored: FfiConverterRustBuffer {
     typealias SwiftType = Restored
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Restored {
@@ -4712,14 +4881,14 @@ public struct FfiConverterTypeRestored: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRestored_lift(_ buf: RustBuffer) throws -> Restored {
+fileprivate func FfiConverterTypeRestored_lift(_ buf: RustBuffer) throws -> Restored {
     return try FfiConverterTypeRestored.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeRestored_lower(_ value: Restored) -> RustBuffer {
+fileprivate func FfiConverterTypeRestored_lower(_ value: Restored) -> RustBuffer {
     return FfiConverterTypeRestored.lower(value)
 }
 
@@ -4729,7 +4898,7 @@ public func FfiConverterTypeRestored_lower(_ value: Restored) -> RustBuffer {
  * How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
  */
 
-public enum ScreenRotation: Equatable, Hashable {
+public enum ScreenRotation: Equatable, Hashable, Codable {
 
     /**
      * Natural orientation: portrait on phones.
@@ -4761,7 +4930,7 @@ extension ScreenRotation: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
     typealias SwiftType = ScreenRotation
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ScreenRotation {
@@ -4807,14 +4976,14 @@ public struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeScreenRotation_lift(_ buf: RustBuffer) throws -> ScreenRotation {
+fileprivate func FfiConverterTypeScreenRotation_lift(_ buf: RustBuffer) throws -> ScreenRotation {
     return try FfiConverterTypeScreenRotation.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeScreenRotation_lower(_ value: ScreenRotation) -> RustBuffer {
+fileprivate func FfiConverterTypeScreenRotation_lower(_ value: ScreenRotation) -> RustBuffer {
     return FfiConverterTypeScreenRotation.lower(value)
 }
 
@@ -4824,7 +4993,7 @@ public func FfiConverterTypeScreenRotation_lower(_ value: ScreenRotation) -> Rus
  * The sensors the estimator runs on, as they come and go.
  */
 
-public enum SensorMode: Equatable, Hashable {
+public enum SensorMode: Equatable, Hashable, Codable {
 
     /**
      * Gyroscope and accelerometer beside the magnetometer: everything works.
@@ -4856,7 +5025,7 @@ extension SensorMode: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
     typealias SwiftType = SensorMode
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorMode {
@@ -4902,184 +5071,15 @@ public struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeSensorMode_lift(_ buf: RustBuffer) throws -> SensorMode {
+fileprivate func FfiConverterTypeSensorMode_lift(_ buf: RustBuffer) throws -> SensorMode {
     return try FfiConverterTypeSensorMode.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBuffer {
+fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBuffer {
     return FfiConverterTypeSensorMode.lower(value)
-}
-
-
-
-/**
- * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
- */
-
-public enum Status: Equatable, Hashable {
-
-    /**
-     * No calibration yet.
-     */
-    case collecting(
-        /**
-         * What is still missing.
-         */missing: Missing
-    )
-    /**
-     * Calibrated, and following changes.
-     */
-    case tracking
-    /**
-     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
-     */
-    case suspect(
-        /**
-         * Time of the first sample that did not fit, nanoseconds.
-         */sinceNs: Int64
-    )
-    /**
-     * Calibrated, but not learning: the calibration is kept.
-     */
-    case held(
-        /**
-         * Why nothing is learned at the moment.
-         */reason: HoldReason
-    )
-    /**
-     * The environment is disturbed, not the device.
-     */
-    case disturbed(
-        /**
-         * Time of the first disturbed sample, nanoseconds.
-         */sinceNs: Int64
-    )
-    /**
-     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
-     */
-    case rejected(
-        /**
-         * Why it was not used.
-         */reason: RejectReason
-    )
-
-
-
-    /**
-     * One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
-     */
-public func label() -> String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_status_label(
-            FfiConverterTypeStatus_lower(self),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * One sentence an app may show.
-     */
-public func text() -> String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_status_text(
-            FfiConverterTypeStatus_lower(self),uniffiCallStatus
-    )
-})
-}
-
-
-
-}
-
-#if compiler(>=6)
-extension Status: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public struct FfiConverterTypeStatus: FfiConverterRustBuffer {
-    typealias SwiftType = Status
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Status {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .collecting(missing: try FfiConverterTypeMissing.read(from: &buf)
-        )
-
-        case 2: return .tracking
-
-        case 3: return .suspect(sinceNs: try FfiConverterInt64.read(from: &buf)
-        )
-
-        case 4: return .held(reason: try FfiConverterTypeHoldReason.read(from: &buf)
-        )
-
-        case 5: return .disturbed(sinceNs: try FfiConverterInt64.read(from: &buf)
-        )
-
-        case 6: return .rejected(reason: try FfiConverterTypeRejectReason.read(from: &buf)
-        )
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: Status, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case let .collecting(missing):
-            writeInt(&buf, Int32(1))
-            FfiConverterTypeMissing.write(missing, into: &buf)
-
-
-        case .tracking:
-            writeInt(&buf, Int32(2))
-
-
-        case let .suspect(sinceNs):
-            writeInt(&buf, Int32(3))
-            FfiConverterInt64.write(sinceNs, into: &buf)
-
-
-        case let .held(reason):
-            writeInt(&buf, Int32(4))
-            FfiConverterTypeHoldReason.write(reason, into: &buf)
-
-
-        case let .disturbed(sinceNs):
-            writeInt(&buf, Int32(5))
-            FfiConverterInt64.write(sinceNs, into: &buf)
-
-
-        case let .rejected(reason):
-            writeInt(&buf, Int32(6))
-            FfiConverterTypeRejectReason.write(reason, into: &buf)
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeStatus_lift(_ buf: RustBuffer) throws -> Status {
-    return try FfiConverterTypeStatus.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-public func FfiConverterTypeStatus_lower(_ value: Status) -> RustBuffer {
-    return FfiConverterTypeStatus.lower(value)
 }
 
 
@@ -5088,7 +5088,7 @@ public func FfiConverterTypeStatus_lower(_ value: Status) -> RustBuffer {
  * Why an iteration stopped. Each is an answer; the last two say how good.
  */
 
-public enum Termination: Equatable, Hashable {
+public enum Termination: Equatable, Hashable, Codable {
 
     /**
      * The last step was below the tolerance.
@@ -5116,7 +5116,7 @@ extension Termination: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public struct FfiConverterTypeTermination: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
     typealias SwiftType = Termination
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Termination {
@@ -5156,14 +5156,14 @@ public struct FfiConverterTypeTermination: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeTermination_lift(_ buf: RustBuffer) throws -> Termination {
+fileprivate func FfiConverterTypeTermination_lift(_ buf: RustBuffer) throws -> Termination {
     return try FfiConverterTypeTermination.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-public func FfiConverterTypeTermination_lower(_ value: Termination) -> RustBuffer {
+fileprivate func FfiConverterTypeTermination_lower(_ value: Termination) -> RustBuffer {
     return FfiConverterTypeTermination.lower(value)
 }
 
@@ -5315,8 +5315,8 @@ fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeEvent: FfiConverterRustBuffer {
-    typealias SwiftType = Event?
+fileprivate struct FfiConverterOptionTypeEllipsoidFit: FfiConverterRustBuffer {
+    typealias SwiftType = EllipsoidFit?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -5324,13 +5324,13 @@ fileprivate struct FfiConverterOptionTypeEvent: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeEvent.write(value, into: &buf)
+        FfiConverterTypeEllipsoidFit.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeEvent.read(from: &buf)
+        case 1: return try FfiConverterTypeEllipsoidFit.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5339,8 +5339,8 @@ fileprivate struct FfiConverterOptionTypeEvent: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeFit: FfiConverterRustBuffer {
-    typealias SwiftType = Fit?
+fileprivate struct FfiConverterOptionTypeFieldEvent: FfiConverterRustBuffer {
+    typealias SwiftType = FieldEvent?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -5348,13 +5348,13 @@ fileprivate struct FfiConverterOptionTypeFit: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeFit.write(value, into: &buf)
+        FfiConverterTypeFieldEvent.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeFit.read(from: &buf)
+        case 1: return try FfiConverterTypeFieldEvent.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5483,8 +5483,8 @@ fileprivate struct FfiConverterOptionTypeWindowedConfig: FfiConverterRustBuffer 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeMethod: FfiConverterRustBuffer {
-    typealias SwiftType = Method?
+fileprivate struct FfiConverterOptionTypeCompensationMethod: FfiConverterRustBuffer {
+    typealias SwiftType = CompensationMethod?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -5492,13 +5492,13 @@ fileprivate struct FfiConverterOptionTypeMethod: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeMethod.write(value, into: &buf)
+        FfiConverterTypeCompensationMethod.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeMethod.read(from: &buf)
+        case 1: return try FfiConverterTypeCompensationMethod.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5700,7 +5700,7 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
 /**
  * The library's defaults, every field given.
  */
-public func defaultConfig() -> Config  {
+package func defaultConfig() -> Config  {
     return try!  FfiConverterTypeConfig_lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_default_config(uniffiCallStatus
@@ -5711,9 +5711,9 @@ public func defaultConfig() -> Config  {
  * The Earth's field by the World Magnetic Model.
  *
  * Latitude -90 to 90 degrees north, longitude -180 to 180 degrees east, height above the ellipsoid in metres
- * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. Fails with `Place` outside the model's range.
+ * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. Fails with `MagcompError.place` outside the model's range.
  */
-public func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> GeomagneticField  {
+package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> GeomagneticField  {
     return try  FfiConverterTypeGeomagneticField_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_geomagnetic_field(
@@ -5728,11 +5728,11 @@ public func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM:
  * Starts writing messages under a tag, and sends a panic's place there too. The first call in a process sets the tag,
  * later ones the level.
  */
-public func startLogging(tag: String, level: LogLevel)  {try! rustCall() {
+package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_start_logging(
         FfiConverterString.lower(tag),
-        FfiConverterTypeLogLevel_lower(level),uniffiCallStatus
+        FfiConverterTypeMagcompLogLevel_lower(level),uniffiCallStatus
     )
 }
 }
@@ -5741,7 +5741,7 @@ public func startLogging(tag: String, level: LogLevel)  {try! rustCall() {
  *
  * None when the field is vertical, or anything is not finite or zero. It has no sigma.
  */
-public func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
+package func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
     return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_attitude(
@@ -5755,7 +5755,7 @@ public func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
  *
  * Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
  */
-public func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3  {
+package func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3  {
     return try  FfiConverterTypeVector3_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_correct(
@@ -5769,7 +5769,7 @@ public func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3 
  *
  * None when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
  */
-public func heading(fieldUt: Vector3, up: Vector3, frame: HeadingFrame)throws  -> Heading?  {
+package func heading(fieldUt: Vector3, up: Vector3, frame: HeadingFrame)throws  -> Heading?  {
     return try  FfiConverterOptionTypeHeading.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_heading(
@@ -5782,7 +5782,7 @@ public func heading(fieldUt: Vector3, up: Vector3, frame: HeadingFrame)throws  -
 /**
  * True heading, degrees, 0 to 360, from a magnetic heading and the declination (east positive), degrees.
  */
-public func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double  {
+package func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double  {
     return try!  FfiConverterDouble.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_true_heading_deg(
@@ -5906,7 +5906,7 @@ private let initializationResult: InitializationResult = {
 
 // Make the ensure init function public so that other modules which have external type references to
 // our types can call it.
-public func uniffiEnsureMagcompFfiInitialized() {
+package func uniffiEnsureMagcompFfiInitialized() {
     switch initializationResult {
     case .ok:
         break

@@ -14,7 +14,8 @@ let package = Package(
             displayVersion: "1.0",
             bundleVersion: "1",
             supportedDeviceFamilies: [.phone],
-            supportedInterfaceOrientations: [.portrait, .landscapeLeft, .landscapeRight, .portraitUpsideDown]
+            supportedInterfaceOrientations: [.portrait, .landscapeLeft, .landscapeRight, .portraitUpsideDown],
+            capabilities: [.motion(purposeString: "The compass uses the motion sensors to find north.")]
         )
     ],
     dependencies: [.package(name: "magcomp", path: "../../..")],

@@ -2,7 +2,33 @@
 
 import Foundation
 
+// What is `package` in the generated bindings, as Swift has it: global functions would stand in every app's namespace.
+
 extension MagcompError: LocalizedError {
     /// The error in a sentence that says what to do.
     public var errorDescription: String? { text() }
+}
+
+extension Config {
+    /// The library's defaults, every field given.
+    public static var defaults: Config { defaultConfig() }
+}
+
+extension Calibration {
+    /// The field a raw sample stands for, h = M^-1 (raw - b).
+    ///
+    /// - Parameter rawUt: the sample, microtesla, device frame
+    /// - Returns: microtesla, device frame
+    /// - Throws: `MagcompError.calibration` when the soft iron is not positive definite or a number is out of range
+    public func correct(_ rawUt: Vector3) throws -> Vector3 {
+        try MagcompBindings.correct(calibration: self, rawUt: rawUt)
+    }
+}
+
+extension MagcompLogLevel {
+    /// Writes messages of this level and above to standard error from now on, the place of a defect too. The first call in a
+    /// process sets the tag, later ones the level.
+    ///
+    /// - Parameter tag: what every line begins with
+    public func startLogging(tag: String) { MagcompBindings.startLogging(tag: tag, level: self) }
 }

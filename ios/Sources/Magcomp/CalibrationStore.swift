@@ -7,10 +7,14 @@ public protocol CalibrationStore: Sendable {
     func load() -> String?
 
     /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`, then
-    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings. Changed
-    /// means hard iron or soft iron: the field strength follows the noise of a device at rest, and is kept with them. Never
-    /// called when ``load()`` or the save before has kept the same.
+    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings; and on the
+    /// thread that calls ``Compass/save()``. Changed means hard iron or soft iron: the field strength follows the noise of a
+    /// device at rest, and is kept with them. Never called when ``load()`` or the save before has kept the same, nor twice at
+    /// once. Readings wait for it, and it must not call the compass.
     func save(_ snapshot: String)
+
+    /// Keeps nothing from now on, until it is told to save: called by ``Compass/reset()``.
+    func clear()
 }
 
 /// Keeps the calibration in user defaults.
@@ -31,4 +35,6 @@ public struct UserDefaultsStore: CalibrationStore {
     public func load() -> String? { defaults.string(forKey: key) }
 
     public func save(_ snapshot: String) { defaults.set(snapshot, forKey: key) }
+
+    public func clear() { defaults.removeObject(forKey: key) }
 }

@@ -1,8 +1,10 @@
 /// A compass from a phone's own sensors: `for try await reading in Compass().readings() { ... }`.
+///
+/// However many iterate its readings, there is one estimator, and sensors run once, while anybody iterates. What was learned
+/// stays as long as the compass lives: a screen that comes back has its heading at once.
 public final class Compass: Sendable {
-    private let source: any MagneticFieldSource
-    private let config: Config
-    private let store: (any CalibrationStore)?
+    private let readers: Readers
+    private let estimation: Estimation
     private let frames: Locked<HeadingFrame>
 
     /// - Parameters:
@@ -11,12 +13,14 @@ public final class Compass: Sendable {
     ///     the phone is raised
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     public init(source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil) {
-        (self.source, self.config, self.store) = (source, config, store)
-        frames = Locked(
+        let frames = Locked(
             HeadingFrame(
                 axis: config.heading?.axis ?? .auto,
                 screenRotation: config.heading?.screenRotation ?? .deg0,
                 declinationDeg: config.heading?.declinationDeg))
+        self.frames = frames
+        estimation = Estimation(config, store: store) { frames.value }
+        readers = Readers(of: { source.samples() }, by: estimation)
     }
 
     #if canImport(CoreMotion) && !os(macOS)
@@ -27,14 +31,25 @@ public final class Compass: Sendable {
     #endif
 
     /// The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. With a
-    /// declination out of range readings end with `MagcompError.Config`.
+    /// declination out of range readings end with `MagcompError.config`.
     public var frame: HeadingFrame {
         get { frames.value }
         set { frames.value = newValue }
     }
 
-    /// One reading for every magnetometer sample, as long as it is iterated.
-    public func readings() -> CompensatedReadings {
-        source.samples().compensated(config, store: store) { [frames] in frames.value }
+    /// One reading for every magnetometer sample, as long as it is iterated. Iterators get the same readings, each from when
+    /// it began.
+    ///
+    /// - Parameter capacity: readings kept for a slow iterator, at least 1; the oldest is dropped and counted, but for a source
+    ///   that can wait, as a ``RecordingSource`` can
+    public func readings(capacity: Int = 64) -> CompensatedReadings {
+        CompensatedReadings { [readers] in readers.place(capacity: capacity) }
     }
+
+    /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where iOS may
+    /// end it without a word.
+    public func save() { estimation.save() }
+
+    /// Forgets what was learned, in the store too; iterations go on with a first calibration.
+    public func reset() { estimation.reset() }
 }

@@ -1,8 +1,9 @@
 import Observation
 
-/// What a compass screen shows, for SwiftUI: `.task { await model.run() }`.
+/// What a compass screen shows, for SwiftUI: `.task { await model.run() }`. For iOS 15 and 16 there is ``CompassObject``.
 ///
-/// Every run begins with nothing known; one that ends with an error leaves nothing but the error's text in ``status``.
+/// Every run begins with nothing shown; one that ends with an error leaves nothing but the error's text in ``status``. A value
+/// changes only to another one, and at most as often as a screen is drawn, so a view is drawn anew only for what it shows.
 @available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
 @MainActor @Observable
 public final class CompassModel {
@@ -10,21 +11,33 @@ public final class CompassModel {
     public private(set) var headingDeg: Double?
     /// One standard deviation of it, degrees; 180, nothing known, where there is no better.
     public private(set) var headingSigmaDeg = 180.0
+    /// Clockwise from true north, degrees, 0 to 360; nil without a heading, or a declination in ``frame``.
+    public private(set) var trueHeadingDeg: Double?
     /// Length of the corrected field, microtesla.
     public private(set) var totalFieldUt: Double?
     /// What the system itself says of the field, microtesla, and how well it is calibrated.
     public private(set) var systemField: SystemFieldSample?
     /// What the compensator is doing, in a sentence; or why there are no readings.
-    public private(set) var status = "starting"
+    public private(set) var status = CompassState().status
     /// Share of the directions seen, 0 to 1.
     public private(set) var coverage = 0.0
+    /// Where the field has not pointed yet, unit vectors in the device frame.
+    public private(set) var unseenDirections: [Vector3] = []
     /// What the person can do for a better heading, or nil.
     public private(set) var guidance: String?
+    /// Whether the place is disturbed, so that the heading is not to be relied on.
+    public private(set) var isDisturbed = false
+    /// The latest decided change of the field: a cover put on or taken off, another place.
+    public private(set) var event: FieldEvent?
+    /// All that the latest reading has.
+    public private(set) var reading: CompensatedReading?
 
     private let compass: Compass
-    private var latest: Status?
+    private let display: CompassDisplay
 
-    public init(compass: Compass) { self.compass = compass }
+    public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
+        (self.compass, self.display) = (compass, display)
+    }
 
     /// The frame headings are in, for instance when the screen was turned.
     public var frame: HeadingFrame {
@@ -33,45 +46,31 @@ public final class CompassModel {
     }
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
-    public func run() async {
-        clear("starting")
-        do {
-            for try await answer in compass.readings() { show(answer) }
-        } catch {
-            clear(error.localizedDescription)
-        }
+    public func run() async { await compass.follow(display) { show($0) } }
+
+    /// Saves the calibration now: for an app that enters the background.
+    public func save() { compass.save() }
+
+    /// Forgets what was learned, in the store too.
+    public func reset() { compass.reset() }
+
+    private func show(_ state: CompassState) {
+        set(\.headingDeg, state.headingDeg)
+        set(\.headingSigmaDeg, state.headingSigmaDeg)
+        set(\.trueHeadingDeg, state.trueHeadingDeg)
+        set(\.totalFieldUt, state.totalFieldUt)
+        set(\.systemField, state.systemField)
+        set(\.status, state.status)
+        set(\.coverage, state.coverage)
+        set(\.unseenDirections, state.unseenDirections)
+        set(\.guidance, state.guidance)
+        set(\.isDisturbed, state.isDisturbed)
+        set(\.event, state.event)
+        set(\.reading, state.reading)
     }
 
-    /// Nothing of an earlier reading, nor of an earlier error.
-    private func clear(_ status: String) {
-        (headingDeg, headingSigmaDeg, totalFieldUt, systemField) = (nil, 180, nil, nil)
-        (coverage, guidance, latest) = (0, nil, nil)
-        self.status = status
-    }
-
-    private func show(_ answer: CompensatedReading) {
-        let reading = answer.reading
-        headingDeg = reading.heading?.headingDeg
-        headingSigmaDeg = reading.heading?.headingSigmaDeg ?? 180
-        totalFieldUt = reading.totalFieldUt
-        systemField = answer.systemField
-        coverage = reading.coverage
-        // the words cost a call into the library: only another status asks for them
-        if reading.status != latest {
-            latest = reading.status
-            status = reading.status.text()
-            guidance = Self.guidance(reading.status)
-        }
-    }
-
-    private static func guidance(_ status: Status) -> String? {
-        switch status {
-        case .collecting(.rotation), .held(.tooLittleRotation): "Turn the phone."
-        case .collecting(.directions), .collecting(.fit), .held(.fitRefused), .held(.lowUniformity):
-            "Turn the phone about all its axes, as if drawing an eight."
-        case .collecting(.samples), .held(.atRest): "Pick the phone up and turn it."
-        case .disturbed: "Walk away from metal and magnets."
-        case .held(.noGyroscope), .held(.constant), .tracking, .suspect, .rejected: nil
-        }
+    /// An equal value tells nobody.
+    private func set<Value: Equatable>(_ path: ReferenceWritableKeyPath<CompassModel, Value>, _ value: Value) {
+        if self[keyPath: path] != value { self[keyPath: path] = value }
     }
 }

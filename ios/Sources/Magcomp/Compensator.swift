@@ -2,8 +2,8 @@ import MagcompFFI
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
-/// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.Closed`. After a defect of
-/// the library calls throw `MagcompError.Panicked` until ``reset()``.
+/// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.closed`. After a defect of
+/// the library calls throw `MagcompError.panicked` until ``reset()``.
 public final class Compensator: Sendable {
     /// What it was made with; what was left out is the library's default.
     public let config: Config
@@ -11,7 +11,7 @@ public final class Compensator: Sendable {
     // a number, not a pointer: that of a closed object finds nothing
     private let handle: Int64
 
-    /// - Throws: `MagcompError.Config` when a field of the config is out of range, `MagcompError.Calibration` when its
+    /// - Throws: `MagcompError.config` when a field of the config is out of range, `MagcompError.calibration` when its
     ///   first calibration is none
     public init(config: Config = Config()) throws {
         self.config = config
@@ -64,7 +64,7 @@ public final class Compensator: Sendable {
 
     /// From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
     ///
-    /// - Throws: `MagcompError.Config` when the declination is out of range
+    /// - Throws: `MagcompError.config` when the declination is out of range
     public func setHeadingFrame(_ frame: HeadingFrame) throws { try native.setHeadingFrame(frame: frame) }
 
     /// Hard iron, soft iron and field strength in force, if any.
@@ -72,9 +72,11 @@ public final class Compensator: Sendable {
 
     /// From now on this calibration is in force, until something better is learned. The stream goes on.
     ///
-    /// - Parameter hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
-    ///   first readings are as unsure as that
-    /// - Throws: `MagcompError.Calibration` when it is none, `MagcompError.Config` when the standard deviation is out of range;
+    /// - Parameters:
+    ///   - calibration: hard iron, soft iron and field strength
+    ///   - hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
+    ///     readings are as unsure as that
+    /// - Throws: `MagcompError.calibration` when it is none, `MagcompError.config` when the standard deviation is out of range;
     ///   nothing has changed then
     public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {
         try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)
@@ -85,13 +87,13 @@ public final class Compensator: Sendable {
     public func covariance() throws -> [Double]? { try native.covariance() }
 
     /// The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none.
-    public func fit() throws -> Fit? { try native.fit() }
+    public func fit() throws -> EllipsoidFit? { try native.fit() }
 
     /// Which directions were seen, for guidance.
     public func coverage() throws -> Coverage { try native.coverage() }
 
     /// Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-    /// `MagcompError.Panicked`.
+    /// `MagcompError.panicked`.
     public func reset() throws { try native.reset() }
 
     /// The whole state as text with a version and a checksum, to be kept and restored.
@@ -104,14 +106,14 @@ public final class Compensator: Sendable {
     /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
     /// of the library, else its calibration alone.
     ///
-    /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
+    /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
     @discardableResult
     public func restore(_ snapshot: String) throws -> Restored { try native.restore(snapshot: snapshot) }
 
     /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of an
     /// app, or of the phone, whose sensor clock begins at 0 again.
     ///
-    /// - Throws: `MagcompError.SnapshotDamaged` or `MagcompError.SnapshotNewer`; nothing has changed then
+    /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
     public func restoreCalibration(_ snapshot: String) throws { try native.restoreCalibration(snapshot: snapshot) }
 
     /// Frees the native state now. May be called twice, and while another thread pushes.
@@ -123,9 +125,9 @@ public final class Compensator: Sendable {
         if code == Int32(MAGCOMP_PANICKED) {
             // the error with what the panic said; when another thread has reset it meanwhile, this call goes through
             _ = try native.calibration()
-            throw MagcompError.Panicked(what: "reset meanwhile")
+            throw MagcompError.panicked(what: "reset meanwhile")
         }
-        throw MagcompError.Closed
+        throw MagcompError.closed
     }
 
     /// For tests alone.

@@ -6,11 +6,18 @@ public struct SensorOptions: Equatable, Sendable {
     public var gyroscope: Bool
     /// Whether gravity is used; without it there is no heading. Default true.
     public var up: Bool
-    /// Whether the system's own calibrated field is delivered too, for comparison. Default false.
+    /// Whether the system's own calibrated field is delivered too: for comparison, and because raw less calibrated field is the
+    /// system's hard iron, which gives a first heading before the phone was turned, with a wide sigma. Default false.
     public var systemField: Bool
+    /// Longest that an event waits for earlier ones of other sensors, seconds, 0 to 0.25, so that all go out in the order of
+    /// their times though the system delivers one sensor later than another; 0: as they are delivered. Default 0.05.
+    public var holdS: Double
 
-    public init(rateHz: Int = 100, gyroscope: Bool = true, up: Bool = true, systemField: Bool = false) {
+    public init(
+        rateHz: Int = 100, gyroscope: Bool = true, up: Bool = true, systemField: Bool = false, holdS: Double = 0.05
+    ) {
         (self.rateHz, self.gyroscope, self.up, self.systemField) = (rateHz, gyroscope, up, systemField)
+        self.holdS = holdS
     }
 }
 
@@ -21,9 +28,11 @@ import Foundation
 
 /// The phone's own sensors: the raw magnetometer, and device motion for gravity and the gyroscope.
 ///
-/// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Updates
-/// start with the first iterator of ``samples()`` and stop with the last; each gets every event. Iterating throws
-/// ``SensorError`` when a sensor is missing or the system refuses, and `MagcompError.Config` for options out of range.
+/// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Events go out
+/// in the order of their times (``SensorOptions/holdS``), though device motion is delivered later than the magnetometer, or
+/// earlier; ``lagS`` says by how much. Updates start with the first iterator of ``samples()`` and stop with the last; each
+/// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
+/// `MagcompError.config` for options out of range.
 public final class CoreMotionSource: MagneticFieldSource {
     private let updates: Updates
 
@@ -37,6 +46,11 @@ public final class CoreMotionSource: MagneticFieldSource {
     public func samples() -> SensorSamples {
         SensorSamples { [updates] in updates.events() }
     }
+
+    /// By how much device motion lately came later than magnetometer events of the same time, seconds: the largest of about
+    /// the last second; negative when the magnetometer came later; nil before both came. For a look at a new device: more
+    /// than ``SensorOptions/holdS`` costs accuracy.
+    public var lagS: Double? { updates.lagS }
 }
 
 /// One motion manager and everyone who wants its events.
@@ -53,9 +67,12 @@ private final class Updates: @unchecked Sendable {
     private let manager: CMMotionManager
     private var listeners: [Int: Listener] = [:]
     private var number = 0
+    private var queued: EventQueue
+    private var lag = Lag()
 
     init(_ manager: CMMotionManager, _ options: SensorOptions) {
         (self.manager, self.options) = (manager, options)
+        queued = EventQueue(holdS: 0)
         queue.name = "org.magcomp.sensors"
         // events stay in order
         queue.maxConcurrentOperationCount = 1
@@ -91,9 +108,13 @@ private final class Updates: @unchecked Sendable {
 
     private func start() throws {
         guard (1...1000).contains(options.rateHz) else {
-            throw MagcompError.Config(
+            throw MagcompError.config(
                 field: "SensorOptions.rateHz", value: "\(options.rateHz)", expected: "1 to 1000")
         }
+        guard (0...0.25).contains(options.holdS) else {
+            throw MagcompError.config(field: "SensorOptions.holdS", value: "\(options.holdS)", expected: "0 to 0.25 s")
+        }
+        if refused(type(of: manager)) { throw SensorError.accessRefused(sensor: "motion sensors") }
         guard manager.isMagnetometerAvailable else {
             throw SensorError.missing(sensor: "magnetometer", advice: "hide the compass")
         }
@@ -106,11 +127,13 @@ private final class Updates: @unchecked Sendable {
                     sensor: "gyroscope",
                     advice: "without a heading, use SensorOptions(gyroscope: false, up: false)")
             }
-            guard CMMotionManager.availableAttitudeReferenceFrames().contains(frame) else {
+            guard type(of: manager).availableAttitudeReferenceFrames().contains(frame) else {
                 throw SensorError.missing(
                     sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
             }
         }
+        // the magnetometer alone waits for nobody
+        (queued, lag) = (EventQueue(holdS: motion ? options.holdS : 0), Lag())
         let interval = 1 / Double(options.rateHz)
         manager.magnetometerUpdateInterval = interval
         manager.startMagnetometerUpdates(to: queue) { @Sendable [weak self] data, error in
@@ -125,6 +148,20 @@ private final class Updates: @unchecked Sendable {
         }
     }
 
+    /// Whether the system says, before it is asked for events, that it will give none.
+    private func refused(_ manager: CMMotionManager.Type) -> Bool {
+        // new in iOS 27.2: older SDKs lack the method, older systems ask nobody
+        #if canImport(CoreMotion, _version: 3186)
+        if #available(iOS 27.2, macCatalyst 27.2, watchOS 27.2, visionOS 27.2, *) {
+            switch manager.authorizationStatus() {
+            case .denied, .restricted: return true
+            default: return false
+            }
+        }
+        #endif
+        return false
+    }
+
     private func stop() {
         manager.stopMagnetometerUpdates()
         manager.stopDeviceMotionUpdates()
@@ -132,11 +169,13 @@ private final class Updates: @unchecked Sendable {
 
     private func take(_ data: CMMagnetometerData) {
         guard let timeNs = nanoseconds(data.timestamp) else { return }
+        lock.withLock { lag.magnetic(data.timestamp) }
         deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))])
     }
 
     private func take(_ motion: CMDeviceMotion) {
         guard let timeNs = nanoseconds(motion.timestamp) else { return }
+        lock.withLock { lag.motion(motion.timestamp) }
         var events: [SensorSample] = []
         if options.gyroscope {
             let rate = motion.rotationRate
@@ -167,11 +206,13 @@ private final class Updates: @unchecked Sendable {
     private func nanoseconds(_ seconds: TimeInterval) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
 
     private func deliver(_ events: [SensorSample]) {
-        let all = lock.withLock { Array(listeners.values) }
+        let (all, due) = lock.withLock { (Array(listeners.values), events.flatMap { queued.push($0) }) }
         for listener in all {
-            for event in events { listener.yield(event) }
+            for event in due { listener.yield(event) }
         }
     }
+
+    var lagS: Double? { lock.withLock { lag.seconds } }
 
     private func fail(_ sensor: String, _ error: any Error) {
         let reason = error as NSError
@@ -182,13 +223,35 @@ private final class Updates: @unchecked Sendable {
         let failure: SensorError =
             refused
             ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
-        let all = lock.withLock {
+        let (all, rest) = lock.withLock {
             defer { listeners = [:] }
             if !listeners.isEmpty { stop() }
-            return Array(listeners.values)
+            return (Array(listeners.values), queued.flush())
         }
         // outside the lock: this calls `remove`
-        for listener in all { listener.finish(throwing: failure) }
+        for listener in all {
+            for event in rest { listener.yield(event) }
+            listener.finish(throwing: failure)
+        }
+    }
+}
+
+/// How much older than the newest magnetometer event device motion is when it is delivered: the largest of this second and the
+/// one before it, by the motion's own times.
+private struct Lag {
+    private var newestS: Double?
+    private var begunS: Double?
+    private var now: Double?
+    private var before: Double?
+
+    var seconds: Double? { [now, before].compactMap { $0 }.max() }
+
+    mutating func magnetic(_ timeS: Double) { newestS = timeS }
+
+    mutating func motion(_ timeS: Double) {
+        guard let newestS else { return }
+        if begunS.map({ abs(timeS - $0) >= 1 }) ?? true { (begunS, before, now) = (timeS, now, nil) }
+        now = max(now ?? -.infinity, newestS - timeS)
     }
 }
 

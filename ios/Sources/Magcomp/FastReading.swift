@@ -28,8 +28,8 @@ extension Reading {
             modelOrder: ModelOrder(c.model_order),
             reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
             mode: SensorMode(c.mode),
-            event: Event(c.event),
-            status: Status(c.status)
+            event: FieldEvent(c.event),
+            status: CompensationStatus(c.status)
         )
     }
 }
@@ -47,13 +47,14 @@ private func unknown(_ what: String, _ code: Int32) -> Never {
 
 extension SensorMode {
     fileprivate init(_ code: Int32) {
-        self = switch code {
-        case 0: .gyroscopeAndGravity
-        case 1: .gyroscopeOnly
-        case 2: .gravityOnly
-        case 3: .magnetometerOnly
-        default: unknown("mode", code)
-        }
+        self =
+            switch code {
+            case 0: .gyroscopeAndGravity
+            case 1: .gyroscopeOnly
+            case 2: .gravityOnly
+            case 3: .magnetometerOnly
+            default: unknown("mode", code)
+            }
     }
 }
 
@@ -69,87 +70,93 @@ extension ModelOrder {
     }
 }
 
-extension Event {
+extension FieldEvent {
     fileprivate init?(_ c: MagcompEvent) {
-        let kind: EventKind? = switch c.kind {
-        case 0: .deviceStep
-        case 1: .deviceStepBack
-        case 2: .placeChanged
-        case 3: .erratic
-        default: nil
-        }
+        let kind: FieldEventKind? =
+            switch c.kind {
+            case 0: .deviceStep
+            case 1: .deviceStepBack
+            case 2: .placeChanged
+            case 3: .erratic
+            default: nil
+            }
         guard let kind else { return nil }
         self.init(kind: kind, sinceNs: c.since_ns, decidedNs: c.decided_ns)
     }
 }
 
-extension Status {
+extension CompensationStatus {
     init(_ c: MagcompStatus) {
-        self = switch c.kind {
-        case 0: .collecting(missing: Missing(c))
-        case 1: .tracking
-        case 2: .suspect(sinceNs: c.whole.0)
-        case 3: .held(reason: HoldReason(c))
-        case 4: .disturbed(sinceNs: c.whole.0)
-        case 5: .rejected(reason: RejectReason(c))
-        default: unknown("status", c.kind)
-        }
+        self =
+            switch c.kind {
+            case 0: .collecting(missing: CollectingReason(c))
+            case 1: .tracking
+            case 2: .suspect(sinceNs: c.whole.0)
+            case 3: .held(reason: HoldReason(c))
+            case 4: .disturbed(sinceNs: c.whole.0)
+            case 5: .rejected(reason: RejectReason(c))
+            default: unknown("status", c.kind)
+            }
     }
 }
 
-extension Missing {
+extension CollectingReason {
     fileprivate init(_ c: MagcompStatus) {
-        self = switch c.reason {
-        case 0: .samples(have: Int32(c.whole.0), need: Int32(c.whole.1))
-        case 1: .fit(problem: FitProblem(c))
-        case 2: .rotation
-        case 3: .directions
-        default: unknown("missing", c.reason)
-        }
+        self =
+            switch c.reason {
+            case 0: .samples(have: Int32(c.whole.0), need: Int32(c.whole.1))
+            case 1: .fit(problem: FitProblem(c))
+            case 2: .rotation
+            case 3: .directions
+            default: unknown("missing", c.reason)
+            }
     }
 }
 
 extension HoldReason {
     fileprivate init(_ c: MagcompStatus) {
-        self = switch c.reason {
-        case 0: .lowUniformity
-        case 1: .fitRefused(problem: FitProblem(c))
-        case 2: .constant
-        case 3: .atRest
-        case 4: .tooLittleRotation
-        case 5: .noGyroscope
-        default: unknown("hold reason", c.reason)
-        }
+        self =
+            switch c.reason {
+            case 0: .lowUniformity
+            case 1: .fitRefused(problem: FitProblem(c))
+            case 2: .constant
+            case 3: .atRest
+            case 4: .tooLittleRotation
+            case 5: .noGyroscope
+            default: unknown("hold reason", c.reason)
+            }
     }
 }
 
 extension RejectReason {
     fileprivate init(_ c: MagcompStatus) {
         let (a, b) = (c.real.0, c.real.1)
-        self = switch c.reason {
-        case 0: .notFinite
-        case 1: .outOfRange(valueUt: a, limitUt: b)
-        case 2: .saturated(valueUt: a, railUt: b)
-        case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
-        case 4: .timeJump(gapS: a, limitS: b)
-        case 5: .stuck(repeats: Int32(c.whole.0))
-        default: unknown("reject reason", c.reason)
-        }
+        self =
+            switch c.reason {
+            case 0: .notFinite
+            case 1: .outOfRange(valueUt: a, limitUt: b)
+            case 2: .saturated(valueUt: a, railUt: b)
+            case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
+            case 4: .timeJump(gapS: a, limitS: b)
+            case 5: .stuck(repeats: Int32(c.whole.0))
+            default: unknown("reject reason", c.reason)
+            }
     }
 }
 
 extension FitProblem {
     fileprivate init(_ c: MagcompStatus) {
         let (a, b, third) = c.real
-        self = switch c.problem {
-        case 0: .tooFewSamples(have: Int32(c.whole.0))
-        case 1: .planar(thicknessUt: a)
-        case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
-        case 3: .inconsistent(residualUt: a, limitUt: b)
-        case 4: .notAnEllipsoid
-        case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
-        case 6: .notFinite
-        default: unknown("fit problem", c.problem)
-        }
+        self =
+            switch c.problem {
+            case 0: .tooFewSamples(have: Int32(c.whole.0))
+            case 1: .planar(thicknessUt: a)
+            case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
+            case 3: .inconsistent(residualUt: a, limitUt: b)
+            case 4: .notAnEllipsoid
+            case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
+            case 6: .notFinite
+            default: unknown("fit problem", c.problem)
+            }
     }
 }

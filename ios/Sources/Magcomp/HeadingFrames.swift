@@ -1,3 +1,40 @@
+extension Attitude {
+    /// How a device lies by one corrected field and one `up`, in their device frame: device to east, magnetic north and up. Nil
+    /// where the two have one direction, or one has none.
+    ///
+    /// - Parameters:
+    ///   - fieldUt: the corrected field, microtesla
+    ///   - up: any length, pointing up
+    public init?(fieldUt: Vector3, up: Vector3) throws {
+        guard let found = try attitude(fieldUt: fieldUt, up: up) else { return nil }
+        self = found
+    }
+}
+
+extension Heading {
+    /// The heading and inclination of one corrected field and one `up`, in their device frame. Nil where the axis is vertical,
+    /// or a vector has no direction.
+    ///
+    /// - Parameters:
+    ///   - fieldUt: the corrected field, microtesla
+    ///   - up: any length, pointing up
+    ///   - frame: the axis whose heading it is; with a declination there is a true heading
+    /// - Throws: `MagcompError.config` when the declination is out of range
+    public init?(fieldUt: Vector3, up: Vector3, frame: HeadingFrame) throws {
+        guard let found = try heading(fieldUt: fieldUt, up: up, frame: frame) else { return nil }
+        self = found
+    }
+
+    /// Clockwise from true north, degrees, 0 to 360.
+    ///
+    /// - Parameters:
+    ///   - headingDeg: clockwise from magnetic north, degrees
+    ///   - declinationDeg: from true to magnetic north, degrees, east positive
+    public static func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double {
+        MagcompBindings.trueHeadingDeg(headingDeg: headingDeg, declinationDeg: declinationDeg)
+    }
+}
+
 extension ScreenRotation {
     /// By the raw value of a `UIInterfaceOrientation`: 1 portrait, 2 upside down, 3 landscape with the home button's edge
     /// to the right (the device was turned counter-clockwise), 4 to the left. Nil for any other, which is none.
@@ -21,7 +58,7 @@ extension HeadingFrame {
     /// - Parameters:
     ///   - interfaceOrientation: that of the window's scene; unknown counts as portrait
     ///   - axis: the axis of the device the heading is that of; automatic: top edge when flat, camera when upright
-    ///   - declinationDeg: declination, degrees, east positive, for a true heading; `geomagneticField` gives it
+    ///   - declinationDeg: declination, degrees, east positive, for a true heading; `GeomagneticField` gives it
     public init(
         interfaceOrientation: UIInterfaceOrientation,
         axis: ReferenceAxis = .auto,

@@ -1,19 +1,20 @@
 /// Where events come from: a phone's sensors (``CoreMotionSource``), a recording (``RecordingSource``), or your own.
 public protocol MagneticFieldSource: Sendable {
     /// The events, each sensor's in the order of their times. Cold: every iterator starts its own, and ends it when it is
-    /// freed or its task is cancelled. No event may be dropped on the way.
+    /// freed or its task is cancelled, which must not take long. No event may be dropped on the way.
     func samples() -> SensorSamples
 }
 
 /// One event of one of the sensors, with its own time.
-public enum SensorSample: Equatable, Sendable {
+public enum SensorSample: Equatable, Codable, Sendable {
     /// A raw magnetometer event.
     case magnetic(MagneticSample)
     /// A gyroscope event.
     case rotationRate(RotationRateSample)
     /// An accelerometer or gravity event.
     case up(UpSample)
-    /// The operating system's own calibrated field, for comparison; the compensator does not use it.
+    /// The operating system's own calibrated field. A compensator does not use it; a ``Compass`` takes from it a first hard
+    /// iron, where it has no better.
     case systemField(SystemFieldSample)
 
     /// Time of the event, nanoseconds, on one clock for all sensors.
@@ -28,9 +29,9 @@ public enum SensorSample: Equatable, Sendable {
 }
 
 /// The field as the operating system has calibrated it.
-public struct SystemFieldSample: Equatable, Sendable {
+public struct SystemFieldSample: Equatable, Codable, Sendable {
     /// How well the operating system says that it is calibrated.
-    public enum Accuracy: Equatable, Sendable {
+    public enum Accuracy: String, Equatable, Codable, Sendable {
         case uncalibrated, low, medium, high
     }
 
@@ -52,10 +53,18 @@ public struct SystemFieldSample: Equatable, Sendable {
 public struct SensorSamples: AsyncSequence, Sendable {
     public typealias Element = SensorSample
 
+    /// Whether events come whether or not anybody is ready for them, as a sensor's do; those of a recording wait.
+    public let live: Bool
+
     private let begin: @Sendable () -> AsyncIterator
 
-    /// - Parameter make: makes the sequence anew for every iterator
-    public init<S: AsyncSequence>(_ make: @escaping @Sendable () -> S) where S.Element == SensorSample {
+    /// - Parameters:
+    ///   - live: whether events come whether or not anybody is ready for them
+    ///   - make: makes the sequence anew for every iterator
+    public init<S: AsyncSequence>(
+        live: Bool = true, _ make: @escaping @Sendable () -> S
+    ) where S.Element == SensorSample {
+        self.live = live
         begin = {
             var iterator = make().makeAsyncIterator()
             return AsyncIterator { try await iterator.next() }

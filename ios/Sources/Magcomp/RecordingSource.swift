@@ -22,25 +22,80 @@ extension RecordingError: LocalizedError {
 /// (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
 /// magnetometer event, in this order, as far as it has them.
 ///
-/// Iterating does not wait between rows and throws ``RecordingError`` where the recording is not in order.
+/// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingError`` where the
+/// recording is not in order.
 public struct RecordingSource: MagneticFieldSource {
     private let name: String
     private let open: @Sendable () throws -> Data
+    private let speed: Double?
+    private let clock: any PlayingClock
 
     /// - Parameters:
     ///   - name: said in errors
+    ///   - speed: 1 plays at the recording's own pace, 2 twice as fast, above 0; nil: as fast as it is read
     ///   - open: gives the text anew for every iterator
-    public init(name: String, open: @escaping @Sendable () throws -> Data) {
-        (self.name, self.open) = (name, open)
+    public init(name: String, speed: Double? = nil, open: @escaping @Sendable () throws -> Data) {
+        self.init(name: name, speed: speed, clock: SystemClock(), open: open)
     }
 
     /// A file, `.csv`; a `.csv.gz` must be decompressed before.
-    public init(url: URL) {
-        self.init(name: url.lastPathComponent) { try Data(contentsOf: url, options: .alwaysMapped) }
+    ///
+    /// - Parameters:
+    ///   - url: the file
+    ///   - speed: 1 plays at the recording's own pace, 2 twice as fast, above 0; nil: as fast as it is read
+    public init(url: URL, speed: Double? = nil) {
+        self.init(name: url.lastPathComponent, speed: speed) { try Data(contentsOf: url, options: .alwaysMapped) }
+    }
+
+    init(name: String, speed: Double?, clock: any PlayingClock, open: @escaping @Sendable () throws -> Data) {
+        (self.name, self.speed, self.clock, self.open) = (name, speed, clock, open)
     }
 
     public func samples() -> SensorSamples {
-        SensorSamples { [self] in Rows(name: name, open: open) }
+        SensorSamples(live: false) { [self] in
+            Rows(name: name, pace: speed.map { Pace(speed: $0, clock: clock) }, open: open)
+        }
+    }
+}
+
+/// What a recording is played by; a test has its own.
+protocol PlayingClock: Sendable {
+    var nowNs: Int64 { get }
+
+    func sleep(forNs: Int64) async throws
+}
+
+private struct SystemClock: PlayingClock {
+    var nowNs: Int64 { Int64(DispatchTime.now().uptimeNanoseconds) }
+
+    // not by a deadline, which iOS 15 lacks
+    func sleep(forNs ns: Int64) async throws { try await Task.sleep(nanoseconds: UInt64(ns)) }
+}
+
+/// When a row is due.
+private struct Pace {
+    let speed: Double
+    let clock: any PlayingClock
+    /// Time of the first row, and when it was read.
+    private var start: (rowNs: Int64, nowNs: Int64)?
+
+    init(speed: Double, clock: any PlayingClock) { (self.speed, self.clock) = (speed, clock) }
+
+    func check() throws {
+        guard speed > 0, speed.isFinite else {
+            throw MagcompError.config(field: "RecordingSource.speed", value: "\(speed)", expected: "above 0")
+        }
+    }
+
+    mutating func wait(for rowNs: Int64) async throws {
+        guard let start else {
+            start = (rowNs, clock.nowNs)
+            return
+        }
+        // of two differences, each exact enough: the times may be any
+        let dueNs = (Double(rowNs) - Double(start.rowNs)) / speed
+        let leftNs = dueNs - Double(clock.nowNs - start.nowNs)
+        if leftNs >= 1, leftNs < 9e18 { try await clock.sleep(forNs: Int64(leftNs)) }
     }
 }
 
@@ -52,6 +107,7 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
 
     let name: String
     let open: @Sendable () throws -> Data
+    private var pace: Pace?
     private var lines: Lines?
     private var columns: [String: Int] = [:]
     private var width = 0
@@ -59,7 +115,9 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     /// Events of the latest row, the next one last.
     private var events: [SensorSample] = []
 
-    init(name: String, open: @escaping @Sendable () throws -> Data) { (self.name, self.open) = (name, open) }
+    init(name: String, pace: Pace?, open: @escaping @Sendable () throws -> Data) {
+        (self.name, self.pace, self.open) = (name, pace, open)
+    }
 
     func makeAsyncIterator() -> Rows { self }
 
@@ -70,11 +128,13 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
             while text == "" { text = nextLine() }
             guard let text else { return nil }
             try read(text)
+            if let next = events.last { try await pace?.wait(for: next.timeNs) }
         }
         return events.popLast()
     }
 
     private mutating func begin() throws {
+        try pace?.check()
         let data = try open()
         guard !data.starts(with: Self.gzip) else {
             throw RecordingError(name: name, line: 1, column: nil, problem: "it is compressed; decompress it with gunzip")

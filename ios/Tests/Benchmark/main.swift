@@ -61,7 +61,7 @@ func median(_ values: [Double]) -> Double { values.sorted()[values.count / 2] }
 
 let rounds = 21
 print("ns a push: median of \(rounds) rounds of the recording, in turns; in brackets: times bare Rust, median of the rounds")
-let cases: [(name: String, method: Method, code: Int32, events: [SensorSample])] = [
+let cases: [(name: String, method: CompensationMethod, code: Int32, events: [SensorSample])] = [
     ("default method, gyroscope, up and magnetometer", .auto, 0, all),
     ("paper's method, magnetometer alone", .windowed, 1, magnetic),
     ("constant calibration, magnetometer alone, a tumbled device", .constant, 2, tumbled),

@@ -89,6 +89,10 @@ public let CMErrorNotAvailable = CMError(rawValue: 109)
 public let CMErrorNotEntitled = CMError(rawValue: 110)
 public let CMErrorNotAuthorized = CMError(rawValue: 111)
 
+public enum CMAuthorizationStatus: Int, Sendable {
+    case notDetermined, restricted, denied, authorized
+}
+
 public typealias CMMagnetometerHandler = (CMMagnetometerData?, (any Error)?) -> Void
 public typealias CMDeviceMotionHandler = (CMDeviceMotion?, (any Error)?) -> Void
 
@@ -96,6 +100,8 @@ open class CMMotionManager: NSObject {
     let script = Script()
 
     public override init() { super.init() }
+
+    open class func authorizationStatus() -> CMAuthorizationStatus { .notDetermined }
 
     open class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame {
         [.xArbitraryZVertical, .xArbitraryCorrectedZVertical]

@@ -51,6 +51,34 @@ extension CMMotionManager {
         call(script.locked { $0.deviceMotion }.map { to in (to.queue, { to.handler(data, nil) }) })
     }
 
+    /// What both sensors measured at one time.
+    public struct Row {
+        public var timestamp: TimeInterval
+        public var field, gravity, rate: (Double, Double, Double)
+
+        public init(
+            timestamp: TimeInterval, field: (Double, Double, Double), gravity: (Double, Double, Double),
+            rate: (Double, Double, Double)
+        ) {
+            (self.timestamp, self.field, self.gravity, self.rate) = (timestamp, field, gravity, rate)
+        }
+    }
+
+    /// Rows as they are delivered when device motion comes later than the magnetometer, seconds; negative: earlier.
+    public func play(_ rows: [Row], motionLateS: TimeInterval) {
+        let late = rows.map { (at: $0.timestamp + motionLateS, motion: true, row: $0) }
+        let plain = rows.map { (at: $0.timestamp, motion: false, row: $0) }
+        // at one moment device motion is first
+        for delivery in (late + plain).sorted(by: { ($0.at, $0.motion ? 0 : 1) < ($1.at, $1.motion ? 0 : 1) }) {
+            let row = delivery.row
+            if delivery.motion {
+                deviceMotion(at: row.timestamp, gravity: row.gravity, rate: row.rate)
+            } else {
+                magnetometer(at: row.timestamp, row.field.0, row.field.1, row.field.2)
+            }
+        }
+    }
+
     /// An error instead of a magnetometer event.
     public func magnetometerFails(_ error: any Error) {
         call(script.locked { $0.magnetometer }.map { to in (to.queue, { to.handler(nil, error) }) })

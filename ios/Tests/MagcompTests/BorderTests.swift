@@ -49,7 +49,7 @@ import Testing
             .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
             .stuck(repeats: 50),
         ]
-        var expected: [Status] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
+        var expected: [CompensationStatus] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
         expected += [.samples(have: 60, need: 100), .rotation, .directions].map { .collecting(missing: $0) }
         expected += problems.map { .collecting(missing: .fit(problem: $0)) }
         expected += held.map { .held(reason: $0) }
@@ -59,19 +59,19 @@ import Testing
         for (index, status) in expected.enumerated() {
             var out = MagcompStatus()
             _ = magcomp_test_status(Int32(index), &out)
-            #expect(Status(out) == status)
+            #expect(CompensationStatus(out) == status)
             #expect(status.text().hasPrefix(status.label()))
         }
     }
 
     @Test func aConfigOutOfRangeIsATypedError() {
         #expect(
-            throws: MagcompError.Config(field: "windowed.n_min", value: "3", expected: "at least 9 samples")
+            throws: MagcompError.config(field: "windowed.n_min", value: "3", expected: "at least 9 samples")
         ) { try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
     }
 
     @Test func theDefaultsAreTheCores() throws {
-        let (plain, spelled) = (try Compensator(), try Compensator(config: defaultConfig()))
+        let (plain, spelled) = (try Compensator(), try Compensator(config: .defaults))
         #expect(try plain.pushAll(events) == spelled.pushAll(events))
         #expect(try plain.snapshot() == spelled.snapshot())
     }
@@ -113,7 +113,7 @@ import Testing
         #expect((3.0...6.0).contains(try #require(try first(3))))
         #expect((30.0...60.0).contains(try #require(try first(30))))
         let compensator = try Compensator()
-        #expect(throws: MagcompError.Config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
+        #expect(throws: MagcompError.config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
             try compensator.adopt(calibration, hardIronSigmaUt: 0)
         }
         #expect(try compensator.calibration() == nil)
@@ -133,7 +133,7 @@ import Testing
             { try compensator.reset() },
         ]
         for use in uses {
-            #expect(throws: MagcompError.Closed) { try use() }
+            #expect(throws: MagcompError.closed) { try use() }
         }
     }
 
@@ -154,7 +154,7 @@ import Testing
     @Test func aDefectOfTheLibraryIsATypedErrorUntilReset() throws {
         let compensator = try Compensator()
         #expect(magcomp_test_panic(compensator.fastHandle) == Int32(MAGCOMP_PANICKED))
-        let defect = MagcompError.Panicked(what: "on purpose")
+        let defect = MagcompError.panicked(what: "on purpose")
         let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
         #expect(throws: defect) { try compensator.push(sample) }
         #expect(throws: defect) { try compensator.calibration() }
@@ -169,7 +169,7 @@ import Testing
         _ = try first.pushAll(Array(events[..<half]))
         #expect(try second.restore(first.snapshot()) == .everything)
         #expect(try second.pushAll(Array(events[half...])) == Array(readings[(half / 2)...]))
-        #expect(throws: MagcompError.SnapshotDamaged) { try second.restore(first.snapshot() + "x") }
+        #expect(throws: MagcompError.snapshotDamaged) { try second.restore(first.snapshot() + "x") }
     }
 
     @Test func theHeadingFrameMayChangeInMidStream() throws {
@@ -182,18 +182,18 @@ import Testing
         let after = try #require(try turned.pushAll(events).last?.heading)
         let before = try #require(still)
         #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)
-        #expect(after.trueHeadingDeg == trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+        #expect(after.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
         #expect(throws: MagcompError.self) {
             try turned.setHeadingFrame(HeadingFrame(axis: .auto, screenRotation: .deg0, declinationDeg: 200))
         }
     }
 
     @Test func theEarthsFieldAtAPlace() throws {
-        let paris = try geomagneticField(
-            latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, unixTimeMs: 1_750_000_000_000)
+        let midyear2025 = Date(timeIntervalSince1970: 1_750_000_000)
+        let paris = try GeomagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: midyear2025)
         #expect((63...65).contains(paris.inclinationDeg) && (47...50).contains(paris.totalFieldUt))
         #expect(throws: MagcompError.self) {
-            try geomagneticField(latitudeDeg: 91, longitudeDeg: 0, heightM: 0, unixTimeMs: 1_750_000_000_000)
+            try GeomagneticField(latitudeDeg: 91, longitudeDeg: 0, date: midyear2025)
         }
     }
 }

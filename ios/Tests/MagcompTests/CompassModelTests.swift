@@ -1,4 +1,6 @@
+import Foundation
 @testable import Magcomp
+import Observation
 import Testing
 
 @Suite @MainActor struct CompassModelTests {
@@ -16,6 +18,169 @@ import Testing
         #expect(model.coverage == last.coverage)
         #expect(model.status == "tracking" && model.guidance == nil)
         #expect(model.systemField == nil)
+    }
+
+    @Test func showsAllThatAReadingHas() async throws {
+        let compass = Compass(source: Played(events: tumbling(600) + flat(600)))
+        compass.frame.declinationDeg = 7
+        let model = CompassModel(compass: compass)
+        await model.run()
+        let last = try #require(model.reading)
+        #expect(last.reading.timeNs == 601 * stepNs)
+        #expect(model.trueHeadingDeg == last.reading.heading?.trueHeadingDeg && model.trueHeadingDeg != nil)
+        #expect(model.unseenDirections == last.unseenDirections && model.event == last.reading.event)
+
+        var state = CompassState()
+        let event = FieldEvent(kind: .deviceStep, sinceNs: 1, decidedNs: 2)
+        let unseen = [Vector3(x: 0, y: 0, z: 1)]
+        let sample = MagneticSample(timeNs: 3, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        state.show(
+            CompensatedReading(
+                reading: Reading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
+        #expect(state.event == event && state.unseenDirections == unseen && state.status == "tracking")
+    }
+
+    /// Tells of every change of a model's value, with the value before it.
+    static func follow<Value>(
+        _ value: @escaping @MainActor @Sendable () -> Value, changes: @escaping @MainActor @Sendable (Value) -> Void
+    ) {
+        withObservationTracking {
+            _ = value()
+        } onChange: {
+            MainActor.assumeIsolated {
+                changes(value())
+                follow(value, changes: changes)
+            }
+        }
+    }
+
+    /// How often a value of a model changes.
+    func changes<Value>(_ value: @escaping @MainActor @Sendable () -> Value) -> Shared<Int> {
+        let count = Shared(0)
+        Self.follow(value) { _ in count.change { $0 += 1 } }
+        return count
+    }
+
+    @Test func valuesChangeToOthersAloneAndNoMoreOftenThanAScreenIsDrawn() async throws {
+        let events = tumbling(1000)
+        // 100 samples a second, of which every second comes 1/60 s or more after the one shown before
+        for (rateHz, shown) in [(60.0, 500), (1000, 1000), (10, 100)] {
+            let model = CompassModel(
+                compass: Compass(source: Played(events: events, live: false)), display: CompassDisplay(rateHz: rateHz))
+            let readings = changes { model.reading }
+            let headings = changes { model.headingDeg }
+            let words = changes { model.status }
+            let guidance = changes { model.guidance }
+            let unseen = changes { model.unseenDirections }
+            await model.run()
+            // the last sample is shown whenever it comes
+            #expect((shown...(shown + 1)).contains(readings.value), "\(readings.value) at \(rateHz) Hz")
+            #expect(headings.value <= readings.value && headings.value > shown / 2)
+            #expect((2...(shown / 3)).contains(words.value), "\(words.value) other words")
+            #expect((1...20).contains(guidance.value), "\(guidance.value) pieces of advice")
+            #expect((1...50).contains(unseen.value), "\(unseen.value) other unseen directions")
+            #expect(model.reading?.sample.timeNs == 1000 * stepNs)
+        }
+    }
+
+    @Test func aDisplayOutOfRangeIsAnErrorInWords() async {
+        let compass = Compass(source: Played(events: tumbling(10)))
+        for (display, field) in [
+            (CompassDisplay(rateHz: 0), "rateHz"), (CompassDisplay(rateHz: .nan), "rateHz"),
+            (CompassDisplay(smoothingHalfLifeS: -1), "smoothingHalfLifeS"),
+            (CompassDisplay(headingFilterDeg: -1), "headingFilterDeg"),
+        ] {
+            let model = CompassModel(compass: compass, display: display)
+            await model.run()
+            #expect(model.status.contains("CompassDisplay.\(field)"), "\(model.status)")
+        }
+    }
+
+    @Test func whatThePersonCanDo() {
+        let turn = "Turn the phone."
+        let eight = "Turn the phone about all its axes, as if drawing an eight."
+        let pickUp = "Pick the phone up and turn it."
+        let expected: [(CompensationStatus, String?)] = [
+            (.collecting(missing: .rotation), turn), (.held(reason: .tooLittleRotation), turn),
+            (.collecting(missing: .directions), eight), (.collecting(missing: .fit(problem: .notFinite)), eight),
+            (.held(reason: .fitRefused(problem: .notFinite)), eight), (.held(reason: .lowUniformity), eight),
+            (.collecting(missing: .samples(have: 1, need: 2)), pickUp), (.held(reason: .atRest), pickUp),
+            (.disturbed(sinceNs: 1), "Walk away from metal and magnets."),
+            (.held(reason: .noGyroscope), nil), (.held(reason: .constant), nil), (.tracking, nil),
+            (.suspect(sinceNs: 1), nil), (.rejected(reason: .notFinite), nil),
+        ]
+        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        var state = CompassState()
+        for (status, guidance) in expected {
+            state.show(CompensatedReading(reading: Reading(status: status), sample: sample))
+            #expect(state.guidance == guidance && state.status == status.text(), "\(status)")
+            #expect(state.isDisturbed == (status.label() == "disturbed"))
+        }
+    }
+
+    @Test func aHeadingAsItIsRead() {
+        #expect(CompassState.spoken(headingDeg: nil, sigmaDeg: 180) == "no heading yet")
+        #expect(CompassState.spoken(headingDeg: 359.6, sigmaDeg: 2.1) == "heading 0 degrees, give or take 3")
+        #expect(CompassState.spoken(headingDeg: 89.7, sigmaDeg: 4) == "heading 90 degrees, give or take 4")
+    }
+
+    @Test func aSmoothedHeadingGoesTheShorterWayRound() {
+        var smoother = HeadingSmoother(halfLifeS: 0.1)
+        #expect(smoother.push(350, timeNs: 0) == 350)
+        // half of 20 degrees in a half-life, then half of the other 10
+        #expect(abs(smoother.push(10, timeNs: 100_000_000) - 0) < 1e-9)
+        #expect(abs(smoother.push(10, timeNs: 200_000_000) - 5) < 1e-9)
+        #expect(abs(smoother.push(355, timeNs: 300_000_000) - 0) < 1e-9)
+        #expect(abs(smoother.push(300, timeNs: 400_000_000) - 330) < 1e-9)
+        // the same whatever the rate
+        var fine = HeadingSmoother(halfLifeS: 0.1)
+        _ = fine.push(350, timeNs: 0)
+        var last = 0.0
+        for k in 1...20 { last = fine.push(10, timeNs: Int64(k) * 10_000_000) }
+        #expect(abs(last - 5) < 1e-9)
+        // a clock that begins anew, and a moment without a heading
+        #expect(fine.push(123, timeNs: 5) == 123)
+        fine.reset()
+        #expect(fine.push(77, timeNs: 6) == 77)
+    }
+
+    @Test func smoothingIsOffUnlessAskedFor() async throws {
+        let events = tumbling(600) + (600..<630).flatMap { flat($0) }
+        func shown(_ display: CompassDisplay) async -> CompassModel {
+            let model = CompassModel(compass: Compass(source: Played(events: events, live: false)), display: display)
+            await model.run()
+            return model
+        }
+        let plain = await shown(CompassDisplay())
+        #expect(plain.headingDeg == plain.reading?.reading.heading?.headingDeg)
+        let smooth = await shown(CompassDisplay(smoothingHalfLifeS: 1))
+        #expect(smooth.headingDeg != smooth.reading?.reading.heading?.headingDeg && smooth.headingDeg != nil)
+    }
+
+    @Test func littleChangesOfTheHeadingAreLeftOutWhenAskedFor() async throws {
+        let events = tumbling(600) + (600..<630).flatMap { flat($0) }
+        let model = CompassModel(
+            compass: Compass(source: Played(events: events, live: false)), display: CompassDisplay(headingFilterDeg: 5))
+        let shown = Shared<[Double]>([])
+        Self.follow({ model.headingDeg }) { heading in
+            if let heading { shown.change { $0.append(heading) } }
+        }
+        await model.run()
+        let steps = zip(shown.value, shown.value.dropFirst()).map { abs(($0 - $1).remainder(dividingBy: 360)) }
+        #expect(steps.count > 50 && steps.allSatisfy { $0 >= 5 }, "\(steps.min() ?? 0)")
+        let (heading, true_) = (try #require(model.headingDeg), try #require(model.reading?.reading.heading?.headingDeg))
+        #expect(abs((heading - true_).remainder(dividingBy: 360)) < 5)
+    }
+
+    @Test func theTwinForOlderSystemsShowsTheSame() async {
+        let compass = Compass(source: Played(events: everything, live: false))
+        let object = CompassObject(compass: compass)
+        #expect(object.state == CompassState())
+        await object.run()
+        let model = CompassModel(compass: Compass(source: Played(events: everything, live: false)))
+        await model.run()
+        #expect(object.state.reading == model.reading && object.state.headingDeg == model.headingDeg)
+        #expect(object.state.status == "tracking")
     }
 
     @Test func saysWhatToDoWhileItCollects() async {
@@ -79,10 +244,11 @@ import Testing
 
     @Test func anErrorLeavesNothingOfTheReadingsBeforeIt() async {
         let access = SensorError.accessRefused(sensor: "magnetometer").localizedDescription
-        let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
-            Played(events: everything).samples(), Self.failing(), Self.failing(after: everything),
-            Self.failing(after: tumbling(10)),
-        ])))
+        let model = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Played(events: everything).samples(), Self.failing(), Self.failing(after: everything), Self.failing(),
+                ])))
         await model.run()
         #expect(model.headingDeg != nil && model.totalFieldUt != nil && model.systemField != nil && model.coverage > 0)
         // at the next run's beginning, after readings of its own, and while it collected
@@ -94,18 +260,24 @@ import Testing
     }
 
     @Test func aGoodRunLeavesNothingOfAnErrorBeforeIt() async throws {
-        let model = CompassModel(compass: Compass(source: Runs(samplesOfRuns: [
-            Self.failing(after: everything), Played(events: everything).samples(),
-            Self.failing(after: tumbling(1)), Played(events: tumbling(1)).samples(),
-        ])))
+        let model = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Self.failing(after: everything), Played(events: everything).samples(),
+                ])))
+        let young = CompassModel(
+            compass: Compass(
+                source: Runs(samplesOfRuns: [
+                    Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...])).samples(),
+                ])))
         await model.run()
         await model.run()
         #expect(model.status == "tracking")
         #expect(model.headingDeg != nil)
-        await model.run()
-        await model.run()
-        #expect(model.status.hasPrefix("collecting: "), "though the reading before the error had this status too")
-        #expect(model.guidance == "Pick the phone up and turn it.")
+        await young.run()
+        await young.run()
+        #expect(young.status.hasPrefix("collecting: "))
+        #expect(young.guidance == "Pick the phone up and turn it.")
     }
 
     @Test func aRunBeginsWithNothingOfTheOneBefore() async throws {

@@ -15,6 +15,8 @@ import Testing
         func load() -> String? { snapshot.value }
 
         func save(_ snapshot: String) { self.snapshot.change { $0 = snapshot } }
+
+        func clear() { snapshot.change { $0 = nil } }
     }
 
     @Test func aSlowIteratorLosesTheOldestReadingsCountedAndTheEstimatorNone() async throws {
@@ -86,7 +88,7 @@ import Testing
 
     @Test func anErrorOfTheConfigArrives() async throws {
         let played = Played(events: events).samples()
-        await #expect(throws: MagcompError.Config(field: "capacity", value: "0", expected: "at least 1")) {
+        await #expect(throws: MagcompError.config(field: "capacity", value: "0", expected: "at least 1")) {
             try await played.compensated(capacity: 0).collected()
         }
         let config = Config(windowed: WindowedConfig(nMin: 3))
@@ -138,8 +140,8 @@ import Testing
         #expect(again[0].reading.status.label() != "rejected")
     }
 
-    @Test func aDamagedStoreIsAsNone() async throws {
-        for snapshot in ["", "{}", "nonsense"] {
+    @Test func aDamagedStoreAndANewerVersionsAreAsNone() async throws {
+        for snapshot in ["", "{}", "nonsense", #"{"magcomp_snapshot":99,"of":"a newer version"}"#] {
             let readings = Played(events: Array(events[..<2])).samples().compensated(store: Kept(snapshot))
             #expect(try await readings.collected().map(\.reading.fieldUt) == [nil])
         }
@@ -153,6 +155,36 @@ import Testing
         store.save("a")
         store.save("b")
         #expect(UserDefaultsStore(key: key).load() == "b")
+        store.clear()
+        #expect(store.load() == nil)
+    }
+
+    @Test func anAppGroupsSuiteIsAStoreOfItsOwn() throws {
+        let (key, suite) = ("magcomp-test-\(UUID().uuidString)", "org.magcomp.test")
+        defer { UserDefaults(suiteName: suite)?.removeObject(forKey: key) }
+        let (shared, own) = (UserDefaultsStore(suiteName: suite, key: key), UserDefaultsStore(key: key))
+        shared.save("shared")
+        #expect(own.load() == nil)
+        #expect(UserDefaultsStore(suiteName: suite, key: key).load() == "shared")
+        own.clear()
+        #expect(shared.load() == "shared")
+        shared.clear()
+        #expect(shared.load() == nil)
+    }
+
+    @Test func readingsCanBeMadeAndCoded() throws {
+        let heading = Heading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
+        let reading = Reading(status: .suspect(sinceNs: 7), heading: heading, fieldUt: Vector3(x: 3, y: 4, z: 12))
+        #expect(reading.totalFieldUt == 13)
+        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let system = SystemFieldSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3), accuracy: .high)
+        let answer = CompensatedReading(reading: reading, sample: sample, systemField: system)
+        let again = try JSONDecoder().decode(CompensatedReading.self, from: JSONEncoder().encode(answer))
+        #expect(again == answer)
+        let events: [SensorSample] = [.magnetic(sample), .systemField(system)]
+        #expect(try JSONDecoder().decode([SensorSample].self, from: JSONEncoder().encode(events)) == events)
+        let config = Config(method: .windowed, heading: HeadingConfig(axis: .camera))
+        #expect(try JSONDecoder().decode(Config.self, from: JSONEncoder().encode(config)) == config)
     }
 
     @Test func theScreenMayTurnWhileReadingsCome() async throws {
@@ -174,7 +206,7 @@ import Testing
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))
         #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)
-        #expect(after.trueHeadingDeg == trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+        #expect(after.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
     }
 
     @Test func aCompassHasTheConfigAndItsFrame() async throws {
@@ -190,8 +222,10 @@ import Testing
         let compass = Compass(source: Played(events: events))
         #expect(compass.frame == HeadingFrame(axis: .auto, screenRotation: .deg0))
         let first = try await compass.readings().collected().last
-        compass.frame.screenRotation = .deg180
-        let second = try await compass.readings().collected().last
+        // another one: this one goes on with what it has learned
+        let upsideDown = Compass(source: Played(events: events))
+        upsideDown.frame.screenRotation = .deg180
+        let second = try await upsideDown.readings().collected().last
         let turned = try #require(second?.reading.heading).headingDeg - (try #require(first?.reading.heading).headingDeg)
         #expect(abs((turned - 180).remainder(dividingBy: 360)) < 1e-9)
     }

@@ -1,12 +1,18 @@
-#if canImport(CoreMotion)
+#if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
 import Magcomp
 import Testing
 
 /// ``CoreMotionSource`` over a stand-in of Core Motion that plays what a test scripts.
-@Suite struct CoreMotionSourceTests {
+@Suite(.timeLimit(.minutes(2))) struct CoreMotionSourceTests {
     let manager = CMMotionManager()
+
+    /// An event of each sensor.
+    func play(at time: Double) {
+        manager.deviceMotion(at: time, gravity: (0, 0, -1))
+        manager.magnetometer(at: time, 1, 2, 3)
+    }
 
     /// The first samples while `play` runs, once updates are on.
     func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
@@ -48,7 +54,7 @@ import Testing
             #expect(samples == expected, "\(fact.name)")
             guard case .up(let up) = samples[1], case .magnetic(let magnetic) = samples[2] else { continue }
             let frame = HeadingFrame(axis: fact.axis == "camera" ? .camera : .topEdge, screenRotation: .deg0)
-            let found = try #require(try heading(fieldUt: magnetic.fieldUt, up: up.upMS2, frame: frame))
+            let found = try #require(try Heading(fieldUt: magnetic.fieldUt, up: up.upMS2, frame: frame))
             #expect(abs((found.headingDeg - fact.headingDeg).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - events.inclinationDeg) < 1e-9, "\(fact.name)")
         }
@@ -63,13 +69,13 @@ import Testing
             #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
             #expect(manager.magnetometerUpdateInterval == 0.02 && manager.deviceMotionUpdateInterval == 0.02)
             #expect(manager.frame == .xArbitraryZVertical)
-            manager.magnetometer(at: 1, 1, 2, 3)
+            play(at: 1)
             #expect(try await iterator.next()?.timeNs == 1_000_000_000)
         }
         try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
         // and it can be iterated again
         var again = sequence.makeAsyncIterator()
-        manager.magnetometer(at: 2, 1, 2, 3)
+        play(at: 2)
         #expect(try await again.next()?.timeNs == 2_000_000_000)
         #expect(manager.starts == 2)
     }
@@ -81,8 +87,11 @@ import Testing
         }
         #expect(alone == [.magnetic(MagneticSample(timeNs: 1_000_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3)))])
         let withUp = try await samples(2, SensorOptions(gyroscope: false)) {
-            manager.deviceMotion(at: 1, gravity: (0, 0, -1), rate: (1, 2, 3))
-            manager.magnetometer(at: 1, 1, 2, 3)
+            // nobody knows at first that there is no gyroscope: its events are waited for
+            for time in [1, 1.06] {
+                manager.deviceMotion(at: time, gravity: (0, 0, -1), rate: (1, 2, 3))
+                manager.magnetometer(at: time, 1, 2, 3)
+            }
         }
         #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.80665))))
     }
@@ -125,9 +134,57 @@ import Testing
         #expect(alone.count == 1)
     }
 
+    @Test func aFrameTheDeviceLacksIsATypedErrorThatSaysWhatToDo() async throws {
+        final class WithoutCorrected: CMMotionManager {
+            override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { .xArbitraryZVertical }
+        }
+        let manager = WithoutCorrected()
+        var options = SensorOptions(systemField: true)
+        let missing = SensorError.missing(
+            sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
+        await #expect(throws: missing) {
+            var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+            _ = try await iterator.next()
+        }
+        #expect(manager.starts == 0 && manager.frame == [])
+        options.systemField = false
+        let without = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        #expect(manager.starts == 1 && manager.frame == .xArbitraryZVertical)
+        withExtendedLifetime(without) {}
+    }
+
+    @Test func accessThatWasRefusedBeforeIsATypedErrorAtOnce() async throws {
+        final class Denied: CMMotionManager {
+            override class func authorizationStatus() -> CMAuthorizationStatus { .denied }
+        }
+        final class Restricted: CMMotionManager {
+            override class func authorizationStatus() -> CMAuthorizationStatus { .restricted }
+        }
+        final class Authorized: CMMotionManager {
+            override class func authorizationStatus() -> CMAuthorizationStatus { .authorized }
+        }
+        for manager in [Denied(), Restricted()] {
+            await #expect(throws: SensorError.accessRefused(sensor: "motion sensors")) {
+                var iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+                _ = try await iterator.next()
+            }
+            #expect(manager.starts == 0)
+        }
+        // nobody was asked yet, or the person allowed it
+        for manager in [CMMotionManager(), Authorized()] {
+            let iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+            #expect(manager.starts == 1)
+            withExtendedLifetime(iterator) {}
+        }
+    }
+
     @Test func optionsOutOfRangeAreATypedError() async throws {
+        for holdS in [-0.01, 0.26, .nan] {
+            let error = MagcompError.config(field: "SensorOptions.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
+            await #expect(throws: error) { try await samples(1, SensorOptions(holdS: holdS)) {} }
+        }
         for rateHz in [0, -1, 1001] {
-            let error = MagcompError.Config(field: "SensorOptions.rateHz", value: "\(rateHz)", expected: "1 to 1000")
+            let error = MagcompError.config(field: "SensorOptions.rateHz", value: "\(rateHz)", expected: "1 to 1000")
             await #expect(throws: error) { try await samples(1, SensorOptions(rateHz: rateHz)) {} }
         }
         #expect(manager.starts == 0)
@@ -138,6 +195,8 @@ import Testing
             await #expect(throws: SensorError.accessRefused(sensor: "magnetometer")) {
                 try await samples(1) { manager.magnetometerFails(code.error) }
             }
+            let words = SensorError.accessRefused(sensor: "magnetometer").localizedDescription
+            #expect(words.contains("Settings > Privacy & Security > Motion & Fitness"), "\(words)")
             #expect(!manager.isMagnetometerActive && !manager.isDeviceMotionActive)
         }
         await #expect(throws: SensorError.refused(sensor: "gyroscope", reason: "CMErrorDomain 109")) {
@@ -153,13 +212,13 @@ import Testing
             try await readings.next()
         }
         // who tries again gets events again
-        #expect(try await samples(1) { manager.magnetometer(at: 2, 1, 2, 3) }.count == 1)
+        #expect(try await samples(1) { play(at: 2) }.count == 1)
     }
 
     @Test func anErrorThatPassesByItselfDoesNotEndTheSequence() async throws {
         let samples = try await samples(2) {
             manager.deviceMotionFails(CMErrorDeviceRequiresMovement.error)
-            manager.deviceMotion(at: 1, gravity: (0, 0, -1))
+            play(at: 1)
         }
         #expect(samples.count == 2)
     }
@@ -219,7 +278,7 @@ import Testing
             for try await _ in source.samples().compensated() { got.change { $0 += 1 } }
         }
         try await eventually { manager.isMagnetometerActive }
-        manager.magnetometer(at: 1, 1, 2, 3)
+        play(at: 1)
         try await eventually { got.value == 1 }
         task.cancel()
         try await task.value

@@ -52,7 +52,7 @@ import Testing
         for fact in facts.correct {
             let calibration = Calibration(
                 softIron: softIron(fact.softIron), hardIronUt: Vector3(fact.hardIronUt), fieldStrengthUt: 50)
-            let field = try correct(calibration: calibration, rawUt: Vector3(fact.rawUt))
+            let field = try calibration.correct(Vector3(fact.rawUt))
             #expect(field.isClose(to: fact.fieldUt, within: 1e-12), "\(fact.name)")
         }
     }
@@ -63,8 +63,8 @@ import Testing
             let calibration = Calibration(
                 softIron: softIron(fact.softIron), hardIronUt: Vector3(x: 0, y: 0, z: 0),
                 fieldStrengthUt: fact.fieldStrengthUt)
-            #expect(throws: MagcompError.Calibration(why: fact.text)) {
-                try correct(calibration: calibration, rawUt: Vector3(x: 1, y: 2, z: 3))
+            #expect(throws: MagcompError.calibration(why: fact.text)) {
+                try calibration.correct(Vector3(x: 1, y: 2, z: 3))
             }
         }
     }
@@ -85,11 +85,11 @@ import Testing
         #expect(!facts.headings.isEmpty)
         for fact in facts.headings {
             let frame = HeadingFrame(axis: .topEdge, screenRotation: .deg0, declinationDeg: fact.declinationDeg)
-            let found = try #require(try heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame))
+            let found = try #require(try Heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame))
             #expect(abs(found.headingDeg - fact.headingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(try #require(found.trueHeadingDeg) - fact.trueHeadingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - fact.inclinationDeg) < 1e-9, "\(fact.name)")
-            let lies = try #require(try attitude(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up)))
+            let lies = try #require(try Attitude(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up)))
             // a quaternion and its negative are the same attitude
             let product = zip([lies.w, lies.x, lies.y, lies.z], fact.attitude).reduce(0) { $0 + $1.0 * $1.1 }
             #expect(abs(abs(product) - 1) < 1e-12, "\(fact.name)")
@@ -99,7 +99,7 @@ import Testing
     @Test func unitsByTheirLimits() throws {
         let limits = facts.limits
         let compensator = try Compensator()
-        func push(_ timeNs: Double, _ x: Double) throws -> Status {
+        func push(_ timeNs: Double, _ x: Double) throws -> CompensationStatus {
             let field = Vector3(x: x, y: 0, z: 0)
             return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status
         }
@@ -136,7 +136,7 @@ import Testing
             .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
         ]
-        var ours: [Status] = [.collecting(missing: .samples(have: 60, need: 100))]
+        var ours: [CompensationStatus] = [.collecting(missing: .samples(have: 60, need: 100))]
         ours += problems.map { .collecting(missing: .fit(problem: $0)) }
         ours += [.collecting(missing: .rotation), .collecting(missing: .directions), .tracking, .suspect(sinceNs: 1)]
         ours += held.map { .held(reason: $0) }
@@ -164,9 +164,9 @@ import Testing
         switch name {
         case "Config": failure { _ = try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
         case "SnapshotDamaged": failure { try Compensator().restore("nonsense") }
-        case "SnapshotNewer": failure { throw MagcompError.SnapshotNewer(found: 99) }
-        case "Closed": failure { throw MagcompError.Closed }
-        case "Panicked": failure { throw MagcompError.Panicked(what: "why") }
+        case "SnapshotNewer": failure { throw MagcompError.snapshotNewer(found: 99) }
+        case "Closed": failure { throw MagcompError.closed }
+        case "Panicked": failure { throw MagcompError.panicked(what: "why") }
         default: nil
         }
     }

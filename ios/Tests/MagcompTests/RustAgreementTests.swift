@@ -45,7 +45,7 @@ import Testing
     }
 
     @Test func aRecordingAsASequence() async throws {
-        let readings = try await recording.samples().compensated(capacity: 1_000_000).collected()
+        let readings = try await recording.samples().compensated().collected()
         #expect(readings.allSatisfy { $0.droppedBefore == 0 })
         expectReadings(readings.map(\.reading))
     }
@@ -67,7 +67,7 @@ import Testing
                 let found = try session.finish(options: nil).calibration
                 let (m, b) = (found.softIron, found.hardIronUt)
                 return name + bits([b.x, b.y, b.z, m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, found.fieldStrengthUt])
-            } catch MagcompError.Fit {
+            } catch MagcompError.fit {
                 return name + bits([nil])
             }
         }
@@ -87,7 +87,7 @@ import Testing
             for axis in [ReferenceAxis.topEdge, .camera, .auto] {
                 for rotation in [ScreenRotation.deg0, .deg90, .deg180, .deg270] {
                     let frame = HeadingFrame(axis: axis, screenRotation: rotation)
-                    let found = try heading(fieldUt: Vector3(attitude.fieldUt), up: Vector3(attitude.up), frame: frame)
+                    let found = try Heading(fieldUt: Vector3(attitude.fieldUt), up: Vector3(attitude.up), frame: frame)
                     all.append(found?.headingDeg)
                 }
             }
@@ -116,7 +116,7 @@ import Testing
             ]
             for (axis, wanted) in axes {
                 let frame = HeadingFrame(axis: axis, screenRotation: rotation)
-                let found = try heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame)
+                let found = try Heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame)
                 #expect((found == nil) == (wanted == nil), "\(fact.name)")
                 guard let found, let wanted else { continue }
                 #expect(abs((found.headingDeg - wanted).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")

@@ -26,6 +26,8 @@ import Testing
                 $0.snapshot = snapshot
             }
         }
+
+        func clear() { state.change { $0.snapshot = nil } }
     }
 
     /// Plays events to a store's compensator; `end` runs after the last, before the sequence ends.
@@ -161,6 +163,18 @@ import Testing
             x: v.x * c - (y * v.z - z * v.y) * s + x * along,
             y: v.y * c - (z * v.x - x * v.z) * s + y * along,
             z: v.z * c - (x * v.y - y * v.x) * s + z * along)
+    }
+
+    /// The core's business, seen from here: what was learned in another place fits this one too.
+    @Test func aRestoredCalibrationAtRestWithoutGyroscopeIsNotSuspect() async throws {
+        let store = Kept()
+        _ = try await readings(tumbling(1500), store)
+        let rest = still(0..<6000)
+        let next = try await readings(rest, Kept(store.state.value.snapshot))
+        let labels = next.map { $0.reading.status.label() }
+        let suspect = labels.filter { $0 == "suspect" }.count
+        #expect(labels.count == 6000 && suspect == 0, "suspect in \(suspect) of 6000 samples at rest")
+        #expect(next.allSatisfy { $0.reading.heading != nil })
     }
 
     @Test func nothingIsSavedBeforeThereIsACalibration() async throws {

@@ -66,9 +66,10 @@ func flat(_ k: Int) -> [SensorSample] {
 /// All at once, as often as it is asked.
 struct Played: MagneticFieldSource {
     let events: [SensorSample]
+    var live = true
 
     func samples() -> SensorSamples {
-        SensorSamples { [events] in
+        SensorSamples(live: live) { [events] in
             AsyncStream { continuation in
                 for event in events { continuation.yield(event) }
                 continuation.finish()

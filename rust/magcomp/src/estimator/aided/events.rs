@@ -18,12 +18,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::snapshot::checked;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{Correct, Innovation};
-use super::propagate::ProcessNoise;
 use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
+use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 
@@ -82,20 +81,6 @@ checked!(Trial, |it| {
     let ages = [it.rotation_rad, it.age_s, it.total_s, it.place_s];
     ages.iter().all(|v| *v >= 0.0) && [it.device_misfit, it.place_misfit].iter().all(|v| (0.0..=1.0).contains(v))
 });
-
-/// What a trial needs to know of one sample.
-pub(crate) struct Step<'a> {
-    pub(crate) time_ns: i64,
-    pub(crate) raw_ut: &'a Vector3<f64>,
-    pub(crate) rate_rad_s: &'a Vector3<f64>,
-    pub(crate) increment_rad: &'a Vector3<f64>,
-    pub(crate) angle_rad: f64,
-    pub(crate) dt_s: f64,
-    pub(crate) noise: &'a ProcessNoise,
-    pub(crate) sigma_ut: f64,
-    pub(crate) resting: bool,
-    pub(crate) motion: f64,
-}
 
 /// Whether the samples that do not fit now fit the calibration from before the last step.
 fn fits_again(watch: &Watch, tuning: &Tuning) -> bool {

@@ -20,11 +20,11 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::events::Step;
 use super::groups::{Groups, Mean};
 use super::propagate::ProcessNoise;
-use super::publish::impossible_field;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, OFFSET, SCALE, cross, iron_rows};
+use super::step::Step;
+use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::quadric::FitError;
 use crate::reading::Missing;

@@ -11,10 +11,11 @@
 use nalgebra::Vector3;
 
 use super::adapt::Increment;
-use super::events::{Phase, Step, Trial, Verdict};
+use super::events::{Phase, Trial, Verdict};
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
+use super::step::Step;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput, propagate};
 use crate::reading::{Event, EventKind, Missing, SensorMode, Status};

@@ -18,6 +18,7 @@ mod propagate;
 mod publish;
 mod start;
 mod state;
+mod step;
 mod strength;
 #[cfg(test)]
 mod tests;
@@ -153,8 +154,8 @@ impl Aided {
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.known()?;
         let believed = self.adaptation.believed(&self.tuning);
-        let p = publish::calibration_block(filter) * believed;
-        let s = publish::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);
+        let p = filter.calibration_block() * believed;
+        let s = strength::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);
         Some(self.regauged(p, (s.0 * believed, s.1 * believed), &filter.soft_iron(), self.strength_of(filter)))
     }
 

@@ -1,19 +1,17 @@
 //! What is published after a sample: c, f, their uncertainties (equations in `output`), and the status.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::events::Phase;
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
+use super::strength::impossible_field;
 use super::{Aided, AidedOutput};
-use crate::quadric::FitError;
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::pairing::Rotation;
 
 /// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
-/// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
-const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
 
 impl Aided {
     /// An answer that says nothing but its status.
@@ -59,10 +57,11 @@ impl Aided {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
-        let p_c = calibration_covariance(&(calibration_block(filter) * self.adaptation.believed(&self.tuning)), &w, &f)
-            + noise
-            + Matrix3::identity() * unseen
-            + timing;
+        let p_c =
+            calibration_covariance(&(filter.calibration_block() * self.adaptation.believed(&self.tuning)), &w, &f)
+                + noise
+                + Matrix3::identity() * unseen
+                + timing;
         let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
         let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none(), &self.tuning)
@@ -120,7 +119,7 @@ impl Aided {
         let c = w * (raw_ut - filter.vector(OFFSET));
         let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
         let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
-        let p_c = calibration_covariance(&calibration_block(filter), &w, &c) + noise + floor;
+        let p_c = calibration_covariance(&filter.calibration_block(), &w, &c) + noise + floor;
         if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
             let (_, scale) = self.gauge(self.strength_of(filter));
             output.corrected_ut = Some(c / scale);
@@ -128,34 +127,4 @@ impl Aided {
         }
         output
     }
-}
-
-/// The covariance of (b, e).
-pub(super) fn calibration_block(filter: &Gaussian) -> SMatrix<f64, 9, 9> {
-    SMatrix::from_fn(|i, j| filter.p(OFFSET + i, OFFSET + j))
-}
-
-/// The covariance of (b, e) with |m|, and the variance of |m|. Where the field points is not known when it was lost; how strong
-/// it is stays known.
-pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64) -> (SVector<f64, 9>, f64) {
-    if lost {
-        return (SVector::zeros(), lost_sd_ut * lost_sd_ut);
-    }
-    let m = filter.vector(FIELD);
-    let along = m / m.norm().max(1.0);
-    let cross = SVector::from_fn(|i, _| (0..3).map(|k| filter.p(OFFSET + i, FIELD + k) * along[k]).sum());
-    (cross, along.dot(&(filter.block(FIELD, FIELD) * along)))
-}
-
-/// That no place has a field as strong or as weak as m, if so.
-pub(super) fn impossible_field(filter: &Gaussian, beyond_doubt: f64) -> Option<FitError> {
-    let m = filter.vector(FIELD);
-    let field_ut = m.norm();
-    let doubt_ut = beyond_doubt * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
-    let (low_ut, high_ut) = POSSIBLE_UT;
-    (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
-        field_ut,
-        low_ut,
-        high_ut,
-    })
 }

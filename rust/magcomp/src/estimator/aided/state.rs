@@ -124,6 +124,11 @@ impl Gaussian {
         Matrix3::from_fn(|r, c| self.p(i + r, j + c))
     }
 
+    /// The covariance of (b, e).
+    pub(crate) fn calibration_block(&self) -> SMatrix<f64, 9, 9> {
+        SMatrix::from_fn(|i, j| self.p(OFFSET + i, OFFSET + j))
+    }
+
     pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
         Vector3::new(self.mean[i], self.mean[i + 1], self.mean[i + 2])
     }

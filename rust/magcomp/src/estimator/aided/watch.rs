@@ -14,8 +14,8 @@ use crate::snapshot::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::events::Step;
 use super::state::{Dense, Gaussian, OFFSET, iron_rows, packed_index};
+use super::step::Step;
 use super::tuning::Tuning;
 
 /// A calibration that was in force before a step.

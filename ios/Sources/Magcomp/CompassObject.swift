@@ -1,0 +1,35 @@
+#if canImport(Combine)
+import Combine
+
+/// ``CompassModel`` for iOS 15 and 16, with the same rules: `@StateObject` in a view, `.task { await compass.run() }`.
+@MainActor
+public final class CompassObject: ObservableObject {
+    /// What a screen shows.
+    @Published public private(set) var state = CompassState()
+
+    private let compass: Compass
+    private let display: CompassDisplay
+
+    public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
+        (self.compass, self.display) = (compass, display)
+    }
+
+    /// The frame headings are in, for instance when the screen was turned.
+    public var frame: HeadingFrame {
+        get { compass.frame }
+        set { compass.frame = newValue }
+    }
+
+    /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
+    public func run() async {
+        // an equal state tells nobody
+        await compass.follow(display) { if $0 != state { state = $0 } }
+    }
+
+    /// Saves the calibration now: for an app that enters the background.
+    public func save() { compass.save() }
+
+    /// Forgets what was learned, in the store too.
+    public func reset() { compass.reset() }
+}
+#endif

@@ -1,0 +1,153 @@
+/// What a compass screen shows; ``CompassModel`` and ``CompassObject`` bring it to SwiftUI.
+public struct CompassState: Equatable, Sendable {
+    /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
+    public var headingDeg: Double?
+    /// One standard deviation of it, degrees; 180, nothing known, where there is no better.
+    public var headingSigmaDeg = 180.0
+    /// Clockwise from true north, degrees, 0 to 360; nil without a heading, or a declination in the compass's frame.
+    public var trueHeadingDeg: Double?
+    /// Length of the corrected field, microtesla.
+    public var totalFieldUt: Double?
+    /// What the system itself says of the field, microtesla, and how well it is calibrated.
+    public var systemField: SystemFieldSample?
+    /// What the compensator is doing, in a sentence; or why there are no readings.
+    public var status = "starting"
+    /// Share of the directions seen, 0 to 1.
+    public var coverage = 0.0
+    /// Where the field has not pointed yet, unit vectors in the device frame.
+    public var unseenDirections: [Vector3] = []
+    /// What the person can do for a better heading, or nil.
+    public var guidance: String?
+    /// The latest decided change of the field: a cover put on or taken off, another place.
+    public var event: FieldEvent?
+    /// All that the latest reading has.
+    public var reading: CompensatedReading?
+
+    /// Whether the place is disturbed, so that the heading is not to be relied on.
+    public var isDisturbed: Bool {
+        if case .disturbed = reading?.reading.status { true } else { false }
+    }
+
+    /// Nothing known: before the first reading, and for previews.
+    public init() {}
+
+    /// Nothing known, for a reason.
+    init(status: String) { self.status = status }
+
+    mutating func show(_ answer: CompensatedReading) {
+        let new = answer.reading
+        // the words cost a call into the library: only another status asks for them
+        if reading?.reading.status != new.status {
+            status = new.status.text()
+            guidance = Self.guidance(new.status)
+        }
+        headingDeg = new.heading?.headingDeg
+        headingSigmaDeg = new.heading?.headingSigmaDeg ?? 180
+        trueHeadingDeg = new.heading?.trueHeadingDeg
+        (totalFieldUt, systemField) = (new.totalFieldUt, answer.systemField)
+        (coverage, unseenDirections) = (new.coverage, answer.unseenDirections)
+        event = new.event
+        reading = answer
+    }
+
+    /// A heading as VoiceOver reads it.
+    static func spoken(headingDeg: Double?, sigmaDeg: Double) -> String {
+        guard let headingDeg else { return "no heading yet" }
+        // 359.6 is 0
+        let whole = Int(headingDeg.rounded()) % 360
+        return "heading \(whole) degrees, give or take \(Int(sigmaDeg.rounded(.up)))"
+    }
+
+    private static func guidance(_ status: CompensationStatus) -> String? {
+        switch status {
+        case .collecting(.rotation), .held(.tooLittleRotation): "Turn the phone."
+        case .collecting(.directions), .collecting(.fit), .held(.fitRefused), .held(.lowUniformity):
+            "Turn the phone about all its axes, as if drawing an eight."
+        case .collecting(.samples), .held(.atRest): "Pick the phone up and turn it."
+        case .disturbed: "Walk away from metal and magnets."
+        case .held(.noGyroscope), .held(.constant), .tracking, .suspect, .rejected: nil
+        }
+    }
+}
+
+/// How a screen shows a compass.
+public struct CompassDisplay: Equatable, Sendable {
+    /// At most this many states a second, by the times of the samples, above 0. Default 60: as often as a screen is drawn.
+    public var rateHz: Double
+    /// Half-life of headings' smoothing, seconds, above 0; nil, the default: they are shown as they come.
+    public var smoothingHalfLifeS: Double?
+
+    /// Least change of the heading that is shown, degrees, at least 0, as Core Location's `headingFilter`; other values change
+    /// all the same. Default 0.
+    public var headingFilterDeg: Double
+
+    public init(rateHz: Double = 60, smoothingHalfLifeS: Double? = nil, headingFilterDeg: Double = 0) {
+        (self.rateHz, self.smoothingHalfLifeS) = (rateHz, smoothingHalfLifeS)
+        self.headingFilterDeg = headingFilterDeg
+    }
+
+    func check() throws {
+        for (field, value) in [("rateHz", rateHz), ("smoothingHalfLifeS", smoothingHalfLifeS ?? 1)] where !(value > 0) {
+            throw MagcompError.config(field: "CompassDisplay.\(field)", value: "\(value)", expected: "above 0")
+        }
+        guard headingFilterDeg >= 0 else {
+            throw MagcompError.config(
+                field: "CompassDisplay.headingFilterDeg", value: "\(headingFilterDeg)", expected: "at least 0")
+        }
+    }
+}
+
+extension Compass {
+    /// Gives what a screen shows, until the task is cancelled or the source ends, whose last state stays then. Begins with
+    /// nothing known; an error leaves nothing but its text.
+    @MainActor
+    func follow(_ display: CompassDisplay, show: (CompassState) -> Void) async {
+        var state = CompassState()
+        show(state)
+        var heading = display.smoothingHalfLifeS.map { HeadingSmoother(halfLifeS: $0) }
+        var trueHeading = heading
+        func take(_ answer: CompensatedReading) {
+            let (before, trueBefore) = (state.headingDeg, state.trueHeadingDeg)
+            state.show(answer)
+            let timeNs = answer.sample.timeNs
+            state.headingDeg = smooth(state.headingDeg, timeNs, &heading)
+            state.trueHeadingDeg = smooth(state.trueHeadingDeg, timeNs, &trueHeading)
+            if isLittle(before, state.headingDeg), isLittle(trueBefore, state.trueHeadingDeg) {
+                (state.headingDeg, state.trueHeadingDeg) = (before, trueBefore)
+            }
+            show(state)
+        }
+        func isLittle(_ one: Double?, _ other: Double?) -> Bool {
+            guard let one, let other else { return one == other }
+            return abs((one - other).remainder(dividingBy: 360)) < display.headingFilterDeg
+        }
+        var shownNs: Int64?
+        var waiting: CompensatedReading?
+        do {
+            try display.check()
+            // a screen needs the newest alone
+            for try await answer in readings(capacity: 1) {
+                let timeNs = answer.sample.timeNs
+                // the clock may have begun anew since, so either may be the later
+                if let shownNs, abs(Double(timeNs) - Double(shownNs)) * display.rateHz < 1e9 {
+                    waiting = answer
+                } else {
+                    (shownNs, waiting) = (timeNs, nil)
+                    take(answer)
+                }
+            }
+            if let waiting { take(waiting) }
+        } catch {
+            show(CompassState(status: error.localizedDescription))
+        }
+    }
+}
+
+/// The smoothed heading; nothing is smoothed across a moment without one.
+private func smooth(_ headingDeg: Double?, _ timeNs: Int64, _ smoother: inout HeadingSmoother?) -> Double? {
+    guard let headingDeg else {
+        smoother?.reset()
+        return nil
+    }
+    return smoother?.push(headingDeg, timeNs: timeNs) ?? headingDeg
+}

@@ -1,0 +1,47 @@
+/// The answer to one magnetometer sample, as iterators get it.
+public struct CompensatedReading: Equatable, Codable, Sendable {
+    /// Corrected field, heading, and what the compensator is doing.
+    public var reading: Reading
+    /// The raw sample it answers.
+    public var sample: MagneticSample
+    /// The operating system's own calibrated field, the latest before it, where the source delivers that.
+    public var systemField: SystemFieldSample?
+    /// Where the field has not pointed yet, unit vectors in the device frame: an app may ask for the phone to be turned so
+    /// that it does. Renewed several times a second.
+    public var unseenDirections: [Vector3]
+    /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
+    public var droppedBefore: Int
+
+    /// For previews and tests: an app gets its readings by iterating.
+    public init(
+        reading: Reading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
+        unseenDirections: [Vector3] = [], droppedBefore: Int = 0
+    ) {
+        (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
+        (self.unseenDirections, self.droppedBefore) = (unseenDirections, droppedBefore)
+    }
+}
+
+extension Reading {
+    /// For previews and tests: what is not given is not known.
+    ///
+    /// - Parameters:
+    ///   - timeNs: time of the sample, nanoseconds
+    ///   - status: what the compensator is doing
+    ///   - heading: heading and inclination
+    ///   - attitude: how the device lies
+    ///   - fieldUt: the corrected field, microtesla, device frame
+    ///   - coverage: share of the directions seen, 0 to 1
+    ///   - event: the latest decided change
+    public init(
+        timeNs: Int64 = 0, status: CompensationStatus, heading: Heading? = nil, attitude: Attitude? = nil,
+        fieldUt: Vector3? = nil, coverage: Double = 0, event: FieldEvent? = nil
+    ) {
+        let length = fieldUt.map { ($0.x * $0.x + $0.y * $0.y + $0.z * $0.z).squareRoot() }
+        self.init(
+            timeNs: timeNs, fieldUt: fieldUt, fieldSigmaUt: nil, filteredFieldUt: nil, totalFieldUt: length,
+            heading: heading, attitude: attitude, sigmaT: nil, window: 0, coverage: coverage, directionSigmaDeg: nil,
+            worstSigmaDeg: nil,
+            modelOrder: nil, reportedHardIronJumpUt: nil, mode: .gyroscopeAndGravity, event: event, status: status)
+    }
+}

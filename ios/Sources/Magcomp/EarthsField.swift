@@ -1,0 +1,40 @@
+import Foundation
+
+extension GeomagneticField {
+    /// The Earth's field by the World Magnetic Model.
+    ///
+    /// - Parameters:
+    ///   - latitudeDeg: -90 to 90 degrees, north positive
+    ///   - longitudeDeg: -180 to 180 degrees, east positive
+    ///   - heightM: above the ellipsoid, metres, -1000 to 850000
+    ///   - date: when; the field drifts
+    /// - Throws: `MagcompError.place` when the model does not cover the place or the date
+    public init(latitudeDeg: Double, longitudeDeg: Double, heightM: Double = 0, date: Date) throws {
+        let unixTimeMs = (date.timeIntervalSince1970 * 1000).rounded()
+        guard let unixTimeMs = Int64(exactly: unixTimeMs) else {
+            throw MagcompError.place(why: "\(unixTimeMs) ms since 1970 is no date")
+        }
+        self = try geomagneticField(
+            latitudeDeg: latitudeDeg, longitudeDeg: longitudeDeg, heightM: heightM, unixTimeMs: unixTimeMs)
+    }
+}
+
+// Linux has no CoreLocation: this part is parsed there, not compiled
+#if canImport(CoreLocation)
+import CoreLocation
+
+extension GeomagneticField {
+    /// The Earth's field where and when a location was taken: its `declinationDeg` is for ``Compass/frame``.
+    ///
+    /// - Throws: `MagcompError.place` when the location is not valid, or the model does not cover its date
+    public init(at location: CLLocation) throws {
+        guard location.horizontalAccuracy >= 0 else {
+            throw MagcompError.place(why: "the location is not valid: its horizontalAccuracy is negative")
+        }
+        // a height that is not valid may be any
+        try self.init(
+            latitudeDeg: location.coordinate.latitude, longitudeDeg: location.coordinate.longitude,
+            heightM: location.verticalAccuracy > 0 ? location.altitude : 0, date: location.timestamp)
+    }
+}
+#endif

@@ -1,0 +1,189 @@
+import Foundation
+
+/// A compensator that is made when first used and stays, what goes with its readings, and where its calibration is kept. One
+/// run of events pushes; any thread may save or reset it meanwhile.
+final class Estimation: @unchecked Sendable {
+    /// About what a crash costs; flash memory wears out with more.
+    private static let saveEveryNs = 10e9
+    /// As often as an eye sees.
+    private static let lookEveryNs = 0.2e9
+    /// A run that begins earlier than the one before ended, by more than sensors' delays, has another clock.
+    private static let anotherClockNs = 1e9
+    /// The system's field is beside a sample: a row at 50 Hz apart at most.
+    private static let besideNs = 20e6
+
+    private let config: Config
+    private let store: (any CalibrationStore)?
+    private let frame: (@Sendable () -> HeadingFrame)?
+    // what follows is used inside `lock` alone
+    private let lock = NSLock()
+    /// Nil before it is first used, and after a defect.
+    private var compensator: Compensator?
+    private var currentFrame: HeadingFrame?
+    private var systemField: SystemFieldSample?
+    /// Whether the system's hard iron would be better than what is known: nothing.
+    private var wantsSystems = true
+    private var latestNs: Int64?
+    /// Whether the next event is a run's first.
+    private var begins = true
+    /// What the store keeps, and the time of the sample it was saved at.
+    private var saved: Correction?
+    private var savedNs: Int64?
+    private var unseen: [Vector3] = []
+    private var lookedNs: Int64?
+
+    init(_ config: Config, store: (any CalibrationStore)?, frame: (@Sendable () -> HeadingFrame)?) {
+        (self.config, self.store, self.frame) = (config, store, frame)
+    }
+
+    /// A run of events begins: the first with what the store keeps, a later one with all that the one before has learned.
+    func begin() throws {
+        try lock.withLock {
+            (begins, systemField) = (true, nil)
+            guard compensator == nil else { return }
+            forget()
+            let made = try Compensator(config: config)
+            do {
+                if let kept = store?.load() {
+                    try made.restoreCalibration(kept)
+                    saved = try Self.correction(of: made)
+                }
+                wantsSystems = try made.calibration() == nil
+            } catch MagcompError.snapshotDamaged, MagcompError.snapshotNewer {
+                // as at the first launch
+            }
+            compensator = made
+        }
+    }
+
+    /// The answer to a magnetometer sample; nil for any other event.
+    func push(_ event: SensorSample) throws -> CompensatedReading? {
+        try lock.withLock {
+            guard let compensator else { throw MagcompError.closed }
+            do {
+                return try push(event, to: compensator)
+            } catch MagcompError.panicked(let what) {
+                // the next run begins with what the store keeps
+                self.compensator = nil
+                throw MagcompError.panicked(what: what)
+            }
+        }
+    }
+
+    /// Saves what the store does not keep already.
+    func save() { lock.withLock { _ = saveChanged() } }
+
+    /// Forgets what was learned, in the store too.
+    func reset() {
+        lock.withLock {
+            forget()
+            // one that can't be reset is made anew by the next run
+            do { try compensator?.reset() } catch { compensator = nil }
+            store?.clear()
+        }
+    }
+
+    private func forget() {
+        (currentFrame, latestNs, saved, savedNs, lookedNs) = (nil, nil, nil, nil, nil)
+        (unseen, wantsSystems) = ([], true)
+    }
+
+    private func push(_ event: SensorSample, to compensator: Compensator) throws -> CompensatedReading? {
+        if begins {
+            begins = false
+            if let latestNs, Double(event.timeNs) < Double(latestNs) - Self.anotherClockNs { try startClock(compensator) }
+        }
+        if case .systemField(let sample) = event { systemField = sample }
+        guard case .magnetic(let sample) = event else { return try compensator.push(event).flatMap { _ in nil } }
+        if let wanted = frame?(), wanted != currentFrame {
+            try compensator.setHeadingFrame(wanted)
+            currentFrame = wanted
+        }
+        if wantsSystems, let systemField { try adopt(systemField, beside: sample, compensator) }
+        let reading = try compensator.push(sample)
+        // a time that is refused may be any
+        if case .rejected = reading.status {} else { try nowAndThen(sample.timeNs, reading.status, compensator) }
+        return CompensatedReading(
+            reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen)
+    }
+
+    /// The system's hard iron, raw less calibrated field, is better than none: a heading at once.
+    private func adopt(
+        _ system: SystemFieldSample, beside sample: MagneticSample, _ compensator: Compensator
+    ) throws {
+        guard Self.apart(system.timeNs, sample.timeNs) <= Self.besideNs, let sigmaUt = system.accuracy.hardIronSigmaUt
+        else { return }
+        wantsSystems = false
+        guard try compensator.calibration() == nil else { return }
+        let (raw, field) = (sample.fieldUt, system.fieldUt)
+        let hardIron = Vector3(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
+        let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
+        let length = (field.x * field.x + field.y * field.y + field.z * field.z).squareRoot()
+        do {
+            try compensator.adopt(
+                Calibration(softIron: none, hardIronUt: hardIron, fieldStrengthUt: length), hardIronSigmaUt: sigmaUt)
+        } catch MagcompError.calibration {
+            // no field of this Earth: as without
+        }
+    }
+
+    /// The calibration stays, all else begins anew.
+    private func startClock(_ compensator: Compensator) throws {
+        let kept = try compensator.snapshotCalibration()
+        try compensator.reset()
+        if let kept { try compensator.restoreCalibration(kept) }
+        (currentFrame, lookedNs) = (nil, nil)
+        savedNs = savedNs.map { _ in .min }
+    }
+
+    private func nowAndThen(_ timeNs: Int64, _ status: CompensationStatus, _ compensator: Compensator) throws {
+        latestNs = timeNs
+        let since = savedNs
+        if since == nil, status == .tracking {
+            _ = saveChanged()
+            savedNs = timeNs
+        }
+        if lookedNs.map({ Self.apart(timeNs, $0) >= Self.lookEveryNs }) ?? true {
+            lookedNs = timeNs
+            unseen = try compensator.coverage().unseenDirections
+            if let since, Self.apart(timeNs, since) >= Self.saveEveryNs, saveChanged() { savedNs = timeNs }
+        }
+    }
+
+    /// Nanoseconds between two times; the clock may have begun anew between them, so either may be the later.
+    private static func apart(_ oneNs: Int64, _ otherNs: Int64) -> Double { abs(Double(oneNs) - Double(otherNs)) }
+
+    /// Whether there was anything to save that the store does not keep already.
+    private func saveChanged() -> Bool {
+        // after a defect there is nothing to keep
+        guard let store, let compensator, let found = try? Self.correction(of: compensator), found != saved,
+            let snapshot = try? compensator.snapshotCalibration()
+        else { return false }
+        store.save(snapshot)
+        saved = found
+        return true
+    }
+
+    private static func correction(of compensator: Compensator) throws -> Correction? {
+        try compensator.calibration().map { Correction(softIron: $0.softIron, hardIronUt: $0.hardIronUt) }
+    }
+
+    /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
+    private struct Correction: Equatable {
+        var softIron: SoftIron
+        var hardIronUt: Vector3
+    }
+}
+
+extension SystemFieldSample.Accuracy {
+    /// What a phone's own hard iron erred by, per axis, microtesla: 0.4 to 1.8 in five recordings of three phones, 5 and 6 in two
+    /// that were walked with the phone level, 18 past magnets; the worse, the less the system is sure. Nil: the system knows none.
+    fileprivate var hardIronSigmaUt: Double? {
+        switch self {
+        case .uncalibrated: nil
+        case .low: 18
+        case .medium: 6
+        case .high: 3
+        }
+    }
+}

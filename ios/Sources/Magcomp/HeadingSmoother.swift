@@ -1,0 +1,38 @@
+import Foundation
+
+/// Smooths headings for a rose on a screen: of what is left between shown and found, half goes in every half-life, the shorter
+/// way round, y += (1 - 2^(-dt / halfLife)) wrap(x - y).
+///
+/// What is shown lags by about 1.4 half-lives in a steady turn; sigma says nothing of that.
+public struct HeadingSmoother: Equatable, Sendable {
+    /// Seconds in which half of a difference goes.
+    public let halfLifeS: Double
+    private var latest: (headingDeg: Double, timeNs: Int64)?
+
+    /// - Parameter halfLifeS: seconds; 0 or what is no number smooths nothing
+    public init(halfLifeS: Double) { self.halfLifeS = halfLifeS }
+
+    /// The smoothed heading, degrees, 0 to 360; the first is the one given, and so is one whose time is not after the latest,
+    /// as when a clock began anew.
+    public mutating func push(_ headingDeg: Double, timeNs: Int64) -> Double {
+        var shown = headingDeg
+        if let latest, timeNs > latest.timeNs, halfLifeS > 0 {
+            let seconds = (Double(timeNs) - Double(latest.timeNs)) * 1e-9
+            let share = 1 - exp2(-seconds / halfLifeS)
+            shown = latest.headingDeg + share * (headingDeg - latest.headingDeg).remainder(dividingBy: 360)
+        }
+        shown = shown.truncatingRemainder(dividingBy: 360)
+        // -1e-20 + 360 is 360
+        if shown < 0 { shown = shown + 360 < 360 ? shown + 360 : 0 }
+        latest = (shown, timeNs)
+        return shown
+    }
+
+    /// The next heading is the first again.
+    public mutating func reset() { latest = nil }
+
+    public static func == (one: Self, other: Self) -> Bool {
+        one.halfLifeS == other.halfLifeS && one.latest?.headingDeg == other.latest?.headingDeg
+            && one.latest?.timeNs == other.latest?.timeNs
+    }
+}
