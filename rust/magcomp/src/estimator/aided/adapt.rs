@@ -27,11 +27,11 @@
 //! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
 //! then c and f differ slowly, which white noise does not do:
 //! ```text
-//! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain min(U, U_max)
+//! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain U
 //! ```
 //! and what else c differs from f by, beyond white noise, is variance of c:
 //! ```text
-//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - min(U, U_max)^2
+//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - U^2
 //! ```
 //! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
@@ -104,7 +104,7 @@ impl Adaptation {
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
-            slow_power_ut2: tuning.uneven_max_ut.powi(2),
+            slow_power_ut2: tuning.uneven_start_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
@@ -123,7 +123,7 @@ impl Adaptation {
         self.slow_ut += (difference_ut - self.slow_ut) * gain;
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * gain / (2.0 - gain);
-        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * tuning.uneven_max_ut.powi(2));
+        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * self.slow_power_ut2.max(self.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let gain = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
@@ -133,17 +133,17 @@ impl Adaptation {
 
     /// Variance per axis of what the covariance cannot know, uT^2.
     pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
-        tuning.uneven_gain.powi(2) * self.uneven_ut2(tuning)
+        tuning.uneven_gain.powi(2) * self.uneven_ut2()
     }
 
-    fn uneven_ut2(&self, tuning: &Tuning) -> f64 {
-        self.slow_power_ut2.clamp(0.0, tuning.uneven_max_ut.powi(2))
+    fn uneven_ut2(&self) -> f64 {
+        self.slow_power_ut2.max(0.0)
     }
 
     /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2` and beyond the
     /// slow part, which the floor has, uT^2.
-    pub(crate) fn local_ut2(&self, noise_ut2: f64, tuning: &Tuning) -> f64 {
-        (self.power_ut2 - noise_ut2 - self.uneven_ut2(tuning)).max(0.0)
+    pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
+        (self.power_ut2 - noise_ut2 - self.uneven_ut2()).max(0.0)
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).

@@ -4,15 +4,14 @@
 //! nothing   the filter as it was, predicted only; has won when its samples fit again
 //! device    P_bb += s^2 I, P_ee += T, |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
-//! erratic   neither of the last two explains the samples for longer than a second
 //! l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
 //! ```
 //! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
 //! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
-//! (a ramp, or a field that keeps changing). As soon as the calibration in force before the last step fits,
+//! (a ramp, or a field that keeps changing): it wins once it holds. As soon as the calibration in force before the last step fits,
 //! `device` starts from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
-//! while undecided, `erratic` and the recall are new.
+//! while undecided and the recall are new.
 
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
@@ -33,8 +32,6 @@ pub(crate) enum Phase {
     Undecided,
     /// The field of the place has changed.
     Place,
-    /// Neither fits.
-    Erratic,
 }
 
 /// What just happened in a trial.
@@ -46,8 +43,6 @@ pub(crate) enum Verdict {
     Device,
     /// The place's field stepped (told once, when found).
     Place,
-    /// Neither (told once, when found).
-    Erratic,
     /// The changed place has lasted: take it as the new one.
     NewPlace,
 }
@@ -71,14 +66,12 @@ pub(crate) struct Trial {
     rotation_rad: f64,
     /// Seconds since the hypotheses were started (last).
     age_s: f64,
-    /// Seconds of motion since the onset.
-    total_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
 }
 
 checked!(Trial, |it| {
-    let ages = [it.rotation_rad, it.age_s, it.total_s, it.place_s];
+    let ages = [it.rotation_rad, it.age_s, it.place_s];
     ages.iter().all(|v| *v >= 0.0) && [it.device_misfit, it.place_misfit].iter().all(|v| (0.0..=1.0).contains(v))
 });
 
@@ -103,7 +96,6 @@ impl Trial {
             place_misfit: 0.0,
             rotation_rad: 0.0,
             age_s: 0.0,
-            total_s: 0.0,
             place_s: 0.0,
         };
         trial.seed(filter, watch, former, tuning);
@@ -195,7 +187,6 @@ impl Trial {
         self.place_misfit += gain * (f64::from(place.nis > tuning.gate) - self.place_misfit);
         self.rotation_rad += step.angle_rad;
         self.age_s += step.dt_s;
-        self.total_s += step.dt_s * step.motion;
     }
 
     fn decide(
@@ -216,31 +207,18 @@ impl Trial {
             }
             self.place_s = 0.0;
             self.seed(filter, watch, former, tuning);
-            self.phase = Phase::Erratic;
+            self.phase = Phase::Undecided;
             return Verdict::Open;
         }
         if !device_fits && !place_fits {
             self.seed(filter, watch, former, tuning);
-            if self.total_s > tuning.erratic_time_s && self.phase == Phase::Undecided {
-                self.phase = Phase::Erratic;
-                return Verdict::Erratic;
-            }
             return Verdict::Open;
         }
-        let strict = self.phase == Phase::Erratic;
-        let (rotation, ratio) = if strict {
-            (tuning.erratic_rotation_rad, 2.0 * tuning.decide_log_ratio)
-        } else if self.recalled {
-            (0.5 * tuning.decide_rotation_rad, tuning.decide_log_ratio)
-        } else {
-            (tuning.decide_rotation_rad, tuning.decide_log_ratio)
-        };
-        let age_s = if strict { tuning.erratic_settle_s } else { tuning.ramp_s };
-        let device_fits = device_fits && (!strict || self.device_misfit < tuning.strict_misfit);
-        let place_fits = place_fits && (!strict || self.place_misfit < tuning.strict_misfit);
-        if self.rotation_rad < rotation || self.age_s < age_s {
+        let rotation = tuning.decide_rotation_rad * if self.recalled { 0.5 } else { 1.0 };
+        if self.rotation_rad < rotation || self.age_s < tuning.ramp_s {
             return Verdict::Open;
         }
+        let ratio = tuning.decide_log_ratio;
         if self.log_ratio > ratio && device_fits {
             return Verdict::Device;
         }

@@ -255,7 +255,9 @@ impl FirstFit {
         }
         let unaided = self.prior(None, noise_ut2, tuning).precision;
         let p = self.covariance(&normal, &unaided, &prior, tuning)?;
-        self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < tuning.adopt_sd_ut.powi(2);
+        // once the groups are full, a fit learns no more: the filter, which forgets nothing, goes on from less
+        let most_ut = tuning.adopt_sd_ut * if self.groups.is_full() { 1.5 } else { 1.0 };
+        self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < most_ut * most_ut;
         let off_rad2 = off_rad2(&found.vector(FIELD), &found.block(FIELD, FIELD), up);
         let is_known = off_rad2 < tuning.publish_deg.to_radians().powi(2);
         (is_known || self.is_settled || self.given.is_some()).then_some(found)

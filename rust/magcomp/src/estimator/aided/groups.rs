@@ -87,6 +87,11 @@ impl Groups {
         Self { groups: [Group::new(); GROUPS], used: 1, longest_s: SHORTEST_S }
     }
 
+    /// All groups are used, at their longest: a new one replaces the oldest.
+    pub(super) fn is_full(&self) -> bool {
+        self.used == GROUPS && self.longest_s >= LONGEST_S
+    }
+
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
         let (r, _) = turn(increment_rad);

@@ -224,11 +224,6 @@ impl Aided {
                     return self.go_on_with(winner, dense);
                 }
             }
-            Verdict::Erratic => {
-                self.event = event(EventKind::Erratic);
-                // what came just before the onset may have gone into the bias, which now carries the heading
-                dense.add_variance(BIAS, self.tuning.erratic_bias_rad_s.powi(2));
-            }
             Verdict::Open => {}
         }
         if self.watch.share < 0.5 * self.tuning.suspect_share {
@@ -239,13 +234,6 @@ impl Aided {
             }
             self.passed_ns = Some(step.time_ns);
             return; // nothing happened, or it is over
-        }
-        if trial.phase == Phase::Erratic {
-            // the earth's field plus something of known size that averages out along the way
-            let sd = self.tuning.erratic_sd_ut * (2.0 * self.tuning.erratic_correlation_s / step.dt_s).sqrt();
-            if let Some(weak) = dense.innovation(step.raw_ut, step.rate_rad_s, sd) {
-                dense.update(&weak, Correct::FieldAndBias);
-            }
         }
         self.trial = Some(trial);
     }

@@ -41,8 +41,6 @@ pub(crate) enum Correct {
     All,
     /// m and d only: the calibration holds.
     FieldOnly,
-    /// m, g and d: the calibration holds, the gyroscope's bias need not.
-    FieldAndBias,
 }
 
 /// h(x), uT.
@@ -158,8 +156,7 @@ impl Dense {
                 }
             }
         }
-        let from = if correct == Correct::FieldAndBias { BIAS } else { LOCAL };
-        let corrected = |i: usize| correct == Correct::All || i < OFFSET || (from..DELAY).contains(&i);
+        let corrected = |i: usize| correct == Correct::All || i < OFFSET || (LOCAL..DELAY).contains(&i);
         for i in 0..STATES {
             let (a, b, c) = (v[0][i], v[1][i], v[2][i]);
             if corrected(i) {
@@ -168,7 +165,7 @@ impl Dense {
                     self.p[i][j] -= a * v[0][j] + b * v[1][j] + c * v[2][j];
                 }
             } else {
-                for j in (0..OFFSET).chain(from..DELAY) {
+                for j in (0..OFFSET).chain(LOCAL..DELAY) {
                     self.p[i][j] -= a * v[0][j] + b * v[1][j] + c * v[2][j];
                 }
             }

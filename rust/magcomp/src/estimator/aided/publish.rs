@@ -52,7 +52,7 @@ impl Aided {
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
-        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0, &self.tuning) + floor;
+        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
         if self.trial.is_some() {
             // undecided: c is wrong by the step if it is the device's
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
@@ -62,10 +62,12 @@ impl Aided {
                 + noise
                 + Matrix3::identity() * unseen
                 + timing;
+        let axes_rad2 = self.tuning.axes_deg.to_radians().powi(2);
         let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
         let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none(), &self.tuning)
             + Matrix3::identity() * floor
+            + (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * axes_rad2
             + timing
             + displaced_ut * displaced_ut.transpose();
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
@@ -89,8 +91,8 @@ impl Aided {
             let strange = self.strength.since_ns.is_some();
             return match trial.phase {
                 Phase::Place => Status::Disturbed { since_ns },
-                Phase::Undecided | Phase::Erratic if strange && trial.unclean => Status::Disturbed { since_ns },
-                Phase::Undecided | Phase::Erratic => Status::Suspect { since_ns },
+                Phase::Undecided if strange && trial.unclean => Status::Disturbed { since_ns },
+                Phase::Undecided => Status::Suspect { since_ns },
             };
         }
         if let Some(since_ns) = self.strength.since_ns {

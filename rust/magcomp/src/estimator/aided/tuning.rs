@@ -54,10 +54,12 @@ choices! {
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
-        /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f
+        /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f: f follows c
         uneven_gain: 2.15, "", "the undisturbed recordings";
-        /// Most of that difference that counts; also its value at the start
-        uneven_max_ut: 0.58, "uT", "recordings";
+        /// That difference at the start
+        uneven_start_ut: 0.58, "uT", "recordings";
+        /// How far the axes of the gyroscope may be off those of the magnetometer, beyond their scale
+        axes_deg: 0.5, "deg", "data sheets: cross-axis sensitivity of 1 to 2 %";
         /// Memory of what must be seen at once: whether samples fit, whether the gyroscope makes sense, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
@@ -84,20 +86,6 @@ choices! {
         decide_rotation_rad: 0.5, "rad", "only rotation tells device from place";
         /// That share from which it has failed
         fit_share: 0.5, "", "families";
-        /// Both hypotheses failing for this long since the onset is erratic
-        erratic_time_s: 1.0, "s", "families";
-        /// Rotation without which a device step is not believed within an erratic field
-        erratic_rotation_rad: 1.5, "rad", "families";
-        /// Time for which a hypothesis must hold to win within an erratic field
-        erratic_settle_s: 3.0, "s", "families";
-        /// Share of misfits allowed to it
-        strict_misfit: 0.15, "", "families";
-        /// Standard deviation given to the gyroscope's bias when the field turns erratic
-        erratic_bias_rad_s: 0.03, "rad/s", "families";
-        /// Standard deviation of an erratic field about the earth's
-        erratic_sd_ut: 10.0, "uT", "families";
-        /// Correlation time of an erratic field
-        erratic_correlation_s: 2.0, "s", "families";
         /// A misfit within this time of one that passed by itself is likelier the place's again than the device's
         unrest_s: 120.0, "s", "a walk through a building";
         /// Time a changed place is held before it is taken as the new place
