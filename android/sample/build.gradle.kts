@@ -23,8 +23,6 @@ android {
         proguardFiles(getDefaultProguardFile("proguard-android-optimize.txt"))
         signingConfig = signingConfigs.getByName("debug")
     }
-    // JNA has libraries for ABIs that magcomp has none for; an app with those alone would start and find no core
-    packaging { jniLibs.excludes += listOf("lib/x86/**", "lib/armeabi/**", "lib/mips/**", "lib/mips64/**") }
     lint { warningsAsErrors = true }
 }
 
