@@ -27,7 +27,9 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// start of the device, without its sleep, so this is asked soon after the reading came; of a recording it says nothing.
     public var timestamp: Date { timestamp(now: Date(), uptimeS: ProcessInfo.processInfo.systemUptime) }
 
-    func timestamp(now: Date, uptimeS: TimeInterval) -> Date { now.addingTimeInterval(Double(sample.timeNs) * 1e-9 - uptimeS) }
+    func timestamp(now: Date, uptimeS: TimeInterval) -> Date {
+        now.addingTimeInterval(Double(sample.timeNs) * 1e-9 - uptimeS)
+    }
 }
 
 extension Reading {

@@ -102,7 +102,8 @@ final class Estimation: @unchecked Sendable {
         let told = wantsSystems ? withSystemsHardIron(sample) : sample
         let reading = try compensator.push(told)
         // of a sample that is refused nothing was taken, and its time may be any
-        if case .rejected = reading.status {} else {
+        if case .rejected = reading.status {
+        } else {
             if told != sample { wantsSystems = false }
             try nowAndThen(sample.timeNs, reading.status, compensator)
         }
