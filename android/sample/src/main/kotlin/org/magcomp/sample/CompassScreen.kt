@@ -3,10 +3,11 @@ package org.magcomp.sample
 import androidx.compose.foundation.Canvas
 import androidx.compose.foundation.background
 import androidx.compose.foundation.isSystemInDarkTheme
+import androidx.compose.foundation.rememberScrollState
+import androidx.compose.foundation.verticalScroll
 import androidx.compose.foundation.layout.Arrangement
 import androidx.compose.foundation.layout.Box
 import androidx.compose.foundation.layout.Column
-import androidx.compose.foundation.layout.aspectRatio
 import androidx.compose.foundation.layout.fillMaxSize
 import androidx.compose.foundation.layout.fillMaxWidth
 import androidx.compose.foundation.layout.padding
@@ -43,7 +44,7 @@ private class Ink(isDark: Boolean) {
 fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = isSystemInDarkTheme()) {
     val ink = Ink(isDark)
     Column(
-        Modifier.fillMaxSize().background(ink.paper).padding(24.dp),
+        Modifier.fillMaxSize().background(ink.paper).verticalScroll(rememberScrollState()).padding(24.dp),
         verticalArrangement = Arrangement.spacedBy(8.dp),
         horizontalAlignment = Alignment.CenterHorizontally,
     ) {
@@ -83,7 +84,7 @@ private fun Rose(state: ScreenState, letters: List<String>, ink: Ink) {
 
 /** The sphere of directions seen along the screen's normal: those missing, behind it pale, the next one large; the field now as a ring. */
 @Composable
-private fun Sphere(state: ScreenState, ink: Ink) = Canvas(Modifier.size(120.dp).aspectRatio(1f).clearAndSetSemantics {}) {
+private fun Sphere(state: ScreenState, ink: Ink) = Canvas(Modifier.size(120.dp).clearAndSetSemantics {}) {
     val radius = size.minDimension / 2
     fun place(v: Vector3) = Offset(center.x + radius * v.x.toFloat(), center.y - radius * v.y.toFloat())
     fun shade(v: Vector3) = ink.missing.copy(alpha = if (v.z < 0) 0.3f else 1f)

@@ -154,7 +154,7 @@ class ScreenTest {
         val event = Event(EventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
         val letters = listOf("N", "E", "S", "W")
         val state = ScreenModel(resources).show(answer(Status.Disturbed(1), event = event), systemDeg = 58.0)
-        fun drawn(state: ScreenState, isDark: Boolean) = ImageComposeScene(720, 1320, Density(2f)).use { scene ->
+        fun drawn(state: ScreenState, isDark: Boolean) = ImageComposeScene(720, 1480, Density(2f)).use { scene ->
             scene.setContent { CompassScreen(state, letters, isDark) }
             scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
         }
