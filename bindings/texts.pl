@@ -67,7 +67,8 @@ for my $file (sort glob 'bindings/texts/*.txt') {
     } @here;
     my $values = $language eq 'en' && !$region ? 'values' : "values-$language" . ($region ? "-r$region" : '');
     written("android/library/src/main/res/$values/strings.xml", qq(<?xml version="1.0" encoding="utf-8"?>\n<!-- $generated -->\n<resources>\n$android</resources>\n));
-    my $swift = join '', map { qq("$_" = ") . formatted($texts->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(";\n) } @here;
+    # Android looks in the English ones for a string that is left out, Apple's systems do not
+    my $swift = join '', map { qq("$_" = ") . formatted($texts->{$_} // $english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(";\n) } @$names;
     my $project = $language . ($region ? "-$region" : '');
     written("ios/Sources/Magcomp/Resources/$project.lproj/Localizable.strings", "/* $generated */\n$swift");
 }

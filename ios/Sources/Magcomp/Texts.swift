@@ -101,7 +101,7 @@ extension FitProblem {
     }
 }
 
-/// A text of the table; one that a translation leaves out stays English, by the package's default localization.
+/// A text of the table, its placeholders filled.
 func say(_ key: String, _ values: any CVarArg...) -> String {
     let format = Bundle.module.localizedString(forKey: key, value: nil, table: nil)
     return values.isEmpty ? format : String(format: format, arguments: values)
