@@ -50,7 +50,7 @@ var targets: [Target] = [
         name: "Magcomp",
         dependencies: ["MagcompBindings", "MagcompFFI"] + standIns,
         path: "ios/Sources/Magcomp",
-        resources: [.copy("PrivacyInfo.xcprivacy")]
+        resources: [.copy("PrivacyInfo.xcprivacy"), .process("Resources")]
     ),
 ]
 if fromCargo {
@@ -76,6 +76,7 @@ targets += frameworks.map {
 
 let package = Package(
     name: "magcomp",
+    defaultLocalization: "en",
     // the tests use Observation
     platforms: [.iOS(.v15), .macOS(fromCargo ? .v14 : .v12)],
     products: [.library(name: "Magcomp", targets: ["Magcomp"])],

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Writes bindings/kotlin and bindings/swift from the library. With --check, fails when the committed ones differ.
+# Writes bindings/kotlin and bindings/swift from the library, and the texts of both from bindings/texts. With --check, fails when the
+# committed ones differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "${1:-}" in
@@ -21,11 +22,20 @@ for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompF
     # the generator leaves spaces at line ends
     sed -i 's/[ \t]*$//' "$fresh/$file"
 done
+perl bindings/kotlin.pl "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
 perl bindings/swift.pl "$fresh/swift/Magcomp.swift"
+perl bindings/texts.pl "$fresh/texts"
+made=(android/library/src/main/res android/library/src/maven android/aar/src/main/aar/R.txt ios/Sources/Magcomp/Resources)
 if [ "${1:-}" = --check ]; then
     for language in kotlin swift; do
         diff -r "bindings/$language" "$fresh/$language" || {
             echo "bindings: the committed $language differs (<) from a new one (>); run bindings/generate.sh and commit" >&2
+            exit 1
+        }
+    done
+    for part in "${made[@]}"; do
+        diff -r "$part" "$fresh/texts/$part" || {
+            echo "bindings: the committed $part differs (<) from a new one (>); run bindings/generate.sh and commit" >&2
             exit 1
         }
     done
@@ -34,5 +44,9 @@ else
     for language in kotlin swift; do
         rm -rf "bindings/$language"
         cp -r "$fresh/$language" "bindings/$language"
+    done
+    for part in "${made[@]}"; do
+        rm -rf "$part"
+        cp -r "$fresh/texts/$part" "$part"
     done
 fi

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Packs the AAR with its POM, opens it again and checks every part. Uses the Android libraries of tests/mobile.sh: a structure
-# check, not for shipping. `tests/aar.sh` packs arm64-v8a alone; `tests/aar.sh ABI...` others, `tests/aar.sh all` all three.
+# check, not for shipping. `tests/aar.sh` packs arm64-v8a alone; `tests/aar.sh ABI...` others, `tests/aar.sh all` all four.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
 need aar "${rust_tools[@]}" "${java_tools[@]}" unzip:unzip
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-[ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64
+[ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64 x86
 [ $# -gt 0 ] || set -- arm64-v8a
 tests/mobile.sh "$@"
 # these and no others, which may be older

@@ -2,17 +2,17 @@
 # The Android libraries without an NDK: builds them with the shipping profile, linked against stand-ins of the system's
 # libraries (android/stubs). Prints their sizes and audits what they export and import and how they are aligned.
 # NOT for shipping: their unwinder is a stand-in. iOS: tests/xcframework.sh.
-# `tests/mobile.sh` builds arm64-v8a, which is most phones; `tests/mobile.sh ABI...` others, `tests/mobile.sh all` all three.
+# `tests/mobile.sh` builds arm64-v8a, which is most phones; `tests/mobile.sh ABI...` others, `tests/mobile.sh all` all four.
 # Result: target/android/<abi>/libmagcomp_ffi.so.
 # Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld, and installs them as root.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-[ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64
+[ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64 x86
 wanted=("${@:-arm64-v8a}")
 for abi in "${wanted[@]}"; do
     case "$abi" in
-        arm64-v8a | armeabi-v7a | x86_64) ;;
-        *) echo "usage: tests/mobile.sh [all | arm64-v8a | armeabi-v7a | x86_64]..." >&2; exit 2 ;;
+        arm64-v8a | armeabi-v7a | x86_64 | x86) ;;
+        *) echo "usage: tests/mobile.sh [all | arm64-v8a | armeabi-v7a | x86_64 | x86]..." >&2; exit 2 ;;
     esac
 done
 . tests/need.sh
@@ -83,6 +83,7 @@ for abi in "${wanted[@]}"; do
         arm64-v8a) build arm64-v8a aarch64-linux-android aarch64-linux-android21 ;;
         armeabi-v7a) build armeabi-v7a armv7-linux-androideabi armv7a-linux-androideabi21 ;;
         x86_64) build x86_64 x86_64-linux-android x86_64-linux-android21 ;;
+        x86) build x86 i686-linux-android i686-linux-android21 ;;
     esac
 done
 echo "mobile: ${wanted[*]} passed"

@@ -1,6 +1,7 @@
 plugins {
     alias(libs.plugins.android.application)
     alias(libs.plugins.kotlin.android)
+    alias(libs.plugins.kotlin.compose)
 }
 
 android {
@@ -13,6 +14,11 @@ android {
         versionCode = 1
         versionName = "0.1.0"
     }
+    buildFeatures { compose = true }
+    // Maven compiles the rest too, but not the activity, which needs Google's libraries
+    sourceSets.getByName("main").kotlin.srcDir("src/activity/kotlin")
+    // the tests run under Maven, as the library's do
+    sourceSets.getByName("test").java.setSrcDirs(emptyList<String>())
     compileOptions {
         sourceCompatibility = JavaVersion.VERSION_1_8
         targetCompatibility = JavaVersion.VERSION_1_8
@@ -23,8 +29,6 @@ android {
         proguardFiles(getDefaultProguardFile("proguard-android-optimize.txt"))
         signingConfig = signingConfigs.getByName("debug")
     }
-    // JNA has libraries for ABIs that magcomp has none for; an app with those alone would start and find no core
-    packaging { jniLibs.excludes += listOf("lib/x86/**", "lib/armeabi/**", "lib/mips/**", "lib/mips64/**") }
     lint { warningsAsErrors = true }
 }
 
@@ -32,4 +36,7 @@ kotlin { compilerOptions { jvmTarget.set(org.jetbrains.kotlin.gradle.dsl.JvmTarg
 
 dependencies {
     implementation(project(":library"))
+    implementation(libs.compose.foundation)
+    implementation(libs.activity.compose)
+    implementation(libs.lifecycle.runtime)
 }

@@ -1432,7 +1432,7 @@ public struct Config: Equatable, Hashable, Codable {
     public var initialSigmaUt: Double?
     /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-     * there is no other: readings from the first sample on, as good as that estimate. Default false.
+     * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
      */
     public var useReportedHardIron: Bool?
     /**
@@ -1474,7 +1474,7 @@ public struct Config: Equatable, Hashable, Codable {
          */initialSigmaUt: Double? = nil,
         /**
          * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-         * there is no other: readings from the first sample on, as good as that estimate. Default false.
+         * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
          */useReportedHardIron: Bool? = nil,
         /**
          * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
@@ -2165,7 +2165,7 @@ fileprivate func FfiConverterTypeHeading_lower(_ value: Heading) -> RustBuffer {
  */
 public struct HeadingConfig: Equatable, Hashable, Codable {
     /**
-     * The axis whose heading it is. Default the top edge.
+     * The axis whose heading it is. Default `Auto`.
      */
     public var axis: ReferenceAxis?
     /**
@@ -2185,7 +2185,7 @@ public struct HeadingConfig: Equatable, Hashable, Codable {
     // declare one manually.
     public init(
         /**
-         * The axis whose heading it is. Default the top edge.
+         * The axis whose heading it is. Default `Auto`.
          */axis: ReferenceAxis? = nil,
         /**
          * How the screen's content is turned. Default not at all.

@@ -3,9 +3,9 @@
 
 use magcomp::nalgebra::{Quaternion, Vector3};
 use magcomp::{
-    Calibration, Compensator, Config, ConstantField, EventRejection, FitError, FitOptions, HoldReason, MagneticSample,
-    Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation, SnapshotError, Status, UpSample,
-    WindowedConfig, attitude, heading, true_heading_deg,
+    Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
+    HoldReason, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation,
+    SnapshotError, Status, UpSample, WindowedConfig, attitude, heading, true_heading_deg,
 };
 use magcomp_tests::{symmetric, vectors};
 use serde_json::Value;
@@ -154,6 +154,21 @@ fn statuses() {
         .map(|status| (text(&status["label"]).to_owned(), text(&status["text"]).to_owned()))
         .collect();
     assert_eq!(ours, facts);
+}
+
+#[test]
+fn events() {
+    for case in list(&facts(), "events") {
+        let kind = match text(&case["kind"]) {
+            "DeviceStep" => EventKind::DeviceStep,
+            "DeviceStepBack" => EventKind::DeviceStepBack,
+            "PlaceChanged" => EventKind::PlaceChanged,
+            "Erratic" => EventKind::Erratic,
+            other => panic!("{other}"),
+        };
+        let [since_ns, decided_ns] = ["since_ns", "decided_ns"].map(|key| case[key].as_i64().unwrap());
+        assert_eq!(Event { kind, since_ns, decided_ns }.to_string(), text(&case["text"]));
+    }
 }
 
 #[test]

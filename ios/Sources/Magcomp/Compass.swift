@@ -9,8 +9,9 @@ public final class Compass: Sendable {
 
     /// - Parameters:
     ///   - source: where events come from
-    ///   - config: what was left out is the library's default, but for the heading's axis: `.auto`, which does not flip when
-    ///     the phone is raised
+    ///   - config: what was left out is the library's default, that of ``Compensator``: among them the heading's axis `.auto`,
+    ///     which does not flip when the phone is raised, and `useReportedHardIron`: iOS's own hard iron is the first calibration
+    ///     where there is no other and the source delivers its field, so that the first reading has a heading, with a wide sigma
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     public init(source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil) {
         let frames = Locked(

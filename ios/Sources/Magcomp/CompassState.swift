@@ -11,7 +11,7 @@ public struct CompassState: Equatable, Sendable {
     /// What the system itself says of the field, microtesla, and how well it is calibrated.
     public var systemField: SystemFieldSample?
     /// What the compensator is doing, in a sentence; or why there are no readings.
-    public var status = "starting"
+    public var status = say("starting")
     /// Share of the directions seen, 0 to 1.
     public var coverage = 0.0
     /// Where the field has not pointed yet, unit vectors in the device frame.
@@ -36,10 +36,10 @@ public struct CompassState: Equatable, Sendable {
 
     mutating func show(_ answer: CompensatedReading) {
         let new = answer.reading
-        // the words cost a call into the library: only another status asks for them
+        // only another status asks for words
         if reading?.reading.status != new.status {
-            status = new.status.text()
-            guidance = Self.guidance(new.status)
+            status = new.status.localizedText
+            guidance = new.status.localizedGuidance
         }
         headingDeg = new.heading?.headingDeg
         headingSigmaDeg = new.heading?.headingSigmaDeg ?? 180
@@ -48,25 +48,6 @@ public struct CompassState: Equatable, Sendable {
         (coverage, unseenDirections) = (new.coverage, answer.unseenDirections)
         event = new.event
         reading = answer
-    }
-
-    /// A heading as VoiceOver reads it.
-    static func spoken(headingDeg: Double?, sigmaDeg: Double) -> String {
-        guard let headingDeg else { return "no heading yet" }
-        // 359.6 is 0
-        let whole = Int(headingDeg.rounded()) % 360
-        return "heading \(whole) degrees, give or take \(Int(sigmaDeg.rounded(.up)))"
-    }
-
-    private static func guidance(_ status: CompensationStatus) -> String? {
-        switch status {
-        case .collecting(.rotation), .held(.tooLittleRotation): "Turn the phone."
-        case .collecting(.directions), .collecting(.fit), .held(.fitRefused), .held(.lowUniformity):
-            "Turn the phone about all its axes, as if drawing an eight."
-        case .collecting(.samples), .held(.atRest): "Pick the phone up and turn it."
-        case .disturbed: "Walk away from metal and magnets."
-        case .held(.noGyroscope), .held(.constant), .tracking, .suspect, .rejected: nil
-        }
     }
 }
 

@@ -1,3 +1,5 @@
+import Foundation
+
 /// The answer to one magnetometer sample, as iterators get it.
 public struct CompensatedReading: Equatable, Codable, Sendable {
     /// Corrected field, heading, and what the compensator is doing.
@@ -19,6 +21,14 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
         (self.unseenDirections, self.droppedBefore) = (unseenDirections, droppedBefore)
+    }
+
+    /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`. Core Motion counts its times from the
+    /// start of the device, without its sleep, so this is asked soon after the reading came; of a recording it says nothing.
+    public var timestamp: Date { timestamp(now: Date(), uptimeS: ProcessInfo.processInfo.systemUptime) }
+
+    func timestamp(now: Date, uptimeS: TimeInterval) -> Date {
+        now.addingTimeInterval(Double(sample.timeNs) * 1e-9 - uptimeS)
     }
 }
 

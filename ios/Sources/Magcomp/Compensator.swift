@@ -5,7 +5,7 @@ import MagcompFFI
 /// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.closed`. After a defect of
 /// the library calls throw `MagcompError.panicked` until ``reset()``.
 public final class Compensator: Sendable {
-    /// What it was made with; what was left out is the library's default.
+    /// What it was made with; what was left out is the library's default, as in ``Compass`` (`Config.defaults` shows all).
     public let config: Config
     private let native: NativeCompensator
     // a number, not a pointer: that of a closed object finds nothing

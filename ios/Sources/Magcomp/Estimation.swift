@@ -99,32 +99,27 @@ final class Estimation: @unchecked Sendable {
             try compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
-        if wantsSystems, let systemField { try adopt(systemField, beside: sample, compensator) }
-        let reading = try compensator.push(sample)
-        // a time that is refused may be any
-        if case .rejected = reading.status {} else { try nowAndThen(sample.timeNs, reading.status, compensator) }
+        let told = wantsSystems ? withSystemsHardIron(sample) : sample
+        let reading = try compensator.push(told)
+        // of a sample that is refused nothing was taken, and its time may be any
+        if case .rejected = reading.status {
+        } else {
+            if told != sample { wantsSystems = false }
+            try nowAndThen(sample.timeNs, reading.status, compensator)
+        }
         return CompensatedReading(
             reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen)
     }
 
     /// The system's hard iron, raw less calibrated field, is better than none: a heading at once.
-    private func adopt(
-        _ system: SystemFieldSample, beside sample: MagneticSample, _ compensator: Compensator
-    ) throws {
-        guard Self.apart(system.timeNs, sample.timeNs) <= Self.besideNs, let sigmaUt = system.accuracy.hardIronSigmaUt
-        else { return }
-        wantsSystems = false
-        guard try compensator.calibration() == nil else { return }
-        let (raw, field) = (sample.fieldUt, system.fieldUt)
-        let hardIron = Vector3(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
-        let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
-        let length = (field.x * field.x + field.y * field.y + field.z * field.z).squareRoot()
-        do {
-            try compensator.adopt(
-                Calibration(softIron: none, hardIronUt: hardIron, fieldStrengthUt: length), hardIronSigmaUt: sigmaUt)
-        } catch MagcompError.calibration {
-            // no field of this Earth: as without
-        }
+    private func withSystemsHardIron(_ sample: MagneticSample) -> MagneticSample {
+        guard let systemField, systemField.accuracy != .uncalibrated,
+            Self.apart(systemField.timeNs, sample.timeNs) <= Self.besideNs
+        else { return sample }
+        let (raw, field) = (sample.fieldUt, systemField.fieldUt)
+        var told = sample
+        told.reportedHardIronUt = Vector3(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
+        return told
     }
 
     /// The calibration stays, all else begins anew.
@@ -172,18 +167,5 @@ final class Estimation: @unchecked Sendable {
     private struct Correction: Equatable {
         var softIron: SoftIron
         var hardIronUt: Vector3
-    }
-}
-
-extension SystemFieldSample.Accuracy {
-    /// What a phone's own hard iron erred by, per axis, microtesla: 0.4 to 1.8 in five recordings of three phones, 5 and 6 in two
-    /// that were walked with the phone level, 18 past magnets; the worse, the less the system is sure. Nil: the system knows none.
-    fileprivate var hardIronSigmaUt: Double? {
-        switch self {
-        case .uncalibrated: nil
-        case .low: 18
-        case .medium: 6
-        case .high: 3
-        }
     }
 }

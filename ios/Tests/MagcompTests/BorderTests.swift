@@ -91,7 +91,7 @@ import Testing
     }
 
     @Test func theSystemsHardIronCanBeTheFirstCalibration() throws {
-        let compensator = try Compensator(config: Config(useReportedHardIron: true))
+        let compensator = try Compensator()
         func push(_ timeNs: Int64, reported: Double) throws -> Reading {
             let sample = MagneticSample(
                 timeNs: timeNs, fieldUt: Vector3(x: 110, y: 20, z: 0),

@@ -1,5 +1,5 @@
 import Foundation
-import Magcomp
+@testable import Magcomp
 import Testing
 
 @Suite struct CompensatedTests {
@@ -172,6 +172,13 @@ import Testing
         #expect(shared.load() == nil)
     }
 
+    @Test func aReadingHasTheDateOfItsSample() {
+        let sample = MagneticSample(timeNs: 99_750_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let reading = CompensatedReading(reading: Reading(status: .tracking), sample: sample)
+        let now = Date(timeIntervalSince1970: 1_000_000)
+        #expect(reading.timestamp(now: now, uptimeS: 100).timeIntervalSince1970 == 999_999.75)
+    }
+
     @Test func readingsCanBeMadeAndCoded() throws {
         let heading = Heading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
         let reading = Reading(status: .suspect(sinceNs: 7), heading: heading, fieldUt: Vector3(x: 3, y: 4, z: 12))
@@ -202,7 +209,7 @@ import Testing
             })
         }
         let readings = try await turning.compensated(capacity: 1501) { frame.value }.collected().map(\.reading)
-        let still = try Compensator().pushAll(events)
+        let still = try Compensator(config: Config(heading: HeadingConfig(axis: .topEdge))).pushAll(events)
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))
         #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)

@@ -34,7 +34,10 @@ fn readings(path: &Path, out: &mut String) -> Result<(), Box<dyn std::error::Err
     let triple = |a, b, c| Ok::<_, String>([column(a)?, column(b)?, column(c)?]);
     let (time, rate, up, field) =
         (column("t_s")?, triple("gx", "gy", "gz")?, triple("ax", "ay", "az")?, triple("mx", "my", "mz")?);
-    let mut compensator = Compensator::new(Config::default())?;
+    let mut config = Config::default();
+    // the border's default
+    config.heading.axis = ReferenceAxis::Auto;
+    let mut compensator = Compensator::new(config)?;
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         let vector = |at: [usize; 3]| -> Result<_, std::num::ParseFloatError> {

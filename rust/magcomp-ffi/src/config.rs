@@ -33,7 +33,7 @@ pub struct Config {
     #[uniffi(default = None)]
     pub initial_sigma_ut: Option<f64>,
     /// Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-    /// there is no other: readings from the first sample on, as good as that estimate. Default false.
+    /// there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
     #[uniffi(default = None)]
     pub use_reported_hard_iron: Option<bool>,
     /// Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
@@ -136,7 +136,7 @@ pub struct WindowedConfig {
 /// How headings are reported. A field left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct HeadingConfig {
-    /// The axis whose heading it is. Default the top edge.
+    /// The axis whose heading it is. Default `Auto`.
     #[uniffi(default = None)]
     pub axis: Option<ReferenceAxis>,
     /// How the screen's content is turned. Default not at all.
@@ -153,17 +153,25 @@ pub struct HeadingConfig {
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config { method, initial, initial_sigma_ut, range_ut, rail_ut, field_strength_ut, heading, windowed } =
-        magcomp::Config::default();
+    let magcomp::Config {
+        method,
+        initial,
+        initial_sigma_ut,
+        range_ut,
+        rail_ut,
+        field_strength_ut,
+        heading: _,
+        windowed,
+    } = magcomp::Config::default();
     Config {
         method: Some(method.into()),
         initial: initial.map(Into::into),
         initial_sigma_ut: Some(initial_sigma_ut),
-        use_reported_hard_iron: Some(false),
+        use_reported_hard_iron: Some(true),
         range_ut: Some(range_ut),
         rail_ut,
         field_strength_ut,
-        heading: Some(heading.into()),
+        heading: Some(HeadingConfig::default()),
         windowed: Some(windowed.into()),
     }
 }

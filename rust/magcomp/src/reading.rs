@@ -178,7 +178,7 @@ pub enum RejectReason {
     #[error("field is not finite")]
     NotFinite,
     /// A component is larger than any phone's magnetometer reads.
-    #[error("field component {value_ut} uT is outside +-{limit_ut} uT; is the unit microtesla?")]
+    #[error("field component {value_ut:.1} uT is outside +-{limit_ut:.1} uT; is the unit microtesla?")]
     OutOfRange {
         /// The component, uT.
         value_ut: f64,
@@ -186,7 +186,9 @@ pub enum RejectReason {
         limit_ut: f64,
     },
     /// A component is at the sensor's full scale: the true field is larger.
-    #[error("field component {value_ut} uT is at the sensor's full scale {rail_ut} uT; move away from the magnet")]
+    #[error(
+        "field component {value_ut:.1} uT is at the sensor's full scale {rail_ut:.1} uT; move away from the magnet"
+    )]
     Saturated {
         /// The component, uT.
         value_ut: f64,
@@ -205,7 +207,7 @@ pub enum RejectReason {
     },
     /// Time jumped ahead further than any pause.
     #[error(
-        "time jumped ahead by {gap_s} s, more than {limit_s} s; is the unit nanoseconds? 50 such samples that follow one another begin another clock"
+        "time jumped ahead by {gap_s:.0} s, more than {limit_s:.0} s; is the unit nanoseconds? 50 such samples that follow one another begin another clock"
     )]
     TimeJump {
         /// The jump, s.
@@ -258,6 +260,19 @@ impl std::fmt::Display for Status {
             Self::Held(HoldReason::Constant) => write!(f, "held: constant calibration"),
             Self::Disturbed { .. } => write!(f, "disturbed: a magnetic object is near; move away from it"),
             Self::Rejected(reason) => write!(f, "rejected: {reason}"),
+        }
+    }
+}
+
+impl std::fmt::Display for Event {
+    /// One sentence an app may show.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let took_s = (self.decided_ns as f64 - self.since_ns as f64) * 1e-9;
+        match self.kind {
+            EventKind::DeviceStep => write!(f, "the device's own disturbance changed: relearned in {took_s:.1} s"),
+            EventKind::DeviceStepBack => write!(f, "the device is as it was before: restored in {took_s:.1} s"),
+            EventKind::PlaceChanged => write!(f, "the place's field changed: noticed in {took_s:.1} s"),
+            EventKind::Erratic => write!(f, "the field is erratic: noticed in {took_s:.1} s"),
         }
     }
 }

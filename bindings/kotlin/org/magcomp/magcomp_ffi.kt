@@ -40,7 +40,7 @@ import java.util.concurrent.atomic.AtomicBoolean
  * @suppress
  */
 @Structure.FieldOrder("capacity", "len", "data")
-open class RustBuffer : Structure() {
+internal open class RustBuffer : Structure() {
     // Note: `capacity` and `len` are actually `ULong` values, but JVM only supports signed values.
     // When dealing with these fields, make sure to call `toULong()`.
     @JvmField var capacity: Long = 0
@@ -144,7 +144,7 @@ internal object FfiConverterByRefBytes : FfiConverter<java.nio.ByteBuffer, Forei
  *
  * @suppress
  */
-public interface FfiConverter<KotlinType, FfiType> {
+internal interface FfiConverter<KotlinType, FfiType> {
     // Convert an FFI type to a Kotlin type
     fun lift(value: FfiType): KotlinType
 
@@ -211,7 +211,7 @@ public interface FfiConverter<KotlinType, FfiType> {
  *
  * @suppress
  */
-public interface FfiConverterRustBuffer<KotlinType>: FfiConverter<KotlinType, RustBuffer.ByValue> {
+internal interface FfiConverterRustBuffer<KotlinType>: FfiConverter<KotlinType, RustBuffer.ByValue> {
     override fun lift(value: RustBuffer.ByValue) = liftFromRustBuffer(value)
     override fun lower(value: KotlinType) = lowerIntoRustBuffer(value)
 }
@@ -251,14 +251,14 @@ internal open class UniffiRustCallStatus : Structure() {
     }
 }
 
-class InternalException(message: String) : kotlin.Exception(message)
+internal class InternalException(message: String) : kotlin.Exception(message)
 
 /**
  * Each top-level error class has a companion object that can lift the error from the call status's rust buffer
  *
  * @suppress
  */
-interface UniffiRustCallStatusErrorHandler<E> {
+internal interface UniffiRustCallStatusErrorHandler<E> {
     fun lift(error_buf: RustBuffer.ByValue): E;
 }
 
@@ -299,7 +299,7 @@ private fun<E: kotlin.Exception> uniffiCheckCallStatus(errorHandler: UniffiRustC
  *
  * @suppress
  */
-object UniffiNullRustCallStatusErrorHandler: UniffiRustCallStatusErrorHandler<InternalException> {
+internal object UniffiNullRustCallStatusErrorHandler: UniffiRustCallStatusErrorHandler<InternalException> {
     override fun lift(error_buf: RustBuffer.ByValue): InternalException {
         RustBuffer.free(error_buf)
         return InternalException("Unexpected CALL_ERROR")
@@ -1056,7 +1056,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
 /**
  * @suppress
  */
-public fun uniffiEnsureInitialized() {
+internal fun uniffiEnsureInitialized() {
     // Call arbitrary methods on IntegrityCheckingUniffiLib and UniffiLib to ensure that
     // their init blocks run. This ensures initialization across crates works as expected.
     IntegrityCheckingUniffiLib.ensureInitialized()
@@ -1076,7 +1076,7 @@ public fun uniffiEnsureInitialized() {
 //
 // The easiest way to ensure this method is called is to use the `.use`
 // helper method to execute a block and destroy the object at the end.
-interface Disposable {
+internal interface Disposable {
     fun destroy()
     companion object {
         fun destroy(vararg args: Any?) {
@@ -1114,7 +1114,7 @@ interface Disposable {
 /**
  * @suppress
  */
-inline fun <T : Disposable?, R> T.use(block: (T) -> R) =
+internal inline fun <T : Disposable?, R> T.use(block: (T) -> R) =
     try {
         block(this)
     } finally {
@@ -1135,14 +1135,14 @@ inline fun <T : Disposable?, R> T.use(block: (T) -> R) =
  *
  * @suppress
  * */
-object UniffiWithHandle
+internal object UniffiWithHandle
 
 /**
  * Used to instantiate an interface without an actual pointer, for fakes in tests, mostly.
  *
  * @suppress
  * */
-object NoHandle
+internal object NoHandle
 /**
  * The cleaner interface for Object finalization code to run.
  * This is the entry point to any implementation that we're using.
@@ -1153,7 +1153,7 @@ object NoHandle
  *
  * @suppress
  */
-interface UniffiCleaner {
+internal interface UniffiCleaner {
     interface Cleanable {
         fun clean()
     }
@@ -1211,7 +1211,7 @@ private class JavaLangRefCleanable(
 /**
  * @suppress
  */
-public object FfiConverterInt: FfiConverter<Int, Int> {
+internal object FfiConverterInt: FfiConverter<Int, Int> {
     override fun lift(value: Int): Int {
         return value
     }
@@ -1234,7 +1234,7 @@ public object FfiConverterInt: FfiConverter<Int, Int> {
 /**
  * @suppress
  */
-public object FfiConverterLong: FfiConverter<Long, Long> {
+internal object FfiConverterLong: FfiConverter<Long, Long> {
     override fun lift(value: Long): Long {
         return value
     }
@@ -1257,7 +1257,7 @@ public object FfiConverterLong: FfiConverter<Long, Long> {
 /**
  * @suppress
  */
-public object FfiConverterDouble: FfiConverter<Double, Double> {
+internal object FfiConverterDouble: FfiConverter<Double, Double> {
     override fun lift(value: Double): Double {
         return value
     }
@@ -1280,7 +1280,7 @@ public object FfiConverterDouble: FfiConverter<Double, Double> {
 /**
  * @suppress
  */
-public object FfiConverterBoolean: FfiConverter<Boolean, Byte> {
+internal object FfiConverterBoolean: FfiConverter<Boolean, Byte> {
     override fun lift(value: Byte): Boolean {
         return value.toInt() != 0
     }
@@ -1303,7 +1303,7 @@ public object FfiConverterBoolean: FfiConverter<Boolean, Byte> {
 /**
  * @suppress
  */
-public object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
+internal object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
     // Note: we don't inherit from FfiConverterRustBuffer, because we use a
     // special encoding when lowering/lifting.  We can use `RustBuffer.len` to
     // store our length and avoid writing it out to the buffer.
@@ -1456,7 +1456,7 @@ public object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
  */
-public interface NativeCompensatorInterface {
+internal interface NativeCompensatorInterface {
 
     /**
      * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
@@ -1557,7 +1557,7 @@ public interface NativeCompensatorInterface {
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
  */
-open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterface
+internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterface
 {
 
     @Suppress("UNUSED_PARAMETER")
@@ -1972,7 +1972,7 @@ open class NativeCompensator: Disposable, AutoCloseable, NativeCompensatorInterf
 /**
  * @suppress
  */
-public object FfiConverterTypeNativeCompensator: FfiConverter<NativeCompensator, Long> {
+internal object FfiConverterTypeNativeCompensator: FfiConverter<NativeCompensator, Long> {
     override fun lower(value: NativeCompensator): Long {
         return value.uniffiCloneHandle()
     }
@@ -2091,7 +2091,7 @@ public object FfiConverterTypeNativeCompensator: FfiConverter<NativeCompensator,
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
-public interface NativeConstantFieldInterface {
+internal interface NativeConstantFieldInterface {
 
     /**
      * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
@@ -2130,7 +2130,7 @@ public interface NativeConstantFieldInterface {
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
-open class NativeConstantField: Disposable, AutoCloseable, NativeConstantFieldInterface
+internal open class NativeConstantField: Disposable, AutoCloseable, NativeConstantFieldInterface
 {
 
     @Suppress("UNUSED_PARAMETER")
@@ -2363,7 +2363,7 @@ open class NativeConstantField: Disposable, AutoCloseable, NativeConstantFieldIn
 /**
  * @suppress
  */
-public object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstantField, Long> {
+internal object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstantField, Long> {
     override fun lower(value: NativeConstantField): Long {
         return value.uniffiCloneHandle()
     }
@@ -2428,7 +2428,7 @@ data class Attitude (
 /**
  * @suppress
  */
-public object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
+internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
     override fun read(buf: ByteBuffer): Attitude {
         return Attitude(
             FfiConverterDouble.read(buf),
@@ -2489,7 +2489,7 @@ data class Calibration (
 /**
  * @suppress
  */
-public object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration> {
+internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration> {
     override fun read(buf: ByteBuffer): Calibration {
         return Calibration(
             FfiConverterTypeSoftIron.read(buf),
@@ -2535,7 +2535,7 @@ data class Config (
     ,
     /**
      * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-     * there is no other: readings from the first sample on, as good as that estimate. Default false.
+     * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
      */
     val `useReportedHardIron`: kotlin.Boolean? = null
     ,
@@ -2579,7 +2579,7 @@ data class Config (
 /**
  * @suppress
  */
-public object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
+internal object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
     override fun read(buf: ByteBuffer): Config {
         return Config(
             FfiConverterOptionalTypeMethod.read(buf),
@@ -2647,7 +2647,7 @@ data class Coverage (
 /**
  * @suppress
  */
-public object FfiConverterTypeCoverage: FfiConverterRustBuffer<Coverage> {
+internal object FfiConverterTypeCoverage: FfiConverterRustBuffer<Coverage> {
     override fun read(buf: ByteBuffer): Coverage {
         return Coverage(
             FfiConverterDouble.read(buf),
@@ -2699,7 +2699,7 @@ data class Event (
 /**
  * @suppress
  */
-public object FfiConverterTypeEvent: FfiConverterRustBuffer<Event> {
+internal object FfiConverterTypeEvent: FfiConverterRustBuffer<Event> {
     override fun read(buf: ByteBuffer): Event {
         return Event(
             FfiConverterTypeEventKind.read(buf),
@@ -2779,7 +2779,7 @@ data class Fit (
 /**
  * @suppress
  */
-public object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
+internal object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
     override fun read(buf: ByteBuffer): Fit {
         return Fit(
             FfiConverterTypeCalibration.read(buf),
@@ -2881,7 +2881,7 @@ data class FitOptions (
 /**
  * @suppress
  */
-public object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
+internal object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
     override fun read(buf: ByteBuffer): FitOptions {
         return FitOptions(
             FfiConverterOptionalTypeResidual.read(buf),
@@ -2959,7 +2959,7 @@ data class GeomagneticField (
 /**
  * @suppress
  */
-public object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<GeomagneticField> {
+internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<GeomagneticField> {
     override fun read(buf: ByteBuffer): GeomagneticField {
         return GeomagneticField(
             FfiConverterDouble.read(buf),
@@ -3022,7 +3022,7 @@ data class Heading (
 /**
  * @suppress
  */
-public object FfiConverterTypeHeading: FfiConverterRustBuffer<Heading> {
+internal object FfiConverterTypeHeading: FfiConverterRustBuffer<Heading> {
     override fun read(buf: ByteBuffer): Heading {
         return Heading(
             FfiConverterDouble.read(buf),
@@ -3054,7 +3054,7 @@ public object FfiConverterTypeHeading: FfiConverterRustBuffer<Heading> {
  */
 data class HeadingConfig (
     /**
-     * The axis whose heading it is. Default the top edge.
+     * The axis whose heading it is. Default `Auto`.
      */
     val `axis`: ReferenceAxis? = null
     ,
@@ -3085,7 +3085,7 @@ data class HeadingConfig (
 /**
  * @suppress
  */
-public object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfig> {
+internal object FfiConverterTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfig> {
     override fun read(buf: ByteBuffer): HeadingConfig {
         return HeadingConfig(
             FfiConverterOptionalTypeReferenceAxis.read(buf),
@@ -3143,7 +3143,7 @@ data class HeadingFrame (
 /**
  * @suppress
  */
-public object FfiConverterTypeHeadingFrame: FfiConverterRustBuffer<HeadingFrame> {
+internal object FfiConverterTypeHeadingFrame: FfiConverterRustBuffer<HeadingFrame> {
     override fun read(buf: ByteBuffer): HeadingFrame {
         return HeadingFrame(
             FfiConverterTypeReferenceAxis.read(buf),
@@ -3200,7 +3200,7 @@ data class MagneticSample (
 /**
  * @suppress
  */
-public object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSample> {
+internal object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSample> {
     override fun read(buf: ByteBuffer): MagneticSample {
         return MagneticSample(
             FfiConverterLong.read(buf),
@@ -3329,7 +3329,7 @@ data class Reading (
 /**
  * @suppress
  */
-public object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
+internal object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
     override fun read(buf: ByteBuffer): Reading {
         return Reading(
             FfiConverterLong.read(buf),
@@ -3421,7 +3421,7 @@ data class RotationRateSample (
 /**
  * @suppress
  */
-public object FfiConverterTypeRotationRateSample: FfiConverterRustBuffer<RotationRateSample> {
+internal object FfiConverterTypeRotationRateSample: FfiConverterRustBuffer<RotationRateSample> {
     override fun read(buf: ByteBuffer): RotationRateSample {
         return RotationRateSample(
             FfiConverterLong.read(buf),
@@ -3488,7 +3488,7 @@ data class SoftIron (
 /**
  * @suppress
  */
-public object FfiConverterTypeSoftIron: FfiConverterRustBuffer<SoftIron> {
+internal object FfiConverterTypeSoftIron: FfiConverterRustBuffer<SoftIron> {
     override fun read(buf: ByteBuffer): SoftIron {
         return SoftIron(
             FfiConverterDouble.read(buf),
@@ -3547,7 +3547,7 @@ data class UpSample (
 /**
  * @suppress
  */
-public object FfiConverterTypeUpSample: FfiConverterRustBuffer<UpSample> {
+internal object FfiConverterTypeUpSample: FfiConverterRustBuffer<UpSample> {
     override fun read(buf: ByteBuffer): UpSample {
         return UpSample(
             FfiConverterLong.read(buf),
@@ -3599,7 +3599,7 @@ data class Vector3 (
 /**
  * @suppress
  */
-public object FfiConverterTypeVector3: FfiConverterRustBuffer<Vector3> {
+internal object FfiConverterTypeVector3: FfiConverterRustBuffer<Vector3> {
     override fun read(buf: ByteBuffer): Vector3 {
         return Vector3(
             FfiConverterDouble.read(buf),
@@ -3671,7 +3671,7 @@ data class WindowedConfig (
 /**
  * @suppress
  */
-public object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedConfig> {
+internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedConfig> {
     override fun read(buf: ByteBuffer): WindowedConfig {
         return WindowedConfig(
             FfiConverterOptionalInt.read(buf),
@@ -3737,7 +3737,7 @@ enum class EventKind {
 /**
  * @suppress
  */
-public object FfiConverterTypeEventKind: FfiConverterRustBuffer<EventKind> {
+internal object FfiConverterTypeEventKind: FfiConverterRustBuffer<EventKind> {
     override fun read(buf: ByteBuffer) = try {
 
         EventKind.entries[buf.getInt() - 1]
@@ -3807,7 +3807,7 @@ enum class EventRejection {
 /**
  * @suppress
  */
-public object FfiConverterTypeEventRejection: FfiConverterRustBuffer<EventRejection> {
+internal object FfiConverterTypeEventRejection: FfiConverterRustBuffer<EventRejection> {
     override fun read(buf: ByteBuffer) = try {
 
         EventRejection.entries[buf.getInt() - 1]
@@ -3961,7 +3961,7 @@ sealed class FitProblem {
 /**
  * @suppress
  */
-public object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
+internal object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
     override fun read(buf: ByteBuffer): FitProblem {
         return when(buf.getInt()) {
             1 -> FitProblem.TooFewSamples(
@@ -4153,7 +4153,7 @@ sealed class HoldReason {
 /**
  * @suppress
  */
-public object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
+internal object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
     override fun read(buf: ByteBuffer): HoldReason {
         return when(buf.getInt()) {
             1 -> HoldReason.LowUniformity
@@ -4280,7 +4280,7 @@ enum class LogLevel {
 /**
  * @suppress
  */
-public object FfiConverterTypeLogLevel: FfiConverterRustBuffer<LogLevel> {
+internal object FfiConverterTypeLogLevel: FfiConverterRustBuffer<LogLevel> {
     override fun read(buf: ByteBuffer) = try {
 
         LogLevel.entries[buf.getInt() - 1]
@@ -4464,7 +4464,7 @@ sealed class MagcompException: kotlin.Exception() {
 
 
 
-    companion object ErrorHandler : UniffiRustCallStatusErrorHandler<MagcompException> {
+    internal companion object ErrorHandler : UniffiRustCallStatusErrorHandler<MagcompException> {
         override fun lift(error_buf: RustBuffer.ByValue): MagcompException = FfiConverterTypeMagcompError.lift(error_buf)
     }
 
@@ -4474,7 +4474,7 @@ sealed class MagcompException: kotlin.Exception() {
 /**
  * @suppress
  */
-public object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompException> {
+internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompException> {
     override fun read(buf: ByteBuffer): MagcompException {
 
 
@@ -4662,7 +4662,7 @@ enum class Method {
 /**
  * @suppress
  */
-public object FfiConverterTypeMethod: FfiConverterRustBuffer<Method> {
+internal object FfiConverterTypeMethod: FfiConverterRustBuffer<Method> {
     override fun read(buf: ByteBuffer) = try {
 
         Method.entries[buf.getInt() - 1]
@@ -4746,7 +4746,7 @@ sealed class Missing {
 /**
  * @suppress
  */
-public object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
+internal object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
     override fun read(buf: ByteBuffer): Missing {
         return when(buf.getInt()) {
             1 -> Missing.Samples(
@@ -4854,7 +4854,7 @@ enum class ModelOrder {
 /**
  * @suppress
  */
-public object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
+internal object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
     override fun read(buf: ByteBuffer) = try {
 
         ModelOrder.entries[buf.getInt() - 1]
@@ -4899,7 +4899,7 @@ enum class Normalisation {
 /**
  * @suppress
  */
-public object FfiConverterTypeNormalisation: FfiConverterRustBuffer<Normalisation> {
+internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<Normalisation> {
     override fun read(buf: ByteBuffer) = try {
 
         Normalisation.entries[buf.getInt() - 1]
@@ -4948,7 +4948,7 @@ enum class ReferenceAxis {
 /**
  * @suppress
  */
-public object FfiConverterTypeReferenceAxis: FfiConverterRustBuffer<ReferenceAxis> {
+internal object FfiConverterTypeReferenceAxis: FfiConverterRustBuffer<ReferenceAxis> {
     override fun read(buf: ByteBuffer) = try {
 
         ReferenceAxis.entries[buf.getInt() - 1]
@@ -5096,7 +5096,7 @@ sealed class RejectReason {
 /**
  * @suppress
  */
-public object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReason>{
+internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReason>{
     override fun read(buf: ByteBuffer): RejectReason {
         return when(buf.getInt()) {
             1 -> RejectReason.NotFinite
@@ -5239,7 +5239,7 @@ enum class Residual {
 /**
  * @suppress
  */
-public object FfiConverterTypeResidual: FfiConverterRustBuffer<Residual> {
+internal object FfiConverterTypeResidual: FfiConverterRustBuffer<Residual> {
     override fun read(buf: ByteBuffer) = try {
 
         Residual.entries[buf.getInt() - 1]
@@ -5285,7 +5285,7 @@ enum class Restored {
 /**
  * @suppress
  */
-public object FfiConverterTypeRestored: FfiConverterRustBuffer<Restored> {
+internal object FfiConverterTypeRestored: FfiConverterRustBuffer<Restored> {
     override fun read(buf: ByteBuffer) = try {
 
         Restored.entries[buf.getInt() - 1]
@@ -5338,7 +5338,7 @@ enum class ScreenRotation {
 /**
  * @suppress
  */
-public object FfiConverterTypeScreenRotation: FfiConverterRustBuffer<ScreenRotation> {
+internal object FfiConverterTypeScreenRotation: FfiConverterRustBuffer<ScreenRotation> {
     override fun read(buf: ByteBuffer) = try {
 
         ScreenRotation.entries[buf.getInt() - 1]
@@ -5391,7 +5391,7 @@ enum class SensorMode {
 /**
  * @suppress
  */
-public object FfiConverterTypeSensorMode: FfiConverterRustBuffer<SensorMode> {
+internal object FfiConverterTypeSensorMode: FfiConverterRustBuffer<SensorMode> {
     override fun read(buf: ByteBuffer) = try {
 
         SensorMode.entries[buf.getInt() - 1]
@@ -5536,7 +5536,7 @@ sealed class Status {
 /**
  * @suppress
  */
-public object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
+internal object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
     override fun read(buf: ByteBuffer): Status {
         return when(buf.getInt()) {
             1 -> Status.Collecting(
@@ -5671,7 +5671,7 @@ enum class Termination {
 /**
  * @suppress
  */
-public object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination> {
+internal object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination> {
     override fun read(buf: ByteBuffer) = try {
 
         Termination.entries[buf.getInt() - 1]
@@ -5695,7 +5695,7 @@ public object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination> {
 /**
  * @suppress
  */
-public object FfiConverterOptionalInt: FfiConverterRustBuffer<kotlin.Int?> {
+internal object FfiConverterOptionalInt: FfiConverterRustBuffer<kotlin.Int?> {
     override fun read(buf: ByteBuffer): kotlin.Int? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5727,7 +5727,7 @@ public object FfiConverterOptionalInt: FfiConverterRustBuffer<kotlin.Int?> {
 /**
  * @suppress
  */
-public object FfiConverterOptionalDouble: FfiConverterRustBuffer<kotlin.Double?> {
+internal object FfiConverterOptionalDouble: FfiConverterRustBuffer<kotlin.Double?> {
     override fun read(buf: ByteBuffer): kotlin.Double? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5759,7 +5759,7 @@ public object FfiConverterOptionalDouble: FfiConverterRustBuffer<kotlin.Double?>
 /**
  * @suppress
  */
-public object FfiConverterOptionalBoolean: FfiConverterRustBuffer<kotlin.Boolean?> {
+internal object FfiConverterOptionalBoolean: FfiConverterRustBuffer<kotlin.Boolean?> {
     override fun read(buf: ByteBuffer): kotlin.Boolean? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5791,7 +5791,7 @@ public object FfiConverterOptionalBoolean: FfiConverterRustBuffer<kotlin.Boolean
 /**
  * @suppress
  */
-public object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?> {
+internal object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?> {
     override fun read(buf: ByteBuffer): kotlin.String? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5823,7 +5823,7 @@ public object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String?>
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?> {
+internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?> {
     override fun read(buf: ByteBuffer): Attitude? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5855,7 +5855,7 @@ public object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibration?> {
+internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibration?> {
     override fun read(buf: ByteBuffer): Calibration? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5887,7 +5887,7 @@ public object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibr
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
+internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
     override fun read(buf: ByteBuffer): Event? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5919,7 +5919,7 @@ public object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
+internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
     override fun read(buf: ByteBuffer): Fit? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5951,7 +5951,7 @@ public object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeFitOptions: FfiConverterRustBuffer<FitOptions?> {
+internal object FfiConverterOptionalTypeFitOptions: FfiConverterRustBuffer<FitOptions?> {
     override fun read(buf: ByteBuffer): FitOptions? {
         if (buf.get().toInt() == 0) {
             return null
@@ -5983,7 +5983,7 @@ public object FfiConverterOptionalTypeFitOptions: FfiConverterRustBuffer<FitOpti
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?> {
+internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?> {
     override fun read(buf: ByteBuffer): Heading? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6015,7 +6015,7 @@ public object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?> 
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfig?> {
+internal object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfig?> {
     override fun read(buf: ByteBuffer): HeadingConfig? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6047,7 +6047,7 @@ public object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<Head
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?> {
+internal object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?> {
     override fun read(buf: ByteBuffer): Vector3? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6079,7 +6079,7 @@ public object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?> 
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<WindowedConfig?> {
+internal object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<WindowedConfig?> {
     override fun read(buf: ByteBuffer): WindowedConfig? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6111,7 +6111,7 @@ public object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<Win
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
+internal object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
     override fun read(buf: ByteBuffer): Method? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6143,7 +6143,7 @@ public object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<ModelOrder?> {
+internal object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<ModelOrder?> {
     override fun read(buf: ByteBuffer): ModelOrder? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6175,7 +6175,7 @@ public object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<ModelOr
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<Normalisation?> {
+internal object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<Normalisation?> {
     override fun read(buf: ByteBuffer): Normalisation? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6207,7 +6207,7 @@ public object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<Norm
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<ReferenceAxis?> {
+internal object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<ReferenceAxis?> {
     override fun read(buf: ByteBuffer): ReferenceAxis? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6239,7 +6239,7 @@ public object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<Refe
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<Residual?> {
+internal object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<Residual?> {
     override fun read(buf: ByteBuffer): Residual? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6271,7 +6271,7 @@ public object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<Residual?
 /**
  * @suppress
  */
-public object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<ScreenRotation?> {
+internal object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<ScreenRotation?> {
     override fun read(buf: ByteBuffer): ScreenRotation? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6303,7 +6303,7 @@ public object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<Scr
 /**
  * @suppress
  */
-public object FfiConverterOptionalSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>?> {
+internal object FfiConverterOptionalSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>?> {
     override fun read(buf: ByteBuffer): List<kotlin.Double>? {
         if (buf.get().toInt() == 0) {
             return null
@@ -6335,7 +6335,7 @@ public object FfiConverterOptionalSequenceDouble: FfiConverterRustBuffer<List<ko
 /**
  * @suppress
  */
-public object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>> {
+internal object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.Double>> {
     override fun read(buf: ByteBuffer): List<kotlin.Double> {
         val len = buf.getInt()
         return List<kotlin.Double>(len) {
@@ -6363,7 +6363,7 @@ public object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.Dou
 /**
  * @suppress
  */
-public object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vector3>> {
+internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vector3>> {
     override fun read(buf: ByteBuffer): List<Vector3> {
         val len = buf.getInt()
         return List<Vector3>(len) {

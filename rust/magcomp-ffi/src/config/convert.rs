@@ -3,6 +3,10 @@
 use super::{Config, FitOptions, HeadingConfig, Method, Normalisation, Residual, WindowedConfig};
 use crate::convert::{count, same_names};
 use crate::error::MagcompError;
+use crate::record::ReferenceAxis;
+
+/// What a screen shows: it does not flip when the phone is raised.
+const USUAL_AXIS: ReferenceAxis = ReferenceAxis::Auto;
 
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
@@ -26,7 +30,7 @@ impl TryFrom<Config> for magcomp::Config {
             range_ut: range_ut.unwrap_or(d.range_ut),
             rail_ut,
             field_strength_ut,
-            heading: heading.map_or(d.heading, Into::into),
+            heading: heading.unwrap_or_default().into(),
             windowed: windowed.map_or(Ok(d.windowed), TryInto::try_into)?,
         };
         config.validate()?;
@@ -120,11 +124,17 @@ impl From<magcomp::HeadingConfig> for HeadingConfig {
     }
 }
 
+impl Default for HeadingConfig {
+    fn default() -> Self {
+        Self { axis: Some(USUAL_AXIS), ..magcomp::HeadingConfig::default().into() }
+    }
+}
+
 impl From<HeadingConfig> for magcomp::HeadingConfig {
     fn from(h: HeadingConfig) -> Self {
         let d = Self::default();
         Self {
-            axis: h.axis.map_or(d.axis, Into::into),
+            axis: h.axis.unwrap_or(USUAL_AXIS).into(),
             screen_rotation: h.screen_rotation.map_or(d.screen_rotation, Into::into),
             declination_deg: h.declination_deg,
             tilt_sigma_deg: h.tilt_sigma_deg.unwrap_or(d.tilt_sigma_deg),
@@ -152,9 +162,15 @@ mod tests {
     use super::*;
     use crate::config::default_config;
 
+    /// The core's defaults with a phone's axis.
+    fn phone() -> magcomp::Config {
+        let heading = magcomp::HeadingConfig { axis: magcomp::ReferenceAxis::Auto, ..Default::default() };
+        magcomp::Config { heading, ..Default::default() }
+    }
+
     #[test]
     fn the_defaults_come_back_as_they_went() {
-        assert_eq!(magcomp::Config::try_from(default_config()), Ok(magcomp::Config::default()));
+        assert_eq!(magcomp::Config::try_from(default_config()), Ok(phone()));
     }
 
     #[test]
@@ -181,7 +197,7 @@ mod tests {
         let expected = magcomp::Config {
             field_strength_ut: Some(48.0),
             windowed: magcomp::WindowedConfig { n_min: 50, ..Default::default() },
-            ..Default::default()
+            ..phone()
         };
         assert_eq!(magcomp::Config::try_from(config), Ok(expected));
     }

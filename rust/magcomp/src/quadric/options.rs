@@ -105,7 +105,7 @@ pub enum FitError {
     NotAnEllipsoid,
     /// The field is too weak or too strong to be the Earth's.
     #[error(
-        "field strength {field_ut:.1} uT is outside {low_ut} to {high_ut} uT; the place is disturbed or the sensor's unit is not microtesla"
+        "field strength {field_ut:.1} uT is outside {low_ut:.1} to {high_ut:.1} uT; the place is disturbed or the sensor's unit is not microtesla"
     )]
     FieldOutOfRange {
         /// Strength found, uT: the geometric mean of the half axes, or |m| with the gyroscope.

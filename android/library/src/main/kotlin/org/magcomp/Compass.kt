@@ -16,9 +16,9 @@ import kotlinx.coroutines.flow.flow
  * and what it has learned stays in it. Another `Compass` of the same source is another estimator.
  *
  * @param source where events come from
- * @param config what was left out is the library's default, but for the heading's axis: `AUTO`, which does not flip when the
- *   phone is raised; and `useReportedHardIron`: the system's own hard iron is the first calibration where there is no other, so that
- *   the first reading has a heading, with a wide sigma
+ * @param config what was left out is the library's default, that of [Compensator]: among them the heading's axis `AUTO`, which does not
+ *   flip when the phone is raised, and `useReportedHardIron`: the system's own hard iron is the first calibration where there is no
+ *   other, so that the first reading has a heading, with a wide sigma
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
  *   turned comes back within it, and nothing has stopped. Default 5000
@@ -38,13 +38,7 @@ public class Compass @JvmOverloads constructor(
         require(graceMs >= 0) { "graceMs is $graceMs, expected 0 or above" }
     }
 
-    private val frames = MutableStateFlow(
-        HeadingFrame(
-            config.heading?.axis ?: ReferenceAxis.AUTO,
-            config.heading?.screenRotation ?: ScreenRotation.DEG0,
-            config.heading?.declinationDeg,
-        ),
-    )
+    private val frames = MutableStateFlow(config.headingFrame())
 
     /** What it has learned, from one run to the next; runs follow one another. */
     @Volatile
@@ -79,7 +73,6 @@ public class Compass @JvmOverloads constructor(
     public fun readings(): Flow<CompensatedReading> = shared.collected()
 
     private fun run(): Flow<CompensatedReading> = flow {
-        val config = config.copy(useReportedHardIron = config.useReportedHardIron ?: true)
         val estimation = kept ?: Estimation(config, store, frames) { source.sensors?.value }.also { kept = it }
         try {
             emitAll(source.samples().compensated(estimation))

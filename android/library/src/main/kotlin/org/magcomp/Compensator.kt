@@ -6,7 +6,7 @@ package org.magcomp
  * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
  * of the library calls throw [MagcompException.Panicked] until [reset].
  *
- * @property config what it was made with; what was left out is the library's default
+ * @property config what it was made with; what was left out is the library's default, as in [Compass] ([defaultConfig] shows all)
  * @throws MagcompException.Config when a field of the config is out of range
  * @throws NativeLibraryException when the app holds no native library for this phone
  */

@@ -12,11 +12,7 @@ internal class Estimation(
 ) : AutoCloseable {
     val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
-    private var currentFrame = HeadingFrame(
-        config.heading?.axis ?: ReferenceAxis.TOP_EDGE,
-        config.heading?.screenRotation ?: ScreenRotation.DEG0,
-        config.heading?.declinationDeg,
-    )
+    private var currentFrame = config.headingFrame()
 
     /** What the store keeps, and the time of the sample it was saved at. */
     private var saved: Correction? = null
@@ -149,3 +145,10 @@ internal class Estimation(
         const val LOOK_EVERY_NS = 200_000_000L
     }
 }
+
+/** The heading frame of a config; what was left out is the library's default. */
+internal fun Config.headingFrame(): HeadingFrame = HeadingFrame(
+    heading?.axis ?: ReferenceAxis.AUTO,
+    heading?.screenRotation ?: ScreenRotation.DEG0,
+    heading?.declinationDeg,
+)

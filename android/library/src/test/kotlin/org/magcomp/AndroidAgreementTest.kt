@@ -16,7 +16,7 @@ class AndroidAgreementTest {
         val random = Random(7)
         // the raw field is the field: what is compared are headings
         val nothing = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 50.0)
-        val config = Config(method = Method.CONSTANT, initial = nothing, windowed = WindowedConfig(nMin = 9))
+        val config = Config(method = Method.CONSTANT, initial = nothing, heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))
         val matrix = FloatArray(9)
         val angles = FloatArray(3)
         val out = ReadingBuffer()

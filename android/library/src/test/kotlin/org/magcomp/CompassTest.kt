@@ -153,7 +153,7 @@ class CompassTest {
             }
         }
         val readings = turning.compensated(frame = frames, capacity = events.size).toList().map { it.reading }
-        val still = Compensator().use { it.pushAll(events) }
+        val still = Compensator(Config(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))).use { it.pushAll(events) }
         assertEquals(still.take(half / 2), readings.take(half / 2))
         val (before, after) = Pair(still.last().heading!!, readings.last().heading!!)
         assertEquals(90.0, Math.IEEEremainder(after.headingDeg - before.headingDeg + 360, 360.0), 5.0)
@@ -176,6 +176,25 @@ class CompassTest {
         }
         val (before, after) = Pair(last(ScreenRotation.DEG0), last(ScreenRotation.DEG180))
         assertEquals(180.0, abs(Math.IEEEremainder(after.headingDeg - before.headingDeg, 360.0)), 1e-9)
+    }
+
+    @Test
+    fun `a compass and a compensator have the same defaults`(): Unit = runBlocking {
+        assertEquals(defaultConfig().heading!!.axis, Compass(Played(events)).frame.axis)
+        val hardIron = Vector3(HARD_IRON[0], HARD_IRON[1], HARD_IRON[2])
+        val reported = events.map { if (it is SensorSample.Magnetic) SensorSample.Magnetic(it.sample.copy(reportedHardIronUt = hardIron)) else it }
+        val expected = Compensator().use { compensator ->
+            reported.mapNotNull { event ->
+                when (event) {
+                    is SensorSample.Magnetic -> compensator.push(event.sample)
+                    is SensorSample.RotationRate -> with(event.sample.rateRadS) { compensator.pushRotationRate(event.timeNs, x, y, z) }.let { null }
+                    is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }.let { null }
+                }
+            }
+        }
+        assertNotNull(expected.first().fieldUt)
+        assertEquals(expected.last(), Compass(Played(reported)).readings().last().reading)
+        assertEquals(expected.last(), reported.asFlow().compensated().last().reading)
     }
 
     @Test

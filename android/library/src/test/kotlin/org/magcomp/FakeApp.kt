@@ -5,12 +5,17 @@ import android.content.Context
 import android.content.SharedPreferences
 import android.content.pm.ApplicationInfo
 import android.content.pm.PackageManager
+import android.content.res.Resources
 
 /** An app as [SensorManagerSource] and [PreferencesStore] see it, for Android 15. */
 class FakeApp(private val sensors: FakeSensorManager, private val permissions: Set<String> = emptySet()) : Application() {
     val preferences = FakePreferences()
 
+    private val resources = englishResources()
+
     override fun getApplicationContext(): Context = this
+
+    override fun getResources(): Resources = resources
 
     override fun getSystemService(name: String): Any? = if (name == Context.SENSOR_SERVICE) sensors else null
 

@@ -27,7 +27,7 @@ object LoggingMain {
     @JvmStatic
     fun main(arguments: Array<String>) {
         startLogging("compass-app", LogLevel.valueOf(arguments.single()))
-        Compensator(Config(useReportedHardIron = true)).use {
+        Compensator().use {
             // no phone has a hard iron this large
             it.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0), Vector3(0.0, 9000.0, 0.0)))
         }

@@ -21,7 +21,7 @@ class AarTest {
         zip.entries().asSequence().filter { !it.isDirectory }.associate { it.name to zip.getInputStream(it).readBytes() }
     }
     private val abis = System.getProperty("android.abis").split(" ")
-    private val known = mapOf("arm64-v8a" to 183, "armeabi-v7a" to 40, "x86_64" to 62)
+    private val known = mapOf("arm64-v8a" to 183, "armeabi-v7a" to 40, "x86_64" to 62, "x86" to 3)
     private val machines = abis.associateWith(known::getValue)
     private val classes = ZipInputStream(ByteArrayInputStream(parts.getValue("classes.jar"))).use { zip ->
         generateSequence { zip.nextEntry }.map { it.name to zip.readBytes() }.toMap()
@@ -37,10 +37,11 @@ class AarTest {
             "META-INF/com/android/build/gradle/aar-metadata.properties",
             "META-INF/LICENSE-MIT",
             "META-INF/LICENSE-APACHE",
+            "res/values/strings.xml",
         ) + machines.keys.map { "jni/$it/libmagcomp_ffi.so" }
-        assertEquals(expected.sorted(), parts.keys.sorted())
+        assertEquals(expected.sorted(), parts.keys.filterNot { it.startsWith("res/values-") }.sorted())
         if (release) assertEquals(known.keys, machines.keys, "an AAR that ships serves every phone")
-        for ((name, bytes) in parts) if (name != "R.txt") assertTrue(bytes.isNotEmpty(), name)
+        for ((name, bytes) in parts) assertTrue(bytes.isNotEmpty(), name)
     }
 
     @Test
@@ -60,7 +61,7 @@ class AarTest {
             val elf = ByteBuffer.wrap(parts.getValue("jni/$abi/libmagcomp_ffi.so")).order(ByteOrder.LITTLE_ENDIAN)
             assertEquals(0x464c457f, elf.getInt(0), abi)
             val wide = elf.get(4).toInt() == 2
-            assertEquals(abi != "armeabi-v7a", wide, abi)
+            assertEquals("64" in abi, wide, abi)
             assertEquals(machine, elf.getShort(18).toInt(), abi)
             val table = if (wide) elf.getLong(32).toInt() else elf.getInt(28)
             val size = elf.getShort(if (wide) 54 else 42).toInt()
@@ -102,8 +103,17 @@ class AarTest {
         }
         for ((name, bytes) in classes.filterKeys { it.endsWith(".class") }) {
             assertTrue(name.startsWith("org/magcomp/"), "$name belongs to a dependency")
+            assertTrue(!name.startsWith("org/magcomp/R.") && !name.startsWith("org/magcomp/R$"), "$name is made by the app's build")
             assertEquals(52, ByteBuffer.wrap(bytes).getShort(6).toInt(), "$name: class file level of Java 8")
         }
+    }
+
+    @Test
+    fun `the texts are there, and R names them`() {
+        val strings = xml(parts.getValue("res/values/strings.xml")).getElementsByTagName("string")
+        val names = (0 until strings.length).map { (strings.item(it) as Element).getAttribute("name") }
+        assertTrue("magcomp_status_tracking" in names)
+        assertEquals(names.map { "int string $it 0x0" }, String(parts.getValue("R.txt")).trim().lines())
     }
 
     @Test

@@ -10,13 +10,14 @@ import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
 import org.magcomp.geomagneticField
 import org.magcomp.headingFrame
+import org.magcomp.text
 
 // what follows is android/README.md's; ReadmeTest compares them
 class CompassViewModel(app: Application) : AndroidViewModel(app) {
     private val compass = Compass(app)
 
     val text: Flow<String> = compass.readings().map { (reading) ->
-        val heading = reading.heading ?: return@map reading.status.text()
+        val heading = reading.heading ?: return@map reading.status.text(app.resources)
         "${heading.headingDeg} deg, give or take ${heading.headingSigmaDeg}"
     }.catch { emit(it.message ?: "$it") } // no magnetometer, for instance
 

@@ -1,0 +1,97 @@
+package org.magcomp
+
+import java.util.Locale
+import kotlin.random.Random
+import org.json.JSONObject
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertNull
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+
+class TextsTest {
+    private val resources = englishResources()
+
+    @Test
+    fun `the English texts are the core's own words`() {
+        val random = Random(1)
+        val seen = mutableSetOf<Class<*>>()
+        repeat(200) {
+            for (status in statuses(random)) {
+                assertEquals(status.text(), status.text(resources))
+                seen += listOfNotNull(status, (status as? Status.Collecting)?.missing, (status as? Status.Held)?.reason, (status as? Status.Rejected)?.reason)
+                    .map { it.javaClass }
+                seen += listOfNotNull(((status as? Status.Collecting)?.missing as? Missing.Fit)?.problem).map { it.javaClass }
+            }
+        }
+        val all = listOf(Status::class, Missing::class, HoldReason::class, RejectReason::class, FitProblem::class)
+            .flatMap { kind -> kind.java.declaredClasses.filter { kind.java.isAssignableFrom(it) } }
+        assertEquals(29, all.size)
+        assertEquals(all.toSet(), seen, "every kind was asked")
+        val events = JSONObject(repository.resolve("tests/vectors/facts.json").readText()).getJSONArray("events")
+        val asked = (0 until events.length()).map(events::getJSONObject).map { case ->
+            val kind = EventKind.valueOf(case.getString("kind").replace(Regex("(?<=[a-z])(?=[A-Z])"), "_").uppercase(Locale.ROOT))
+            assertEquals(case.getString("text"), Event(kind, case.getLong("since_ns"), case.getLong("decided_ns")).text(resources))
+            kind
+        }
+        assertEquals(EventKind.entries, asked)
+    }
+
+    @Test
+    fun `what the user can do, and what a screen reader says`() {
+        val turn = "Turn the phone."
+        val eight = "Turn the phone about all its axes, as if drawing an eight."
+        val pickUp = "Pick the phone up and turn it."
+        val expected = mapOf(
+            Status.Collecting(Missing.Rotation) to turn,
+            Status.Held(HoldReason.TooLittleRotation) to turn,
+            Status.Collecting(Missing.Directions) to eight,
+            Status.Collecting(Missing.Fit(FitProblem.NotFinite)) to eight,
+            Status.Held(HoldReason.FitRefused(FitProblem.NotFinite)) to eight,
+            Status.Held(HoldReason.LowUniformity) to eight,
+            Status.Collecting(Missing.Samples(1, 2)) to pickUp,
+            Status.Held(HoldReason.AtRest) to pickUp,
+            Status.Disturbed(1) to "Walk away from metal and magnets.",
+        )
+        for ((status, guidance) in expected) assertEquals(guidance, status.guidance(resources))
+        for (status in statuses(Random(1)) - expected.keys) {
+            val asks = status is Status.Collecting || status is Status.Disturbed ||
+                (status as? Status.Held)?.reason.let { it is HoldReason.FitRefused }
+            if (!asks) assertNull(status.guidance(resources), "$status")
+        }
+        fun heading(deg: Double, sigmaDeg: Double?) = Heading(deg, sigmaDeg, null, 60.0)
+        assertEquals("no heading yet", null.spoken(resources))
+        assertEquals("heading 0 degrees, give or take 3", heading(359.6, 2.1).spoken(resources))
+        assertEquals("heading 90 degrees, give or take 180", heading(89.7, null).spoken(resources))
+    }
+
+    @Test
+    fun `both platforms have the same texts, with the same placeholders`() {
+        val line = Regex(""""(\w+)" = "(.*)";""")
+        val swift = repository.resolve("ios/Sources/Magcomp/Resources/en.lproj/Localizable.strings").readLines()
+            .mapNotNull(line::matchEntire).associate { "magcomp_" + it.groupValues[1] to it.groupValues[2] }
+        assertEquals(englishStrings, swift.mapValues { (_, text) -> text.replace("\$@", "\$s").replace("\$lld", "\$d") })
+        assertEquals(englishStrings.keys.toList(), stringNames.values.toList())
+        assertTrue(englishStrings.size >= 30)
+    }
+
+    private fun statuses(random: Random): List<Status> {
+        // never half way between two decimals
+        fun real() = random.nextDouble(-3000.0, 3000.0)
+        fun whole() = random.nextInt(0, 10_000)
+        val problems = listOf(
+            FitProblem.TooFewSamples(whole()), FitProblem.Planar(real()), FitProblem.PoorCoverage(real(), real()),
+            FitProblem.Inconsistent(real(), real()), FitProblem.NotAnEllipsoid, FitProblem.FieldOutOfRange(real(), real(), real()),
+            FitProblem.NotFinite,
+        )
+        val missing = problems.map { Missing.Fit(it) } + Missing.Samples(whole(), whole()) + Missing.Rotation + Missing.Directions
+        val held = problems.map { HoldReason.FitRefused(it) } + HoldReason.LowUniformity + HoldReason.Constant + HoldReason.AtRest +
+            HoldReason.TooLittleRotation + HoldReason.NoGyroscope
+        val rejected = listOf(
+            RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(real(), real()),
+            RejectReason.TimeNotAfter(random.nextLong(), random.nextLong()), RejectReason.TimeJump(real(), 604_800.0),
+            RejectReason.Stuck(whole()),
+        )
+        return missing.map { Status.Collecting(it) } + Status.Tracking + Status.Suspect(1) + held.map { Status.Held(it) } + Status.Disturbed(1) +
+            rejected.map { Status.Rejected(it) }
+    }
+}

@@ -1,0 +1,94 @@
+package org.magcomp.sample
+
+import androidx.compose.foundation.Canvas
+import androidx.compose.foundation.background
+import androidx.compose.foundation.isSystemInDarkTheme
+import androidx.compose.foundation.rememberScrollState
+import androidx.compose.foundation.verticalScroll
+import androidx.compose.foundation.layout.Arrangement
+import androidx.compose.foundation.layout.Box
+import androidx.compose.foundation.layout.Column
+import androidx.compose.foundation.layout.fillMaxSize
+import androidx.compose.foundation.layout.fillMaxWidth
+import androidx.compose.foundation.layout.padding
+import androidx.compose.foundation.layout.size
+import androidx.compose.foundation.shape.RoundedCornerShape
+import androidx.compose.foundation.text.BasicText
+import androidx.compose.runtime.Composable
+import androidx.compose.ui.Alignment
+import androidx.compose.ui.Modifier
+import androidx.compose.ui.draw.rotate
+import androidx.compose.ui.geometry.Offset
+import androidx.compose.ui.graphics.Color
+import androidx.compose.ui.graphics.drawscope.Stroke
+import androidx.compose.ui.semantics.clearAndSetSemantics
+import androidx.compose.ui.semantics.contentDescription
+import androidx.compose.ui.text.TextStyle
+import androidx.compose.ui.text.style.TextAlign
+import androidx.compose.ui.unit.TextUnit
+import androidx.compose.ui.unit.dp
+import androidx.compose.ui.unit.sp
+import org.magcomp.Vector3
+
+private class Ink(isDark: Boolean) {
+    val paper = if (isDark) Color(0xff111417) else Color(0xfffafafa)
+    val text = if (isDark) Color(0xffe6e6e6) else Color(0xff1b1b1b)
+    val faint = if (isDark) Color(0xff5b6167) else Color(0xffb4b8bc)
+    val north = if (isDark) Color(0xffff6b5e) else Color(0xffc62828)
+    val missing = if (isDark) Color(0xff7bc67e) else Color(0xff2e7d32)
+    val banner = if (isDark) Color(0xff6b4300) else Color(0xffffe0a8)
+}
+
+/** The screen of a state; [letters] are those of north, east, south and west. It decides nothing. */
+@Composable
+fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = isSystemInDarkTheme()) {
+    val ink = Ink(isDark)
+    Column(
+        Modifier.fillMaxSize().background(ink.paper).verticalScroll(rememberScrollState()).padding(24.dp),
+        verticalArrangement = Arrangement.spacedBy(8.dp),
+        horizontalAlignment = Alignment.CenterHorizontally,
+    ) {
+        state.banner?.let { Words(it, ink, modifier = Modifier.fillMaxWidth().background(ink.banner, RoundedCornerShape(8.dp)).padding(12.dp)) }
+        Rose(state, letters, ink)
+        Words(state.heading, ink, size = 36.sp)
+        listOfNotNull(state.trueHeading, state.systemHeading, state.field, state.status, state.event, state.seen, state.guidance)
+            .forEach { Words(it, ink) }
+        if (state.unseen.isNotEmpty()) Sphere(state, ink)
+    }
+}
+
+@Composable
+private fun Words(text: String, ink: Ink, modifier: Modifier = Modifier, size: TextUnit = 16.sp) =
+    BasicText(text, modifier, TextStyle(color = ink.text, fontSize = size, textAlign = TextAlign.Center))
+
+/** Letters and sector, turned against the heading; a screen reader hears one sentence. */
+@Composable
+private fun Rose(state: ScreenState, letters: List<String>, ink: Ink) {
+    Box(Modifier.size(260.dp).clearAndSetSemantics { contentDescription = state.spoken }) {
+        Canvas(Modifier.fillMaxSize()) { drawCircle(ink.faint, style = Stroke(2.dp.toPx())) }
+        val roseDeg = state.roseDeg ?: return@Box
+        Box(Modifier.fillMaxSize().rotate(-roseDeg.toFloat())) {
+            Canvas(Modifier.fillMaxSize()) {
+                val sigma = state.sigmaDeg.coerceAtMost(180.0).toFloat()
+                drawArc(ink.north.copy(alpha = 0.25f), -90 - sigma, 2 * sigma, useCenter = true)
+                drawLine(ink.north, center, Offset(center.x, 40.dp.toPx()), 3.dp.toPx())
+            }
+            letters.forEachIndexed { k, letter ->
+                Box(Modifier.fillMaxSize().rotate(90f * k).padding(8.dp), contentAlignment = Alignment.TopCenter) {
+                    BasicText(letter, style = TextStyle(color = if (k == 0) ink.north else ink.text, fontSize = 22.sp))
+                }
+            }
+        }
+    }
+}
+
+/** The sphere of directions seen along the screen's normal: those missing, behind it pale, the next one large; the field now as a ring. */
+@Composable
+private fun Sphere(state: ScreenState, ink: Ink) = Canvas(Modifier.size(120.dp).clearAndSetSemantics {}) {
+    val radius = size.minDimension / 2
+    fun place(v: Vector3) = Offset(center.x + radius * v.x.toFloat(), center.y - radius * v.y.toFloat())
+    fun shade(v: Vector3) = ink.missing.copy(alpha = if (v.z < 0) 0.3f else 1f)
+    drawCircle(ink.faint, style = Stroke(1.dp.toPx()))
+    for (direction in state.unseen) drawCircle(shade(direction), if (direction == state.next) 7.dp.toPx() else 3.dp.toPx(), place(direction))
+    state.pointing?.let { drawCircle(ink.text, 8.dp.toPx(), place(it), style = Stroke(2.dp.toPx())) }
+}

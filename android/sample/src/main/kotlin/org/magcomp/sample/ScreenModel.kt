@@ -1,0 +1,102 @@
+package org.magcomp.sample
+
+import android.content.res.Resources
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.flow.catch
+import kotlinx.coroutines.flow.conflate
+import kotlinx.coroutines.flow.map
+import kotlinx.coroutines.flow.onCompletion
+import org.magcomp.Compass
+import org.magcomp.CompensatedReading
+import org.magcomp.HeadingSmoother
+import org.magcomp.MagcompException
+import org.magcomp.SensorException
+import org.magcomp.Status
+import org.magcomp.Vector3
+import org.magcomp.guidance
+import org.magcomp.spoken
+import org.magcomp.text
+
+/** What the screen shows, in the words of the phone's language. */
+data class ScreenState(
+    /** Where the rose is turned to, degrees clockwise from magnetic north; null: there is no heading. */
+    val roseDeg: Double? = null,
+    /** Half the width of the rose's sector, degrees. */
+    val sigmaDeg: Double = 180.0,
+    val heading: String = "",
+    val trueHeading: String? = null,
+    val systemHeading: String? = null,
+    val field: String? = null,
+    val status: String = "",
+    /** What to do about interference. */
+    val banner: String? = null,
+    /** The latest change that was decided. */
+    val event: String? = null,
+    /** What to do for a better heading. */
+    val guidance: String? = null,
+    val seen: String = "",
+    /** Where the field has not pointed yet, where it points now, and which of the former is nearest: unit vectors in the device frame. */
+    val unseen: List<Vector3> = emptyList(),
+    val pointing: Vector3? = null,
+    val next: Vector3? = null,
+    /** What a screen reader says of the rose. */
+    val spoken: String = "",
+)
+
+/** All that the screen knows and how it says it. The heading is smoothed for the eye alone. */
+class ScreenModel(private val resources: Resources) {
+    private val smoother = HeadingSmoother(halfLifeS = 0.1)
+
+    /** A state for every reading that a screen can follow; an error is the last one. [systemDeg] is the system's own heading. */
+    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> = compass.readings().conflate()
+        .map { show(it, systemDeg.value) }
+        .onCompletion { error -> if (error == null) emit(explain(null)) }
+        .catch { emit(explain(it)) }
+
+    fun show(answer: CompensatedReading, systemDeg: Double?): ScreenState {
+        val reading = answer.reading
+        val heading = reading.heading
+        val sigmaDeg = heading?.headingSigmaDeg ?: 180.0
+        val roseDeg = smoother.push(reading.timeNs, heading?.headingDeg ?: Double.NaN)
+        val guidance = reading.status.guidance(resources)
+        val isDisturbed = reading.status is Status.Disturbed
+        val pointing = reading.fieldUt?.let { unit(it) }
+        val next = pointing?.let { now -> answer.unseenDirections.maxByOrNull { it.x * now.x + it.y * now.y + it.z * now.z } }
+        return ScreenState(
+            roseDeg = if (heading == null) null else roseDeg,
+            sigmaDeg = sigmaDeg,
+            heading = if (heading == null) say(R.string.no_heading) else say(R.string.heading, heading.headingDeg, sigmaDeg),
+            trueHeading = heading?.trueHeadingDeg?.let { say(R.string.true_heading, it) },
+            systemHeading = systemDeg?.let { say(R.string.system_heading, it) },
+            field = reading.totalFieldUt?.let { say(R.string.field, it) },
+            status = reading.status.text(resources),
+            banner = guidance.takeIf { isDisturbed },
+            event = reading.event?.text(resources),
+            guidance = guidance?.takeIf { !isDisturbed }?.let { if (next == null) it else say(R.string.next, it) },
+            seen = say(R.string.seen, 100 * reading.coverage),
+            unseen = answer.unseenDirections,
+            pointing = pointing,
+            next = next,
+            spoken = heading.spoken(resources),
+        )
+    }
+
+    /** Why there are no readings any more, and nothing of those before. */
+    fun explain(error: Throwable?): ScreenState {
+        val why = when (error) {
+            null -> say(R.string.over)
+            is MagcompException -> error.text()
+            is SensorException -> error.message
+            else -> null
+        } ?: "$error"
+        return ScreenState(heading = say(R.string.no_heading), status = why, spoken = null.spoken(resources))
+    }
+
+    private fun say(id: Int, vararg values: Any): String = resources.getString(id, *values)
+
+    private fun unit(v: Vector3): Vector3? {
+        val length = Math.sqrt(v.x * v.x + v.y * v.y + v.z * v.z)
+        return if (length > 0) Vector3(v.x / length, v.y / length, v.z / length) else null
+    }
+}

@@ -1,0 +1,26 @@
+# The Kotlin that uniffi writes, as an app should see it: `perl bindings/kotlin.pl FILE` changes the file.
+# What serves the library alone (converters, buffers, handles, the objects over JNA) becomes internal.
+use strict;
+use warnings;
+
+local $/;
+open my $in, '<', $ARGV[0] or die "$ARGV[0]: $!\n";
+my $text = <$in>;
+close $in;
+
+sub must { my ($what, $found) = @_; $found or die "bindings: uniffi writes $what no more; look at bindings/kotlin.pl\n" }
+
+must 'public converters', $text =~ s/^public (?=(?:object|interface) FfiConverter)/internal /mg;
+must 'RustBuffer', $text =~ s/^(?=open class RustBuffer\b)/internal /mg;
+for my $name (qw(InternalException UniffiRustCallStatusErrorHandler UniffiNullRustCallStatusErrorHandler Disposable UniffiWithHandle NoHandle UniffiCleaner)) {
+    must $name, $text =~ s/^(?=(?:class|interface|object) $name\b)/internal /mg;
+}
+must 'use of what is disposed of', $text =~ s/^(?=inline fun <T : Disposable)/internal /mg;
+must 'the check of versions', $text =~ s/^public (?=fun uniffiEnsure)/internal /mg;
+must 'interfaces of objects', $text =~ s/^public (?=interface Native)/internal /mg;
+must 'objects', $text =~ s/^(?=open class Native)/internal /mg;
+must 'the reader of errors', $text =~ s/^( +)(?=companion object ErrorHandler)/$1internal /mg;
+
+open my $out, '>', $ARGV[0] or die "$ARGV[0]: $!\n";
+print $out $text;
+close $out;
