@@ -60,6 +60,27 @@ impl Trajectory {
         (self.attitudes[k] * UnitQuaternion::from_scaled_axis(rate * elapsed_s), rate)
     }
 
+    /// Turns about one axis of the world, at 1 rad/s rms: the vertical or a random one. The axis wobbles: two slow swings across it,
+    /// each of at most `wobble_deg`.
+    #[must_use]
+    pub fn about_one_axis(duration_s: f64, vertical: bool, wobble_deg: f64, random: &mut Random) -> Self {
+        let count = (duration_s / GRID_S).ceil() as usize + 1;
+        let (start, other) = (random.attitude(), random.direction());
+        let axis = if vertical { Vector3::z() } else { other };
+        let across = axis.cross(&axis.cross(&Vector3::x()).normalize());
+        let rates = wandering(count, TUMBLE_RAD_S, random);
+        let (one, two) = (swing(count, random), swing(count, random));
+        let share = wobble_deg / SWING_DEG;
+        let mut angle = 0.0;
+        let attitudes = (0..count).map(|k| {
+            let tilt = (across * one[k] + axis.cross(&across) * two[k]) * share;
+            let turned = UnitQuaternion::from_scaled_axis(axis * angle);
+            angle += rates[k].x * GRID_S;
+            UnitQuaternion::from_scaled_axis(tilt) * turned * start
+        });
+        Self::from_attitudes(attitudes.collect())
+    }
+
     fn from_rates(start: UnitQuaternion<f64>, rates_rad_s: Vec<Vector3<f64>>) -> Self {
         let mut attitude = start;
         let attitudes = rates_rad_s
@@ -237,6 +258,23 @@ mod tests {
         let planar = trajectory(Motion::Planar);
         let axis = planar.at(0.0).1.normalize();
         assert!((0..6000).all(|k| planar.at(f64::from(k) * 0.01).1.normalize().dot(&axis).abs() > 1.0 - 1e-9));
+    }
+
+    #[test]
+    fn an_axis_wobbles_as_far_as_it_should() {
+        for (vertical, wobble_deg) in [(true, 0.0), (false, 0.0), (true, 1.0), (false, 0.3)] {
+            let random = &mut Random::new(5, Purpose::Motion);
+            let trajectory = Trajectory::about_one_axis(60.0, vertical, wobble_deg, random);
+            let start = trajectory.at(0.0).0;
+            // the axis in the world: that of the largest turn since the start; swings begin anywhere
+            let turns: Vec<_> = (0..6000).map(|k| trajectory.at(f64::from(k) * 0.01).0 * start.inverse()).collect();
+            let largest = turns.iter().max_by(|a, b| a.angle().total_cmp(&b.angle())).unwrap();
+            let axis = if vertical { Vector3::z() } else { largest.axis().unwrap().into_inner() };
+            let tilt_deg = |turn: &UnitQuaternion<f64>| (turn * axis).angle(&axis).to_degrees();
+            let worst = turns.iter().map(tilt_deg).fold(0.0, f64::max);
+            assert!(largest.angle() > 2.5, "turned by {} rad", largest.angle());
+            assert!(worst <= 3.0 * wobble_deg + 1e-5 && worst >= 0.5 * wobble_deg, "{wobble_deg} deg: {worst}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! schedules, so that a change of the device and one of the place can be told apart by whoever looks at the truth.
 
 use crate::inertial::InertialSensor;
-use crate::motion::Motion;
+use crate::motion::{Motion, Trajectory};
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
@@ -107,9 +107,21 @@ impl Scenario {
     /// The stream this scenario names.
     #[must_use]
     pub fn run(&self) -> Simulation {
+        let mut random = Random::new(self.seed, Purpose::Motion);
+        self.along(&self.motion.trajectory(self.duration_s(), 1.0 / self.rate_hz, &mut random))
+    }
+
+    /// Length, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.samples as f64 / self.rate_hz
+    }
+
+    /// The stream with this trajectory instead of that of `motion`.
+    #[must_use]
+    pub fn along(&self, trajectory: &Trajectory) -> Simulation {
         let random = |purpose| Random::new(self.seed, purpose);
-        let duration_s = self.samples as f64 / self.rate_hz;
-        let trajectory = self.motion.trajectory(duration_s, 1.0 / self.rate_hz, &mut random(Purpose::Motion));
+        let duration_s = self.duration_s();
         let unit_ut = self.world_ut.start.norm();
         let sigma_ut = self.noise.sigma_ut(unit_ut);
         let (mut noise, mut spikes) = (random(Purpose::MagnetometerNoise), random(Purpose::Spikes));
@@ -134,10 +146,10 @@ impl Scenario {
             truth.push(Truth { field_ut, soft_iron, hard_iron_ut, clean_ut, attitude, spike });
         }
         let rotation_rates = self.gyroscope.map_or_else(Vec::new, |sensor| {
-            sensor.rotation_rates(&trajectory, duration_s, &mut random(Purpose::GyroscopeNoise))
+            sensor.rotation_rates(trajectory, duration_s, &mut random(Purpose::GyroscopeNoise))
         });
         let ups = self.accelerometer.map_or_else(Vec::new, |sensor| {
-            sensor.ups(&trajectory, duration_s, &mut random(Purpose::AccelerometerNoise))
+            sensor.ups(trajectory, duration_s, &mut random(Purpose::AccelerometerNoise))
         });
         Simulation { magnetic, truth, rotation_rates, ups }
     }

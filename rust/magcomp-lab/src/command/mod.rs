@@ -4,6 +4,7 @@ mod common;
 mod compare;
 mod crb;
 mod demo;
+mod evaluate;
 mod import;
 mod replay;
 mod sensitivity;
@@ -35,6 +36,7 @@ enum Verb {
     Step(step::Step),
     Crb(crb::Crb),
     Compare(compare::Compare),
+    Evaluate(evaluate::Evaluate),
     Sensitivity(sensitivity::Sensitivity),
     Simulate(simulate::Simulate),
 }
@@ -52,6 +54,7 @@ impl Cli {
             Verb::Step(verb) => verb.run(),
             Verb::Crb(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
+            Verb::Evaluate(verb) => verb.run(),
             Verb::Sensitivity(verb) => verb.run(),
             Verb::Simulate(verb) => verb.run(),
         }

@@ -157,7 +157,7 @@ fn sigmas(step: &Step, truth: &Truth, answer: Answer, field_ut: &Vector3<f64>) -
 }
 
 /// Samples from which on the 95th percentile of the trailing 100 stays below `limit`; none when not even at the end.
-fn settled(errors_deg: &[f64], limit: f64) -> Option<usize> {
+pub(super) fn settled(errors_deg: &[f64], limit: f64) -> Option<usize> {
     let settled = |window: &[f64]| window.iter().filter(|error| **error >= limit).count() < TRAILING - NINETY_FIFTH;
     let windows = errors_deg.windows(TRAILING);
     let count = windows.len();
