@@ -3312,7 +3312,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
      */
     case tracking
     /**
-     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
+     * Something changed; not yet decided what.
      */
     case suspect(
         /**
@@ -3597,10 +3597,6 @@ public enum FieldEventKind: Equatable, Hashable, Codable {
      * The field of the place stepped: the calibration is held.
      */
     case placeChanged
-    /**
-     * The field follows neither: the calibration is held.
-     */
-    case erratic
 
 
 
@@ -3628,8 +3624,6 @@ fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
 
         case 3: return .placeChanged
 
-        case 4: return .erratic
-
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
@@ -3648,10 +3642,6 @@ fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
 
         case .placeChanged:
             writeInt(&buf, Int32(3))
-
-
-        case .erratic:
-            writeInt(&buf, Int32(4))
 
         }
     }

@@ -163,7 +163,6 @@ fn events() {
             "DeviceStep" => EventKind::DeviceStep,
             "DeviceStepBack" => EventKind::DeviceStepBack,
             "PlaceChanged" => EventKind::PlaceChanged,
-            "Erratic" => EventKind::Erratic,
             other => panic!("{other}"),
         };
         let [since_ns, decided_ns] = ["since_ns", "decided_ns"].map(|key| case[key].as_i64().unwrap());

@@ -77,7 +77,6 @@ extension FieldEvent {
             case 0: .deviceStep
             case 1: .deviceStepBack
             case 2: .placeChanged
-            case 3: .erratic
             default: nil
             }
         guard let kind else { return nil }

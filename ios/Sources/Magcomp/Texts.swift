@@ -36,7 +36,6 @@ extension FieldEvent {
         case .deviceStep: say("event_device_step", tookS)
         case .deviceStepBack: say("event_device_step_back", tookS)
         case .placeChanged: say("event_place_changed", tookS)
-        case .erratic: say("event_erratic", tookS)
         }
     }
 }

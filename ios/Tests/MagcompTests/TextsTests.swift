@@ -46,7 +46,7 @@ struct TextsTests {
     @Test func events() throws {
         let facts: Facts = try vectors("facts.json")
         let kinds: [String: FieldEventKind] = [
-            "DeviceStep": .deviceStep, "DeviceStepBack": .deviceStepBack, "PlaceChanged": .placeChanged, "Erratic": .erratic,
+            "DeviceStep": .deviceStep, "DeviceStepBack": .deviceStepBack, "PlaceChanged": .placeChanged,
         ]
         #expect(Set(facts.events.map(\.kind)) == Set(kinds.keys))
         for fact in facts.events {

@@ -169,7 +169,6 @@ impl FlatReading {
                     EventKind::DeviceStep => 0,
                     EventKind::DeviceStepBack => 1,
                     EventKind::PlaceChanged => 2,
-                    EventKind::Erratic => 3,
                 },
                 since_ns: event.since_ns,
                 decided_ns: event.decided_ns,

@@ -12,7 +12,7 @@ pub enum Status {
     },
     /// Calibrated, and following changes.
     Tracking,
-    /// Something changed; not yet decided what, or the field is erratic though of its usual strength.
+    /// Something changed; not yet decided what.
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,
@@ -176,8 +176,6 @@ pub enum EventKind {
     DeviceStepBack,
     /// The field of the place stepped: the calibration is held.
     PlaceChanged,
-    /// The field follows neither: the calibration is held.
-    Erratic,
 }
 
 /// Why there is no ellipsoid to report.

@@ -104,8 +104,6 @@ pub enum EventKind {
     DeviceStepBack,
     /// The field of the place stepped: the calibration is held.
     PlaceChanged,
-    /// The field follows neither: the calibration is held.
-    Erratic,
 }
 
 /// What the compensator is doing, so that an app can tell its user what to do.
@@ -116,7 +114,7 @@ pub enum Status {
     Collecting(Missing),
     /// Calibrated, and following changes.
     Tracking,
-    /// Something changed; not yet decided what, or the field is erratic though of its usual strength.
+    /// Something changed; not yet decided what.
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,
@@ -272,7 +270,6 @@ impl std::fmt::Display for Event {
             EventKind::DeviceStep => write!(f, "the device's own disturbance changed: relearned in {took_s:.1} s"),
             EventKind::DeviceStepBack => write!(f, "the device is as it was before: restored in {took_s:.1} s"),
             EventKind::PlaceChanged => write!(f, "the place's field changed: noticed in {took_s:.1} s"),
-            EventKind::Erratic => write!(f, "the field is erratic: noticed in {took_s:.1} s"),
         }
     }
 }

@@ -3721,11 +3721,7 @@ enum class EventKind {
     /**
      * The field of the place stepped: the calibration is held.
      */
-    PLACE_CHANGED,
-    /**
-     * The field follows neither: the calibration is held.
-     */
-    ERRATIC;
+    PLACE_CHANGED;
 
 
 
@@ -5438,7 +5434,7 @@ sealed class Status {
 
 
     /**
-     * Something changed; not yet decided what, or the field is erratic though of its usual strength.
+     * Something changed; not yet decided what.
      */
     data class Suspect(
         /**

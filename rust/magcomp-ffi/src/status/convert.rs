@@ -66,7 +66,7 @@ same_names! {
     EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
     SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
     ModelOrder { Nothing, HardIron, All, Former }
-    EventKind { DeviceStep, DeviceStepBack, PlaceChanged, Erratic }
+    EventKind { DeviceStep, DeviceStepBack, PlaceChanged }
 }
 
 impl From<magcomp::HoldReason> for HoldReason {

@@ -38,7 +38,6 @@ internal fun Event.text(strings: Strings): String {
         EventKind.DEVICE_STEP -> R.string.magcomp_event_device_step
         EventKind.DEVICE_STEP_BACK -> R.string.magcomp_event_device_step_back
         EventKind.PLACE_CHANGED -> R.string.magcomp_event_place_changed
-        EventKind.ERRATIC -> R.string.magcomp_event_erratic
     }
     return strings.say(id, (decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9)
 }
