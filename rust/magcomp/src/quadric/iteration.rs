@@ -12,6 +12,7 @@
 use super::ldl;
 use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};
+use super::symmetric::{PLACES, six};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -89,19 +90,7 @@ impl Problem {
     /// None where the shape is no ellipsoid.
     fn at(&self, shape: Shape) -> Option<Point> {
         let beta = shape.centre()?;
-        let (a, g) = (&shape.a, &shape.g);
-        let p = Vector10::from_column_slice(&[
-            a.m11,
-            a.m22,
-            a.m33,
-            a.m12,
-            a.m13,
-            a.m23,
-            -2.0 * g.x,
-            -2.0 * g.y,
-            -2.0 * g.z,
-            g.dot(&beta) - 1.0,
-        ]);
+        let p = shape.theta().component_mul(&DIAGONAL).push(shape.g.dot(&beta) - 1.0);
         let c = (self.s * p).dot(&p).max(0.0);
         let d = (self.n * p).dot(&p);
         let cost = match self.residual {
@@ -174,17 +163,9 @@ impl Point {
     /// Last row of J: d(g.beta - 1)/d theta, with beta = A^-1 g.
     fn last_row(&self) -> Vector9 {
         let b = &self.beta;
-        Vector9::from_column_slice(&[
-            -b.x * b.x,
-            -b.y * b.y,
-            -b.z * b.z,
-            -2.0 * b.x * b.y,
-            -2.0 * b.x * b.z,
-            -2.0 * b.y * b.z,
-            2.0 * b.x,
-            2.0 * b.y,
-            2.0 * b.z,
-        ])
+        let [xx, yy, zz, xy, xz, yz] = six(&(b * b.transpose())).data.0[0];
+        let b = b * 2.0;
+        Vector9::from([-xx, -yy, -zz, -2.0 * xy, -2.0 * xz, -2.0 * yz, b.x, b.y, b.z])
     }
 
     /// J^T Q p: half the gradient of the cost (times D for the corrected one).
@@ -201,7 +182,7 @@ impl Point {
     fn curvature(&self, q: &Matrix10) -> Matrix9 {
         let b = &self.beta;
         let mut v = SMatrix::<f64, 3, 9>::zeros();
-        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        for (k, (i, j)) in PLACES.into_iter().enumerate() {
             v[(i, k)] = -b[j];
             v[(j, k)] = -b[i];
         }

@@ -13,8 +13,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::exact::ExactSum;
-use crate::snapshot::LARGEST_COUNT;
+use super::exact::{ExactSum, ExactSums};
+use crate::snapshot::{LARGEST_COUNT, checked};
 use nalgebra::{SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -52,14 +52,14 @@ const PLACES: [[usize; 10]; 10] = {
 
 /// Exact sums of the monomials of a set of raw samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "MomentsParts", into = "MomentsParts")]
+#[serde(remote = "Self")]
 pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,
     count: usize,
     /// Samples among them with a NaN or infinite component: while there are any, nothing can be fitted.
     not_finite: usize,
-    sums: [ExactSum; MONOMIALS],
+    sums: ExactSums<MONOMIALS>,
 }
 
 /// What one sample adds.
@@ -68,44 +68,17 @@ pub(crate) struct Terms {
     parts: [(i64, i64); MONOMIALS],
 }
 
-/// [`Moments`] as they are written down.
-#[derive(Serialize, Deserialize)]
-struct MomentsParts {
-    centre_ut: Vector3<f64>,
-    scale_ut: f64,
-    count: usize,
-    not_finite: usize,
-    sums: Vec<ExactSum>,
-}
-
-impl From<Moments> for MomentsParts {
-    fn from(m: Moments) -> Self {
-        let sums = m.sums.to_vec();
-        Self { centre_ut: m.centre_ut, scale_ut: m.scale_ut, count: m.count, not_finite: m.not_finite, sums }
-    }
-}
-
-impl TryFrom<MomentsParts> for Moments {
-    type Error = &'static str;
-    fn try_from(parts: MomentsParts) -> Result<Self, Self::Error> {
-        let MomentsParts { centre_ut, scale_ut, count, not_finite, sums } = parts;
-        let sums = sums.try_into().map_err(|_| "34 moments expected")?;
-        if !(is_finite(&centre_ut) && scale_ut > 0.0 && scale_ut.is_finite()) {
-            return Err("centre and scale must be finite");
-        }
-        if not_finite > count || count as u64 > LARGEST_COUNT {
-            return Err("no such number of samples");
-        }
-        Ok(Self { centre_ut, scale_ut, count, not_finite, sums })
-    }
-}
+checked!(Moments, |it| is_finite(&it.centre_ut)
+    && it.scale_ut > 0.0
+    && it.not_finite <= it.count
+    && it.count as u64 <= LARGEST_COUNT);
 
 impl Moments {
     /// No samples yet. `centre_ut` should lie within a field strength of the ellipsoid's centre and `scale_ut` near
     /// the field strength: moments about a far centre are badly conditioned (at 500 uT off by 1e5).
     #[must_use]
     pub fn new(centre_ut: Vector3<f64>, scale_ut: f64) -> Self {
-        Self { centre_ut, scale_ut, count: 0, not_finite: 0, sums: [ExactSum::default(); MONOMIALS] }
+        Self { centre_ut, scale_ut, count: 0, not_finite: 0, sums: ExactSums::ZERO }
     }
 
     /// Moments of a slice, centred on its mean and scaled by its spread.
@@ -165,24 +138,19 @@ impl Moments {
     pub(crate) fn add_terms(&mut self, terms: &Terms) {
         self.count += 1;
         self.not_finite += usize::from(!terms.finite);
-        for (sum, part) in self.sums.iter_mut().zip(terms.parts) {
-            sum.add(part);
-        }
+        self.sums.add(terms.parts);
     }
 
     /// The mean of `count` neighbouring samples enters the set in their place: constant time.
     pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
         self.count += count;
         self.not_finite += if is_finite(raw_ut) { 0 } else { count };
-        let monomials = self.monomials(raw_ut);
-        for (sum, value) in self.sums.iter_mut().zip(monomials) {
-            sum.add_times(value, count as i64);
-        }
+        self.sums.add_times(self.monomials(raw_ut), count as i64);
     }
 
     /// No samples any more, about the same centre.
     pub(crate) fn clear(&mut self) {
-        (self.count, self.not_finite, self.sums) = (0, 0, [ExactSum::default(); MONOMIALS]);
+        (self.count, self.not_finite, self.sums) = (0, 0, ExactSums::ZERO);
     }
 
     /// A sample that was added leaves the set: constant time, and exactly undoes [`Moments::add`].
@@ -190,11 +158,7 @@ impl Moments {
     pub fn remove(&mut self, raw_ut: &Vector3<f64>) {
         self.count = self.count.saturating_sub(1);
         self.not_finite = self.not_finite.saturating_sub(usize::from(!is_finite(raw_ut)));
-        let monomials = self.monomials(raw_ut);
-        for (sum, value) in self.sums.iter_mut().zip(monomials) {
-            let (high, low) = ExactSum::split(value);
-            sum.add((-high, -low));
-        }
+        self.sums.add_times(self.monomials(raw_ut), -1);
     }
 
     /// Mean of the samples, in centred and scaled coordinates, and their covariance.
@@ -252,9 +216,7 @@ impl Moments {
     fn means(&self) -> [f64; MONOMIALS + 1] {
         let n = self.count.max(1) as f64;
         let mut means = [1.0; MONOMIALS + 1];
-        for (mean, sum) in means[1..].iter_mut().zip(&self.sums) {
-            *mean = sum.value() / n;
-        }
+        means[1..].copy_from_slice(&self.sums.values().map(|sum| sum / n));
         means
     }
 

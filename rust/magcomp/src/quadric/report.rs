@@ -7,8 +7,9 @@
 use super::iteration::{Problem, Solution, Termination};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
+use super::symmetric::{basis, six};
 use crate::calibration::Calibration;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -195,38 +196,40 @@ impl Roots {
     }
 }
 
-/// The six elementary symmetric matrices, in the order xx yy zz xy xz yz.
-fn basis() -> [Matrix3<f64>; 6] {
-    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|(i, j)| {
-        let mut m = Matrix3::zeros();
-        m[(i, j)] = 1.0;
-        m[(j, i)] = 1.0;
-        m
-    })
-}
-
-fn six(m: &Matrix3<f64>) -> SVector<f64, 6> {
-    SVector::<f64, 6>::from_column_slice(&[m.m11, m.m22, m.m33, m.m12, m.m13, m.m23])
-}
-
 /// Predicted rms angle between the corrected and the true direction, averaged over the sphere, degrees.
-///
-/// An error (dM, db) turns u by the part of E u - e across u, with E = -W dM, e = W db / |h|, W = M^-1. Averaged over
-/// even u: |E|^2 / 3 - (tr(E)^2 + 2 tr(Es^2)) / 15 + 2 |e|^2 / 3, with Es the symmetric part of E.
 #[must_use]
 pub fn direction_sigma_deg(calibration: &Calibration, covariance: &Matrix9) -> f64 {
     let w = calibration.soft_iron_inverse();
-    let errors = basis().map(|dm| -(w * dm));
-    let symmetric = errors.map(|e| (e + e.transpose()) * 0.5);
-    let mut variance = 0.0;
-    for k in 0..6 {
-        for l in 0..6 {
-            let weight = errors[k].dot(&errors[l]) / 3.0
-                - (errors[k].trace() * errors[l].trace() + 2.0 * symmetric[k].dot(&symmetric[l])) / 15.0;
-            variance += weight * covariance[(3 + k, 3 + l)];
+    let (of_b, of_m) = (covariance.fixed_view::<3, 3>(0, 0), covariance.fixed_view::<6, 6>(3, 3));
+    let variance = mean_square_angle(
+        &basis().map(|dm| -(w * dm)),
+        &of_m.into(),
+        &(w / calibration.field_strength_ut()),
+        &of_b.into(),
+    );
+    variance.sqrt().to_degrees()
+}
+
+/// Mean square, over the sphere, of the angle by which the errors of a symmetric matrix and of the centre turn a direction,
+/// rad^2.
+///
+/// An error (dM, db) turns u by the part of E u - e across u, with E linear in dM (`by_matrix`: E for each elementary dM) and
+/// e = `by_centre` db. Averaged over even u: |E|^2 / 3 - (tr(E)^2 + 2 tr(Es^2)) / 15 + 2 |e|^2 / 3, with Es the symmetric part
+/// of E.
+pub(crate) fn mean_square_angle(
+    by_matrix: &[Matrix3<f64>; 6],
+    of_matrix: &Matrix6<f64>,
+    by_centre: &Matrix3<f64>,
+    of_centre: &Matrix3<f64>,
+) -> f64 {
+    let symmetric = by_matrix.map(|e| (e + e.transpose()) * 0.5);
+    let mut variance = (by_centre.tr_mul(by_centre) * (2.0 / 3.0)).dot(of_centre);
+    for (k, e) in by_matrix.iter().enumerate() {
+        for (l, other) in by_matrix.iter().enumerate() {
+            let weight =
+                e.dot(other) / 3.0 - (e.trace() * other.trace() + 2.0 * symmetric[k].dot(&symmetric[l])) / 15.0;
+            variance += weight * of_matrix[(k, l)];
         }
     }
-    let ww = w.transpose() * w * (2.0 / 3.0 / calibration.field_strength_ut().powi(2));
-    variance += ww.dot(&covariance.fixed_view::<3, 3>(0, 0).into_owned());
-    variance.max(0.0).sqrt().to_degrees()
+    variance.max(0.0)
 }

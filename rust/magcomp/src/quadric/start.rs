@@ -8,6 +8,7 @@
 //! A wrong previous calibration plays no part in either, so it cannot send the iteration away.
 
 use super::ldl;
+use super::symmetric::{six, symmetric};
 use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 /// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, g = A beta).
@@ -25,8 +26,8 @@ impl Shape {
 
     /// theta, the nine numbers.
     pub fn theta(&self) -> SVector<f64, 9> {
-        let (a, g) = (&self.a, &self.g);
-        SVector::<f64, 9>::from_column_slice(&[a.m11, a.m22, a.m33, a.m12, a.m13, a.m23, g.x, g.y, g.z])
+        let (a, g) = (six(&self.a), &self.g);
+        SVector::from([a[0], a[1], a[2], a[3], a[4], a[5], g.x, g.y, g.z])
     }
 
     /// beta = A^-1 g, the centre; None unless A is positive definite.
@@ -37,7 +38,7 @@ impl Shape {
     /// The shape of a quadric p with d.p = 0, None when it is no ellipsoid.
     fn from_quadric(p: &SVector<f64, 10>) -> Option<Self> {
         let sign = if p[0] + p[1] + p[2] < 0.0 { -1.0 } else { 1.0 };
-        let a = symmetric(&(p.fixed_rows::<9>(0) * sign));
+        let a = symmetric(p) * sign;
         let g = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
         let beta = ldl::solve(&a, &g)?;
         let k = beta.dot(&g) - p[9] * sign;
@@ -47,10 +48,6 @@ impl Shape {
         let shape = Self { a: a / k, g: g / k };
         shape.theta().iter().all(|v| v.is_finite()).then_some(shape)
     }
-}
-
-fn symmetric(t: &SVector<f64, 9>) -> Matrix3<f64> {
-    Matrix3::new(t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2])
 }
 
 /// The start for a scatter matrix S; None when the samples span no quadric at all (all in one plane).

@@ -4,7 +4,6 @@
 //! A child begins where a sample surprises the best hypothesis, and now and then without one. What is published is the mean and
 //! the second moment of the mixture.
 
-use super::angle;
 use super::hypothesis::{Hypothesis, Kind};
 use super::motion::Motion;
 use super::parameters::{Gaussian, Tau, TauMatrix, shape};
@@ -95,7 +94,7 @@ impl Bank {
         if let Some(known) = given
             && let Some(mut hypothesis) = Hypothesis::new(Kind::Former, &known, u, 0.0, at)
         {
-            hypothesis.error = angle::expected(&known);
+            hypothesis.error = known.error();
             self.begin_one(hypothesis, time_ns);
         }
     }
@@ -124,7 +123,7 @@ impl Bank {
         let tuning = at.tuning;
         self.since_look_s += seconds;
         if best.error > tuning.unsure_deg.to_radians().powi(2) * at.level.kappa {
-            if self.since_look_s >= 8.0 * tuning.look_s {
+            if self.since_look_s >= 8.0 * tuning.look_s() {
                 let base = best.log_joint() + tuning.log_cold + expected(tuning.devices_per_h, self.since_look_s).ln();
                 self.begin_cold(time_ns, &sample.u, base, at);
                 self.since_look_s = 0.0;
@@ -132,7 +131,10 @@ impl Bank {
         } else if surprise.is_some() {
             self.spawn(place, time_ns, sample, surprise, seconds.max(1e-3), at);
             self.since_look_s = 0.0;
-        } else if !sample.stale && self.since_look_s >= tuning.look_s && best.age * at.period_s > 2.0 * tuning.look_s {
+        } else if !sample.stale
+            && self.since_look_s >= tuning.look_s()
+            && best.age * at.period_s > 2.0 * tuning.look_s()
+        {
             self.spawn(place, time_ns, sample, None, self.since_look_s, at);
             self.since_look_s = 0.0;
         }
@@ -208,20 +210,19 @@ impl Bank {
             child(bank, kind, size, &after(known, iron, b, tuning), log_device - share.ln());
         };
         for size in sizes.clone() {
-            let (b, iron, place) = match size {
-                0 => (tuning.small_ut, tuning.small_iron, tuning.small_place),
-                _ => (tuning.large_ut, tuning.large_iron, tuning.large_place),
+            let (b_ut, place) = match size {
+                0 => (tuning.small_ut, tuning.small_place),
+                _ => (tuning.large_ut, tuning.large_place),
             };
             // a change is not much smaller than the miss that shows one component of it
-            let b = if size == 0 { b / at.unit_ut } else { (b / at.unit_ut).max(1.5 * miss) };
-            changed(self, Kind::HardIron, size, tuning.no_iron, b);
-            changed(self, Kind::All, size, iron, b);
+            let b = if size == 0 { b_ut / at.unit_ut } else { (b_ut / at.unit_ut).max(1.5 * miss) };
+            changed(self, Kind::HardIron, size, 0.0, b);
+            changed(self, Kind::All, size, tuning.iron_per_ut * b_ut, b);
             child(self, Kind::Place, size, &elsewhere(known, place), log_place - (sizes.len() as f64).ln());
         }
         if sizes.contains(&1) {
             for (index, former) in self.former.into_iter().flatten().enumerate() {
-                let prior = after(&former, tuning.no_iron, tuning.former_ut / at.unit_ut, tuning);
-                child(self, Kind::Former, index, &prior, log_device - 8.0_f64.ln());
+                child(self, Kind::Former, index, &former, log_device - 8.0_f64.ln());
             }
         }
     }
@@ -233,8 +234,8 @@ impl Bank {
             return;
         }
         let moves = !parent.motion.moves;
-        let log = parent.log_joint() + if moves { tuning.log_moves } else { tuning.log_rests };
-        if self.each().any(|h| h.motion.moves == moves && h.log_joint() > parent.log_joint() + tuning.log_moves - 2.0) {
+        let log = parent.log_joint() + tuning.log_moves;
+        if self.each().any(|h| h.motion.moves == moves && h.log_joint() > log - 2.0) {
             return;
         }
         for slot in &mut self.all {
@@ -243,7 +244,7 @@ impl Bank {
             }
         }
         let prior = if moves {
-            after(&parent.known, tuning.moved_iron, tuning.moved_ut / at.unit_ut, tuning)
+            after(&parent.known, tuning.iron_per_ut * tuning.small_ut, tuning.moved_ut / at.unit_ut, tuning)
         } else {
             parent.known
         };
@@ -315,7 +316,7 @@ impl Bank {
             && let Some(former) = best.former.take()
         {
             let known =
-                |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= tuning.same_former);
+                |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= tuning.same_place);
             let place = self.former.iter().position(known).unwrap_or(FORMER - 1);
             self.former[..=place].rotate_right(1);
             self.former[0] = Some(former);
@@ -326,7 +327,8 @@ impl Bank {
     pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
         let best = self.best()?;
         let changing = best.former.map(|former| {
-            let wide = after(&former, at.tuning.large_iron, at.tuning.large_ut / at.unit_ut, at.tuning);
+            let wide =
+                after(&former, at.tuning.iron_per_ut * at.tuning.large_ut, at.tuning.large_ut / at.unit_ut, at.tuning);
             elsewhere(&wide, at.tuning.large_place)
         });
         let mut parts = [None; MOST + 1];
@@ -381,12 +383,11 @@ fn elsewhere(known: &Gaussian, size: f64) -> Gaussian {
     Gaussian { mean: known.mean, covariance }
 }
 
-/// Before anything is known: T = k (I + deviation) with k for any field on Earth, 22 to 67 uT, or near that which is
-/// given; b within about a field strength of the first sample.
+/// Before anything is known: T = k (I + deviation) with k for any field on Earth, or near that which is given; b within about a field strength of the first sample.
 fn cold(u: &Vector3<f64>, deviation: f64, at: &Setting) -> Gaussian {
     let tuning = at.tuning;
     let (scale, scale_sd) = match at.strength_ut {
-        Some(_) => (1.0, tuning.known_scale_sd),
+        Some(_) => (1.0, tuning.small_place),
         None => (tuning.cold_scale, tuning.cold_scale_sd),
     };
     let mut mean = Tau::zeros();
@@ -408,14 +409,9 @@ fn cold(u: &Vector3<f64>, deviation: f64, at: &Setting) -> Gaussian {
 /// A calibration that was given, whose b errs by `sigma_ut`.
 pub(super) fn given(tau: &Tau, sigma_ut: f64, at: &Setting) -> Gaussian {
     let known = Gaussian { mean: *tau, covariance: TauMatrix::zeros() };
-    let iron = (at.tuning.given_iron_per_ut * sigma_ut).min(at.tuning.cold_little);
-    let mut known = after(&known, iron, sigma_ut / at.unit_ut, at.tuning);
-    known.covariance[(9, 9)] = 1.0;
+    let iron = (at.tuning.iron_per_ut * sigma_ut).min(at.tuning.cold_little);
     // the strength of this place may differ from that of the last
-    for i in 0..3 {
-        for j in 0..3 {
-            known.covariance[(i, j)] += (at.tuning.given_strength * tau[i]) * (at.tuning.given_strength * tau[j]);
-        }
-    }
+    let mut known = elsewhere(&after(&known, iron, sigma_ut / at.unit_ut, at.tuning), 2.0 * at.tuning.small_place);
+    known.covariance[(9, 9)] = 1.0;
     known
 }

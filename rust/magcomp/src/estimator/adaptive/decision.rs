@@ -2,7 +2,6 @@
 //! has lasted; what it was is told by how the parameters differ from those at the latest decision: directions that turned are
 //! the device, another strength or dip the place.
 
-use super::angle;
 use super::bank::Bank;
 use super::hypothesis::{Hypothesis, Kind};
 use super::parameters::{Gaussian, Tau, shape};
@@ -31,7 +30,7 @@ impl Decision {
         let matters = |told: &Tau, best: &Hypothesis| {
             best.error > least
                 || turned(told, &best.known.mean) > least
-                || !is_same_place(told, &best.known.mean, tuning.least_place)
+                || !is_same_place(told, &best.known.mean, 2.0 * tuning.small_place)
         };
         let best = bank.best().filter(|best| best.id != self.id && best.kind != Kind::Cold);
         self.suspected_ns =
@@ -65,7 +64,7 @@ impl Decision {
             Kind::All => ModelOrder::All,
             Kind::Cold | Kind::Place => self.order,
         };
-        let is_place = |other: &Tau| !is_same_place(other, &mean, tuning.least_place);
+        let is_place = |other: &Tau| !is_same_place(other, &mean, 2.0 * tuning.small_place);
         let event = if turned(&before, &mean) > tuning.least_change_deg.to_radians().powi(2) {
             if kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep }
         } else if is_place(&before) {
@@ -89,7 +88,7 @@ impl Decision {
 /// Mean square angle between directions corrected by the one and by the other, rad^2.
 fn turned(a: &Tau, b: &Tau) -> f64 {
     let off = b - a;
-    angle::expected(&Gaussian { mean: *a, covariance: off * off.transpose() })
+    Gaussian { mean: *a, covariance: off * off.transpose() }.error()
 }
 
 /// Whether the field is about as strong and as steep.

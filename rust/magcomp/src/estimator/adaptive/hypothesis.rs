@@ -214,7 +214,7 @@ impl Hypothesis {
             self.in_progress -= (small / level.white.sqrt()).ln() + 0.5 * step * step;
             self.missed_before = miss;
         }
-        if self.judges(at) && Self::is_off(e, rho, n, at) || e.abs() > at.tuning.farthest {
+        if self.judges(at) && Self::is_off(e, rho, n, at) {
             let cost = at.price * n - baseline;
             self.pending -= cost;
             self.paid += cost;
@@ -316,7 +316,7 @@ impl Hypothesis {
         let settled = at.tuning.settled;
         let mut best = self.descend(&likelihood, &self.known.mean, most, &mut damping, settled);
         let mut iterations = best.map_or(1, |(.., done)| done);
-        if best.is_none_or(|(_, f, _)| f > 2.0 * self.groups + at.tuning.stuck) {
+        if best.is_none_or(|(_, f, _)| f > 2.0 * (self.groups - at.tuning.log_hopeless)) {
             let again = self.descend(&likelihood, &self.prior, ITERATIONS[0].1, &mut 1e-2, settled);
             iterations += again.map_or(1, |(.., done)| done);
             if again.is_some_and(|(_, lower, _)| best.is_none_or(|(_, f, _)| lower < f)) {
@@ -372,7 +372,7 @@ impl Hypothesis {
             self.fitted = NO_EVIDENCE;
         }
         self.pending = 0.0;
-        self.error = super::angle::expected(&self.known);
+        self.error = self.known.error();
     }
 
     /// Whether another place may explain the same samples: asked ever more rarely.
@@ -440,7 +440,7 @@ impl Hypothesis {
     pub fn absorb_if_known(&mut self, at: &Setting) {
         let (seconds, tuning) = (self.samples() * at.period_s, at.tuning);
         let below = if self.motion.moves { tuning.absorb_moving_deg } else { tuning.absorb_deg };
-        if seconds >= tuning.absorb_s && self.samples() >= PARAMETERS && self.error.sqrt() < below.to_radians() {
+        if seconds >= 8.0 * tuning.group_s && self.samples() >= PARAMETERS && self.error.sqrt() < below.to_radians() {
             self.absorb(seconds, at);
         }
     }

@@ -4,11 +4,10 @@
 //! not known. A bank of hypotheses says each what it may be; the samples weigh them; the mixture is published.
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
 //! `hypothesis` (prior, fit, evidence) · `motion` (b that moves) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
-//! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `angle` (errors as angles) · `decision` (what is
+//! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `decision` (what is
 //! told of changes) · `published` (what is in force).
 //! The derivation is in docs/METHOD.md.
 
-mod angle;
 mod bank;
 mod decision;
 mod grouping;

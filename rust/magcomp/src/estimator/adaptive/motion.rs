@@ -38,9 +38,8 @@ impl Motion {
     ) -> Option<(Gaussian, Ldl<COUNT>, Self)> {
         let tuning = at.tuning;
         let Gaussian { mut mean, mut covariance } = *known;
-        let walk = if self.moves { tuning.moving_walk_ut } else { tuning.walk_ut } / at.unit_ut;
+        let walk = tuning.walk_ut / at.unit_ut;
         (6..9).for_each(|i| covariance[(i, i)] += walk * walk * seconds);
-        covariance[(9, 9)] += tuning.dip_walk * tuning.dip_walk * seconds;
         if !self.moves {
             return Ldl::new(&covariance).map(|factors| (Gaussian { mean, covariance }, factors, *self));
         }

@@ -7,6 +7,8 @@
 #[cfg(test)]
 mod tests;
 
+use crate::quadric::mean_square_angle;
+use crate::quadric::symmetric::{PLACES, basis, six, symmetric};
 use crate::snapshot::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
@@ -22,8 +24,6 @@ pub(super) type Jacobian = SMatrix<f64, 10, COUNT>;
 /// Half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
 const BOUNDS: (f64, f64) = (0.25, 3.5);
-/// Row and column of each element of a symmetric matrix, in the order xx yy zz xy xz yz.
-const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
 /// A Gaussian over tau.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,9 +35,20 @@ pub(super) struct Gaussian {
 
 checked!(Gaussian, |it| is_covariance(&it.covariance));
 
+impl Gaussian {
+    /// Expected mean square angle, over all directions, between those corrected by tau and by its mean, rad^2: an error dtau
+    /// turns the unit vector n by the part of dT T^-1 n - T dbeta across n.
+    pub fn error(&self) -> f64 {
+        let t = shape(&self.mean);
+        let Some(inverse) = t.try_inverse() else { return f64::MAX };
+        let (of_t, of_beta) = (self.covariance.fixed_view::<6, 6>(0, 0), self.covariance.fixed_view::<3, 3>(6, 6));
+        mean_square_angle(&basis().map(|dt| dt * inverse), &of_t.into(), &t, &of_beta.into())
+    }
+}
+
 /// T.
 pub(super) fn shape(tau: &Tau) -> Matrix3<f64> {
-    Matrix3::new(tau[0], tau[3], tau[4], tau[3], tau[1], tau[5], tau[4], tau[5], tau[2])
+    symmetric(tau)
 }
 
 /// beta.
@@ -45,35 +56,20 @@ pub(super) fn centre(tau: &Tau) -> Vector3<f64> {
     Vector3::new(tau[6], tau[7], tau[8])
 }
 
-/// The six elements of a symmetric matrix.
-pub(super) fn six(m: &Matrix3<f64>) -> [f64; 6] {
-    [m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]
-}
-
 /// Ten numbers in the order of tau.
-pub(super) fn ten(six: [f64; 6], three: &Vector3<f64>, last: f64) -> Tau {
-    let [xx, yy, zz, xy, xz, yz] = six;
+pub(super) fn ten(six: &SVector<f64, 6>, three: &Vector3<f64>, last: f64) -> Tau {
+    let [xx, yy, zz, xy, xz, yz] = six.data.0[0];
     Tau::from_column_slice(&[xx, yy, zz, xy, xz, yz, three.x, three.y, three.z, last])
 }
 
 /// d(a^T T b)/dT.
-pub(super) fn products(a: &Vector3<f64>, b: &Vector3<f64>) -> [f64; 6] {
-    let crossed = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
-    [a.x * b.x, a.y * b.y, a.z * b.z, crossed(0, 1), crossed(0, 2), crossed(1, 2)]
+pub(super) fn products(a: &Vector3<f64>, b: &Vector3<f64>) -> SVector<f64, 6> {
+    SVector::from(PLACES.map(|(i, j)| if i == j { a[i] * b[i] } else { a[i] * b[j] + a[j] * b[i] }))
 }
 
 /// tau of T and beta, without a vertical part.
 pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Tau {
-    ten(six(t), beta, 0.0)
-}
-
-/// E v for the elementary symmetric matrix E of element k.
-fn elementary(k: usize, v: &Vector3<f64>) -> Vector3<f64> {
-    let (i, j) = PLACES[k];
-    let mut out = Vector3::zeros();
-    out[i] = v[j];
-    out[j] = v[i];
-    out
+    ten(&six(t), beta, 0.0)
 }
 
 /// Whether T is positive definite with eigenvalues inside [`BOUNDS`].
@@ -88,8 +84,7 @@ pub(super) fn quadric(tau: &Tau) -> Vector10 {
     let (t, beta) = (shape(tau), centre(tau));
     let a = t * t;
     let g = a * beta;
-    let [xx, yy, zz, xy, xz, yz] = six(&a);
-    Vector10::from_column_slice(&[xx, yy, zz, xy, xz, yz, -2.0 * g.x, -2.0 * g.y, -2.0 * g.z, beta.dot(&g) - 1.0])
+    ten(&six(&a), &(g * -2.0), beta.dot(&g) - 1.0)
 }
 
 /// dp/dtau.
@@ -110,13 +105,7 @@ pub(super) fn jacobian(tau: &Tau) -> Jacobian {
             }
         }
         let db = da * beta;
-        for (i, value) in six(&da).into_iter().enumerate() {
-            j[(i, k)] = value;
-        }
-        for i in 0..3 {
-            j[(6 + i, k)] = -2.0 * db[i];
-        }
-        j[(9, k)] = beta.dot(&db);
+        j.set_column(k, &ten(&six(&da), &(db * -2.0), beta.dot(&db)));
     }
     for i in 0..3 {
         for k in 0..3 {
@@ -161,15 +150,16 @@ pub(super) fn distance(tau: &Tau, u: &Vector3<f64>) -> Option<(f64, Tau)> {
 
 /// dr/dtau at a sample.
 pub(super) fn radius_gradient(tau: &Tau, seen: &Seen) -> Tau {
-    ten(products(&seen.direction, &seen.offset), &-(shape(tau) * seen.direction), 0.0)
+    ten(&products(&seen.direction, &seen.offset), &-(shape(tau) * seen.direction), 0.0)
 }
 
 /// d(T (u - beta))/dtau at a sample: 3 x 10.
 pub(super) fn vector_gradient(tau: &Tau, offset: &Vector3<f64>) -> SMatrix<f64, 3, COUNT> {
     let t = shape(tau);
     let mut g = SMatrix::<f64, 3, COUNT>::zeros();
-    for k in 0..6 {
-        g.set_column(k, &elementary(k, offset));
+    for (k, (row, column)) in PLACES.into_iter().enumerate() {
+        g[(row, k)] = offset[column];
+        g[(column, k)] = offset[row];
     }
     g.fixed_view_mut::<3, 3>(0, 6).copy_from(&-t);
     g

@@ -2,10 +2,10 @@
 //!     M = (unit / |h|) T^-1, b = unit beta, c = |h| T (u - beta)
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
-use super::angle;
-use super::parameters::{Gaussian, centre, radius_gradient, see, shape, six, vector_gradient};
+use super::parameters::{Gaussian, centre, radius_gradient, see, shape, vector_gradient};
 use super::setting::Setting;
 use crate::calibration::Calibration;
+use crate::quadric::symmetric::{basis, six};
 use crate::snapshot::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ checked!(Published, |it| shape(&it.known.mean).cholesky().is_some() && it.error 
 
 impl Published {
     pub fn new(known: Gaussian, unit_ut: f64, strength_ut: Option<f64>) -> Self {
-        Self { known, error: angle::expected(&known), unit_ut, strength_ut }
+        Self { known, error: known.error(), unit_ut, strength_ut }
     }
 
     /// The worst direction error, rad^2: the largest variance of T and beta.
@@ -79,16 +79,12 @@ impl Published {
         let inverse = t.try_inverse()?;
         let m = inverse * (self.unit_ut / self.strength_of(&t));
         let mut jacobian = Matrix9::zeros();
-        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-            let mut dt = Matrix3::zeros();
-            dt[(i, j)] = 1.0;
-            dt[(j, i)] = 1.0;
+        for (k, dt) in basis().into_iter().enumerate() {
             let mut dm = -(m * dt * inverse);
             if self.strength_ut.is_none() {
                 dm += m * ((inverse * dt).trace() / 3.0);
             }
-            let dm = (dm + dm.transpose()) * 0.5;
-            six(&dm).into_iter().enumerate().for_each(|(row, value)| jacobian[(3 + row, k)] = value);
+            jacobian.fixed_view_mut::<6, 1>(3, k).copy_from(&six(&((dm + dm.transpose()) * 0.5)));
         }
         (0..3).for_each(|i| jacobian[(i, 6 + i)] = self.unit_ut);
         let covariance = jacobian * self.known.covariance.fixed_view::<9, 9>(0, 0) * jacobian.transpose();

@@ -30,39 +30,22 @@ choices! {
         small_ut: 8.0, "uT", "a current, a cover";
         /// A large change of b
         large_ut: 20.0, "uT", "a magnet";
-        /// A small change of M, relative
-        small_iron: 0.025, "", "a cover";
-        /// A large change of M, relative
-        large_iron: 0.06, "", "a steel plate";
-        /// A small change of the strength and the vertical part of the place's field, relative to the strength
+        /// How far M changes with b, relative, for each uT
+        iron_per_ut: 0.003, "1/uT", "covers; a steel plate with a magnet";
+        /// A small change of the strength and the vertical part of the place's field, relative to the
+        /// strength; also of a strength that was given
         small_place: 0.05, "", "rooms";
         /// A large change of them
         large_place: 0.3, "", "next to steel";
-        /// What a change of b alone leaves open of M, relative: rounding is no contradiction
-        no_iron: 0.005, "", "families";
-        /// What the return of a former calibration leaves open of b
-        former_ut: 0.3, "uT", "families";
-        /// Two former calibrations nearer than this (field strengths) are one
-        same_former: 0.03, "", "two degrees";
-        /// Least change of them that is told as another place
-        least_place: 0.1, "", "rooms";
-        /// Random walk of b at rest
+        /// Random walk of b
         walk_ut: 0.003, "uT/s^0.5", "temperature";
-        /// Random walk of b that moves
-        moving_walk_ut: 0.05, "uT/s^0.5", "families";
-        /// Random walk of the vertical part of the field, in field strengths
-        dip_walk: 0.003, "1/s^0.5", "families";
         /// Rate of b that moves
         rate_ut_s: 0.4, "uT/s", "families";
         /// How long a rate lasts
         rate_s: 60.0, "s", "families";
-        /// Log odds of a b that begins to move, each time that is considered
+        /// Log odds of a b that begins to move, or comes to rest, each time that is considered
         log_moves: -7.0, "", "families";
-        /// Log odds of its coming to rest
-        log_rests: -2.0, "", "families";
-        /// What a b that begins to move leaves open of M, relative
-        moved_iron: 0.02, "", "families";
-        /// The same of b
+        /// What a b that begins to move leaves open of b
         moved_ut: 2.0, "uT", "families";
         /// How far M deviates from a multiple of I before anything is known, as standard deviations: little
         cold_little: 0.05, "", "phones";
@@ -74,24 +57,15 @@ choices! {
         cold_scale: 1.05, "", "the Earth's field, 22 to 67 uT";
         /// Its standard deviation
         cold_scale_sd: 0.28, "", "the same";
-        /// The same where the strength is given
-        known_scale_sd: 0.05, "", "a model of the Earth's field, indoors";
         /// How far b is from the first sample before anything is known, in field strengths, per axis
         cold_centre: 0.75, "", "a field strength";
-        /// How far T of a calibration that was given is off, relative, for each uT that b is; up to a little
-        given_iron_per_ut: 0.0025, "1/uT", "the last launch";
-        /// How far the strength of the field may differ from that where it was found, relative
-        given_strength: 0.1, "", "the last launch";
         /// Log probability that a calibration that was given does not hold at all
         log_cold: -6.0, "", "one launch in 400";
         /// Samples nearer than this to one another are averaged (4.5 standard deviations of noise on top)
         group_ut: 2.0, "uT", "2 degrees";
-        /// For at most so long
+        /// For at most so long. Changes that no sample announces are looked for at every second group, and samples stay moments for
+        /// eight groups before they may become prior
         group_s: 0.08, "s", "families";
-        /// Time between looks for a change that no sample announces
-        look_s: 0.16, "s", "families";
-        /// Time over which samples stay moments before they may become prior
-        absorb_s: 0.64, "s", "families";
         /// Expected direction error below which they may: the linearisation holds
         absorb_deg: 0.8, "deg", "families";
         /// The same where b moves
@@ -116,8 +90,6 @@ choices! {
         growth: 1.3, "", "families";
         /// A step that lowers F by less is the last of a fit
         settled: 0.2, "", "families";
-        /// A second start is tried where F exceeds its expectation by so much
-        stuck: 30.0, "", "families";
         /// Two estimates nearer than this (field strengths) are one
         same_place: 0.1, "", "families";
         /// F of another lobe of the ellipsoid may exceed that of the first by so much
@@ -125,13 +97,11 @@ choices! {
         /// Share of the noise's curvature that keeps an estimate finite where there are fewer samples than parameters
         softened: 0.5, "", "families";
         /// A prediction's variance may be so many times as large: it is linearised
-        doubt: 9.0, "", "three standard deviations";
-        /// Samples further from the ellipsoid than this (field strengths) are never used
-        farthest: 4.0, "", "further than any field reaches";
-        /// A centre of the moments further from the samples than this (field strengths) is moved
-        far: 6.0, "", "moments about it are badly conditioned";
+        doubt: 4.0, "", "two standard deviations";
         /// The share of gravity by which a vertical may be accelerated to be one
         calm: 0.1, "", "families";
+        /// A centre of the moments further from the samples than this (field strengths) is moved
+        far: 6.0, "", "moments about it are badly conditioned";
         /// Levenberg-Marquardt iterations that a sample may cost
         iterations: 12.0, "", "the longest push";
     }
@@ -141,5 +111,10 @@ impl Tuning {
     /// Changes of either.
     pub(super) fn changes_per_h(&self) -> f64 {
         self.devices_per_h + self.places_per_h
+    }
+
+    /// Time between looks for a change that no sample announces, s.
+    pub(super) fn look_s(&self) -> f64 {
+        2.0 * self.group_s
     }
 }

@@ -9,41 +9,35 @@
 mod tests;
 
 use super::parameters::{COUNT, Tau, TauMatrix, centre, products, shape, ten};
-use crate::quadric::ExactSum;
+use crate::quadric::ExactSums;
 use crate::quadric::ldl::{add, times};
+use crate::quadric::symmetric::PLACES;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 const SUMS: usize = COUNT * (COUNT + 1) / 2;
+/// Row and column of each sum.
+const PAIRS: [(usize, usize); SUMS] = {
+    let mut pairs = [(0, 0); SUMS];
+    let mut at = 1;
+    while at < SUMS {
+        let (i, j) = pairs[at - 1];
+        pairs[at] = if j < i { (i, j + 1) } else { (i + 1, 0) };
+        at += 1;
+    }
+    pairs
+};
 
 /// Exact sums of y y^T.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct VerticalMoments {
     count: usize,
-    #[serde(with = "sums")]
-    sums: [ExactSum; SUMS],
-}
-
-/// Arrays of more than 32 are written as two halves.
-mod sums {
-    use super::{ExactSum, SUMS};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(sums: &[ExactSum; SUMS], to: S) -> Result<S::Ok, S::Error> {
-        let (a, b) = sums.split_at(SUMS / 2);
-        (a, b).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[ExactSum; SUMS], D::Error> {
-        let (a, b) = <(Vec<ExactSum>, Vec<ExactSum>)>::deserialize(from)?;
-        let all: Vec<ExactSum> = a.into_iter().chain(b).collect();
-        all.try_into().map_err(|_| serde::de::Error::custom("55 sums expected"))
-    }
+    sums: ExactSums<SUMS>,
 }
 
 /// y of a sample about a centre.
 fn row(u: &Vector3<f64>, up: &Vector3<f64>) -> Tau {
-    ten(products(up, u), &-up, -1.0)
+    ten(&products(up, u), &-up, -1.0)
 }
 
 /// theta of a tau about a centre.
@@ -58,7 +52,7 @@ fn linear(tau: &Tau, about: &Vector3<f64>) -> Tau {
 fn times_jacobian(a: &mut TauMatrix, t: &Matrix3<f64>, off: &Vector3<f64>) {
     let g: [_; 3] = std::array::from_fn(|i| a.data.0[6 + i]);
     let columns = &mut a.data.0;
-    for (k, (row, column)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+    for (k, (row, column)) in PLACES.into_iter().enumerate() {
         add(&mut columns[k], off[column], &g[row]);
         if row != column {
             add(&mut columns[k], off[row], &g[column]);
@@ -81,7 +75,7 @@ pub(super) fn miss(tau: &Tau, u: &Vector3<f64>, up: &Vector3<f64>) -> (f64, Tau)
 
 impl VerticalMoments {
     pub fn new() -> Self {
-        Self { count: 0, sums: [ExactSum::default(); SUMS] }
+        Self { count: 0, sums: ExactSums::ZERO }
     }
 
     pub fn count(&self) -> f64 {
@@ -92,13 +86,7 @@ impl VerticalMoments {
     pub fn add(&mut self, u: &Vector3<f64>, up: &Vector3<f64>, count: usize) {
         let y = row(u, up);
         self.count += count;
-        let mut at = 0;
-        for i in 0..COUNT {
-            for j in 0..=i {
-                self.sums[at].add_times(y[i] * y[j], count as i64);
-                at += 1;
-            }
-        }
+        self.sums.add_times(PAIRS.map(|(i, j)| y[i] * y[j]), count as i64);
     }
 
     pub fn clear(&mut self) {
@@ -108,13 +96,8 @@ impl VerticalMoments {
     /// The likelihood about the same centre, for a variance of one sample (units^2) of which kappa are worth one.
     pub fn likelihood(&self, about: &Vector3<f64>, variance: f64, kappa: f64) -> VerticalLikelihood {
         let mut y = TauMatrix::zeros();
-        let mut at = 0;
-        for i in 0..COUNT {
-            for j in 0..=i {
-                y[(i, j)] = self.sums[at].value();
-                y[(j, i)] = y[(i, j)];
-                at += 1;
-            }
+        for ((i, j), sum) in PAIRS.into_iter().zip(self.sums.values()) {
+            (y[(i, j)], y[(j, i)]) = (sum, sum);
         }
         VerticalLikelihood { y: y / (variance * kappa), about: *about }
     }

@@ -47,3 +47,24 @@ fn bounds_hold_the_eigenvalues() {
     assert!(is_bounded(&with(1.0)) && is_bounded(&with(0.3)) && is_bounded(&with(3.3)));
     assert!(!is_bounded(&with(0.2)) && !is_bounded(&with(-0.5)) && !is_bounded(&with(3.6)));
 }
+
+/// The mean over the corners of an icosahedron is that of the sphere for everything even up to the fifth degree.
+#[test]
+fn the_error_is_the_mean_square_angle_over_the_sphere() {
+    let (tau, _) = example();
+    let root = TauMatrix::from_fn(|i, j| ((i * 5 + j * 3) as f64).sin());
+    let (short, long) = (0.525_731_112_119_133_6, 0.850_650_808_352_039_9);
+    let mut square = 0.0;
+    for k in 0..12 {
+        let signed = |value: f64, bit: usize| if k >> bit & 1 == 0 { value } else { -value };
+        let (a, b) = (signed(short, 0), signed(long, 1));
+        let n = [Vector3::new(a, b, 0.0), Vector3::new(0.0, a, b), Vector3::new(b, 0.0, a)][k / 4];
+        let u = centre(&tau) + shape(&tau).try_inverse().unwrap() * n;
+        for column in root.column_iter() {
+            let turned = |by: f64| see(&(tau + column * by), &u).unwrap().direction;
+            square += ((turned(1e-6) - turned(-1e-6)) / 2e-6).norm_squared() / 12.0;
+        }
+    }
+    let error = Gaussian { mean: tau, covariance: root * root.transpose() }.error();
+    assert!((error / square - 1.0).abs() < 1e-6, "{error} against {square}");
+}
