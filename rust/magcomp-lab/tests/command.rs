@@ -396,3 +396,21 @@ fn compare_on_a_recording_has_a_picture() {
     let picture = fs::read_to_string(pages.join("compare_in.svg")).unwrap();
     assert!(picture.starts_with("<svg") && picture.contains("adaptive"), "{picture}");
 }
+
+/// docs/EVALUATION.md has the lines that the command prints.
+#[test]
+fn the_page_of_situations_has_the_lines_of_the_command() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/EVALUATION.md")).unwrap();
+    let lines = |page: &str| {
+        let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("|  |"));
+        rows.map(|line| line.split(" | ").next().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let (code, printed, error) = run(&["evaluate", "--runs", "1", "--markdown"]);
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(
+        lines(&printed),
+        lines(&page),
+        "run `cargo run --release -- evaluate --runs 10 --markdown > docs/EVALUATION.md`"
+    );
+    assert_eq!(lines(&page).len(), 43);
+}
