@@ -4,6 +4,7 @@ mod filter;
 mod jacobians;
 mod motion;
 mod robustness;
+mod sigma;
 mod simulator;
 mod starts;
 mod steps;

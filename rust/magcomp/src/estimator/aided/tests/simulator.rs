@@ -38,6 +38,8 @@ pub(super) struct World {
     pub(super) hard_iron_ut: Vector3<f64>,
     pub(super) noise_ut: f64,
     pub(super) gyro_bias: Vector3<f64>,
+    /// What the gyroscope makes of a rate: I for axes that are right.
+    pub(super) gyro_axes: Matrix3<f64>,
     /// The device turns about this axis of its own alone, if there is one.
     pub(super) axis: Option<Vector3<f64>>,
     /// Angle of a wobble about all axes beside it, rad rms.
@@ -70,6 +72,7 @@ impl World {
             hard_iron_ut,
             noise_ut: 0.5,
             gyro_bias: Vector3::new(0.01, -0.02, 0.015),
+            gyro_axes: Matrix3::identity(),
             axis: None,
             wobble_rad: 0.0,
             wobble: Vector3::zeros(),
@@ -102,8 +105,8 @@ impl World {
         let raw_ut = self.soft_iron * field_ut + self.hard_iron_ut + self.random.vector(self.noise_ut);
         let noise = self.random.vector(0.003);
         let rotation = Rotation {
-            increment_rad: turn + (self.gyro_bias + noise) * dt_s,
-            rate_rad_s: turn / dt_s + self.gyro_bias + noise,
+            increment_rad: self.gyro_axes * turn + (self.gyro_bias + noise) * dt_s,
+            rate_rad_s: self.gyro_axes * turn / dt_s + self.gyro_bias + noise,
             variance_rad2: 0.0,
         };
         let up = self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.80665) + self.random.vector(0.05);
