@@ -6,7 +6,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
-need kotlin "${rust_tools[@]}" "${java_tools[@]}"
+# the drawn sample: what Skia loads
+need kotlin "${rust_tools[@]}" "${java_tools[@]}" '/usr/lib/*/libGL.so.1:libgl1' '/usr/lib/*/libX11.so.6:libx11-6' \
+    '/usr/lib/*/libfontconfig.so.1:libfontconfig1' '/usr/lib/jvm/*/lib/libjawt.so:default-jre'
 . tests/native.sh
 expected "$target/kotlin/expected.txt"
 tests/gradle.sh
