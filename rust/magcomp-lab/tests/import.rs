@@ -29,23 +29,8 @@ fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// The recording that a session is made into.
-fn imported(inputs: &[&Path], options: &[&str]) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let output = folder.path().join("out.csv");
-    let inputs = inputs.iter().map(|input| input.to_str().unwrap());
-    let arguments: Vec<&str> = ["import"]
-        .into_iter()
-        .chain(inputs)
-        .chain(["-o", output.to_str().unwrap()])
-        .chain(options.iter().copied())
-        .collect();
-    let (code, _, error) = run(&arguments);
-    assert_eq!((code, error.as_str()), (0, ""), "{arguments:?}");
-    fs::read_to_string(output).unwrap()
-}
-
-fn refused(inputs: &[&Path], options: &[&str]) -> String {
+/// Runs the import; its exit code, standard output, standard error, and the recording if one was written.
+fn import(inputs: &[&Path], options: &[&str]) -> (i32, String, String, Option<String>) {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("out.csv");
     let inputs = inputs.iter().map(|input| input.to_str().unwrap());
@@ -56,7 +41,19 @@ fn refused(inputs: &[&Path], options: &[&str]) -> String {
         .chain(options.iter().copied())
         .collect();
     let (code, out, error) = run(&arguments);
-    assert!(code != 0 && out.is_empty() && !output.exists(), "{arguments:?} was taken: {out}");
+    (code, out, error, fs::read_to_string(output).ok())
+}
+
+/// The recording that a session is made into.
+fn imported(inputs: &[&Path], options: &[&str]) -> String {
+    let (code, _, error, recording) = import(inputs, options);
+    assert_eq!((code, error.as_str()), (0, ""), "{inputs:?} {options:?}");
+    recording.unwrap()
+}
+
+fn refused(inputs: &[&Path], options: &[&str]) -> String {
+    let (code, out, error, recording) = import(inputs, options);
+    assert!(code != 0 && out.is_empty() && recording.is_none(), "{inputs:?} {options:?} was taken: {out}");
     assert_eq!(error.lines().count(), 1, "{error}");
     error
 }

@@ -190,17 +190,15 @@ impl FirstFit {
         }
     }
 
-    /// The device turned.
-    pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
+    /// The device turned: by the gyroscope's `increment_rad`, and its field by `turn`, from which the gyroscope's errors are taken.
+    pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, turn: &Matrix3<f64>, dt_s: f64, noise: &ProcessNoise) {
         self.groups.turn(increment_rad, dt_s);
         if let Some(answer) = &mut self.answer {
             let mut dense = answer.open();
             dense.propagate(increment_rad, dt_s, noise);
             answer.keep(&dense);
         }
-        let (g, s) = self.gyroscope();
-        let (r, _) = super::propagate::turn(&(increment_rad - increment_rad.component_mul(&s) - g * dt_s));
-        let h = r * self.field();
+        let h = turn * self.field();
         self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
     }
 

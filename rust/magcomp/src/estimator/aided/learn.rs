@@ -83,7 +83,8 @@ impl Aided {
         let turned = rotation.increment_rad - rotation.increment_rad.component_mul(&scale) - bias_rad_s * dt_s;
         let (turn, _) = propagate::turn(&turned);
         let (offset_ut, soft_iron) = self.first.calibration();
-        let increment = Increment { offset_ut, soft_iron, turn, angle_rad: turned.norm(), dt_s };
+        let angle_rad = turned.norm();
+        let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.tuning);
         self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
         self.name_mode(up.is_some());
@@ -91,12 +92,12 @@ impl Aided {
             return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
         }
         let noise = self.process_noise(rotation.variance_rad2);
-        self.first.turn(&rotation.increment_rad, dt_s, &noise);
+        self.first.turn(&rotation.increment_rad, &turn, dt_s, &noise);
         if self.motion.rest_s > self.tuning.memory_s {
             self.first.rest(&rotation.rate_rad_s, self.rest_variance(dt_s));
         }
         if !self.motion.at_rest() || (self.first.given().is_some() && self.first.is_blind()) {
-            let step = self.step(time_ns, raw_ut, rotation, &noise, turned.norm(), dt_s);
+            let step = self.step(time_ns, raw_ut, rotation, &noise, angle_rad, dt_s);
             self.first.add(&step, self.motion.up.as_ref(), &self.tuning);
         }
         self.filter = self.first.take();

@@ -8,8 +8,9 @@
 //! ```
 //! tau > 0: the magnetometer is late, and c is brought to the gyroscope's time; tau < 0: the gyroscope is, and f is brought
 //! to the magnetometer's; neither is ever early. P alone is right about b, but cannot know that the field of a room is
-//! not uniform: hence the floors; nor how far the gyroscope's axes are off the magnetometer's: `axes`, 0.5 deg. rho: the share of the walk of b that happens; A:
-//! what m would err were all else known; delta: what a place taken as new differs by from the one before; L: what c is off f by beyond white noise and the floor's slow part (all in `adapt`).
+//! not uniform: hence the floors. Nor can it know how far the gyroscope's axes are off the magnetometer's: hence `axes`, 0.5 deg.
+//! rho is the share of the walk of b that happens. A is the error that m would have were all else known. L is the difference between c and
+//! f beyond white noise and the floor's slow part (all three in `adapt`). delta is how a place taken as new differs from the one before.
 //! Source: docs/METHOD.md.
 
 use crate::reading::{Event, SensorMode, Status};
