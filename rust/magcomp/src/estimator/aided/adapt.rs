@@ -158,7 +158,8 @@ impl Adaptation {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
             let surprise = size > tuning.useless_step_ut && size > tuning.useless_lever_ut * angle_rad;
-            let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
+            // a cover or charger moves the field for a second at most
+            let gain = 1.0 - (-dt_s / tuning.settled_s).exp();
             self.useless_share += gain * (f64::from(surprise) - self.useless_share);
             self.useless = self.useless_share > tuning.fit_share;
             let gain = (dt_s / tuning.memory_s).min(0.2);
