@@ -136,6 +136,11 @@ impl Adaptation {
         tuning.uneven_gain.powi(2) * self.uneven_ut2()
     }
 
+    /// Largest variance per axis that a place may explain, uT^2.
+    pub(crate) fn largest_local_ut2(&self, tuning: &Tuning) -> f64 {
+        self.uneven_ut2().max(tuning.local_max_ut.powi(2))
+    }
+
     fn uneven_ut2(&self) -> f64 {
         self.slow_power_ut2.max(0.0)
     }

@@ -1,7 +1,7 @@
 //! One sample with a known rotation: predict, gate, rest, hypotheses, update, adopt.
 //!
 //! ```text
-//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16
+//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U, 2 uT)^2
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
@@ -14,7 +14,7 @@ use super::adapt::Increment;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, LOCAL, OFFSET};
 use super::step::Step;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput, propagate};
@@ -156,10 +156,14 @@ impl Aided {
         let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
-        let gated = innovation.nis > self.tuning.gate;
+        // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
+        let local_ut = dense.vector(LOCAL);
+        let gated = innovation.nis > self.tuning.gate
+            || local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
+        let unexplained_ut = innovation.v + local_ut;
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.tuning);
+        self.watch.step(step, gated.then_some(&unexplained_ut), former, self.trial.is_some(), &self.tuning);
         if self.motion.rest_s > self.tuning.memory_s {
             dense.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
