@@ -168,6 +168,17 @@ impl Aided {
             dense.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
         self.watch_strength(step, dense);
+        // after a pause the field is known no better than a step of the device is large: both are tried
+        let is_blind = dense.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        if is_blind && self.trial.is_none() {
+            filter.keep(dense);
+            self.watch.since_ns = step.time_ns;
+            self.watch.misfit_ut = innovation.v.norm();
+            let mut trial = Trial::start(filter, &self.watch, None, &self.tuning);
+            trial.blind = true;
+            trial.young = self.strength.is_young(&self.tuning);
+            self.trial = Some(trial);
+        }
         if self.trial.is_some() {
             self.run_trial(step, dense, filter);
             return;
@@ -207,14 +218,17 @@ impl Aided {
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                if !trial.young {
+                let winner = trial.device(filter);
+                let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
+                if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
                 self.strength.clear();
-                return self.go_on_with(trial.device(filter), dense);
+                return self.go_on_with(winner, dense);
             }
+            Verdict::Unchanged => return self.go_on_with(trial.place(filter), dense),
             Verdict::NewPlace | Verdict::Place => {
                 let winner = trial.place(filter);
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
@@ -231,7 +245,7 @@ impl Aided {
             }
             Verdict::Open => {}
         }
-        if self.watch.share < 0.5 * self.tuning.suspect_share {
+        if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
             self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
