@@ -130,3 +130,29 @@ fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
         assert!(beyond[0] * 4 <= told, "{off_ut} uT: {beyond:?} of {told}");
     }
 }
+
+/// Walking through an uneven room, the start has an answer, and soon comes to an end.
+#[test]
+fn an_uneven_place_is_allowed_for() {
+    for seed in 90..98 {
+        let mut world = World::new(seed);
+        let mut aided = Aided::new(Tuning::default(), None);
+        let earth_ut = world.field_ut;
+        let mut local_ut = Vector3::zeros();
+        let (mut answered, mut ended_s) = (0, None);
+        for k in 0..3_000 {
+            local_ut = local_ut * 0.99 + world.random.vector(3.0 * (1.0_f64 - 0.99 * 0.99).sqrt());
+            world.field_ut = earth_ut + local_ut;
+            let sample = world.sample(0.01);
+            let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            answered += i32::from(k >= 500 && output.filtered_ut.is_some());
+            if !matches!(output.status, Status::Collecting(_)) {
+                ended_s = ended_s.or(Some(f64::from(k) * 0.01));
+            }
+        }
+        assert!(answered > 1_700, "{seed}: answered {answered} samples of 2500");
+        assert!(ended_s.is_some_and(|ended_s| ended_s < 20.0), "{seed}: {ended_s:?}");
+        let error_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+        assert!(error_ut < 4.0, "{seed}: {error_ut} uT");
+    }
+}

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{EventKind, Status};
+use crate::sensing::pairing::Rotation;
 
 const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
 
@@ -175,4 +176,63 @@ fn after_a_misfit_that_passed_the_next_is_called_disturbed_sooner() {
         assert!(third[1] + 5 < second[1], "seed {seed}: {second:?}, after two minutes {third:?}");
         assert_eq!(aided.event, None, "seed {seed}");
     }
+}
+
+/// No sensor says a thing for a fifth of a second, over which the rotation is bridged by guess, or for a second, over which it
+/// is lost. The device has changed meanwhile, or it has not.
+#[test]
+fn a_change_in_a_pause_is_found() {
+    for (samples, bridged, most_s) in [(20, true, 6.0), (100, false, 1.0)] {
+        let (mut found, mut wrong_s) = (0, 0.0);
+        for seed in 80..96 {
+            let step_ut = if seed < 84 { 0.0 } else { 20.0 };
+            let mut world = World::new(seed);
+            let mut aided = Aided::new(Tuning::default(), None);
+            world.tumbling_rad_s = 0.5;
+            for k in 0..4_000 {
+                let paused = k == 2_500;
+                if paused {
+                    for _ in 0..samples {
+                        world.sample(0.01);
+                    }
+                    world.hard_iron_ut += Vector3::new(0.6, -0.6, 0.5) * step_ut;
+                }
+                let mut sample = world.sample(0.01);
+                if paused {
+                    sample.inertial.rotation =
+                        sample.inertial.rotation.filter(|_| bridged).map(|it| Rotation { variance_rad2: 0.01, ..it });
+                }
+                let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let Some(filtered_ut) = output.filtered_ut.filter(|_| k > 2_500) else { continue };
+                let error = filtered_ut.angle(&sample.field_ut);
+                let sigma = (output.filtered_covariance_ut2.trace() / 2.0).sqrt() / filtered_ut.norm();
+                wrong_s += if output.status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
+            }
+            assert!(step_ut > 0.0 || aided.event.is_none(), "{seed}: nothing had changed");
+            found += i32::from(aided.event.is_some());
+        }
+        assert!(found >= 10, "{samples} samples: {found} of 12 found");
+        assert!(wrong_s < most_s, "{samples} samples: `Tracking` beyond three sigmas for {wrong_s} s of 180");
+    }
+}
+
+/// A cover pushed on over 15 s in a calm hand moves b so little from sample to sample that none of them stands out.
+#[test]
+fn a_cover_slid_on_slowly_does_not_take_the_heading_along() {
+    let mut lost = 0;
+    for seed in 70..76 {
+        let (mut world, mut aided) = settled(seed);
+        let before = world.hard_iron_ut;
+        world.tumbling_rad_s = 0.2;
+        let mut worst_deg: f64 = 0.0;
+        for k in 0..2_500 {
+            world.hard_iron_ut =
+                before + Vector3::new(50.0, -30.0, 20.0) * (f64::from(k - 500) / 1500.0).clamp(0.0, 1.0);
+            let sample = world.sample(0.01);
+            let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            worst_deg = worst_deg.max(output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees());
+        }
+        lost += i32::from(worst_deg > 10.0);
+    }
+    assert!(lost <= 1, "{lost} of 6 off by more than 10 deg");
 }
