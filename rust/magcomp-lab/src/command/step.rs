@@ -4,7 +4,7 @@ use super::common::{Common, between, finite};
 use crate::error::LabError;
 use crate::experiment::adaptive::{self, AdaptiveOptions};
 use crate::experiment::aided::{self, AidedOptions};
-use crate::experiment::compare_view::add_case;
+use crate::experiment::compare_view::{Given, add_case};
 use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
@@ -143,7 +143,8 @@ impl Step {
                 "Following a change with the magnetometer alone",
                 "Direction error of the adaptive method's calibration, rms over the runs.",
             );
-            add_case(&mut report, &result.scenario, result.runs as u32, std::slice::from_ref(&result.score))?;
+            let score = std::slice::from_ref(&result.score);
+            add_case(&mut report, &result.scenario, result.runs as u32, score, Given::Magnetometer)?;
             if let Some(table) = result.tables().last() {
                 report.table(table);
             }
