@@ -177,7 +177,7 @@ fn a_gyroscope_that_reads_nonsense_is_left_to_itself() {
         compensator.push_up(UpSample { time_ns, up_m_s2 }).expect("in order");
         let field_ut = truth.distort(&(attitude.inverse() * FIELD_UT)) + random.normal3() * 0.5;
         reading = Some(compensator.push(MagneticSample { time_ns, field_ut }));
-        if k > 300 {
+        if k > 700 {
             let field = attitude.inverse() * FIELD_UT;
             let error_deg = angle_deg(&reading.and_then(|it| it.field_ut).expect("calibrated"), &field);
             assert!(error_deg < 5.0, "{error_deg} deg at {k}");

@@ -1,13 +1,17 @@
 //! The experiments meet their claims, on runs small enough for every test run.
 
+use assert_cmd::Command;
 use clap::Parser;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Normalisation, uniformity};
 use magcomp_lab::command::Cli;
 use magcomp_lab::experiment::bound::{self, BoundOptions};
+use magcomp_lab::experiment::evaluate::{self, EvaluateOptions, Runs};
+use magcomp_lab::experiment::situation::Group;
 use magcomp_lab::experiment::step::{self, StepOptions};
 use magcomp_lab::motion::Motion;
 use magcomp_lab::random::{Purpose, Random};
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -151,4 +155,130 @@ fn the_commands_for_testers_are_understood() {
         let parsed = Cli::try_parse_from(["magcomp"].into_iter().chain(line.split_whitespace()));
         assert!(parsed.is_ok(), "{line}: {}", parsed.unwrap_err());
     }
+}
+
+/// docs/STATUS.md has every status, reason and event, in the spelling of Rust and Kotlin and in that of Swift.
+#[test]
+fn the_page_of_the_status_has_every_status() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = fs::read_to_string(root.join("docs/STATUS.md")).expect("docs/STATUS.md");
+    let texts = fs::read_to_string(root.join("bindings/texts/en.txt")).expect("bindings/texts/en.txt");
+    let kinds = ["status", "missing", "held", "rejected", "fit", "event"];
+    let mut count = 0;
+    for (kind, name) in texts.lines().filter_map(|line| line.split_once(" = ")?.0.split_once('_')) {
+        if !kinds.contains(&kind) {
+            continue;
+        }
+        count += 1;
+        let spelled: String =
+            name.split('_').map(|word| word[..1].to_uppercase() + &word[1..]).collect::<Vec<_>>().concat();
+        let swift = format!("`.{}{}", spelled[..1].to_lowercase(), &spelled[1..]);
+        assert!(page.contains(&format!("`{spelled}")), "docs/STATUS.md lacks {spelled}");
+        assert!(page.contains(&swift), "docs/STATUS.md lacks {swift}");
+    }
+    assert!(count >= 30, "{count}");
+}
+
+/// README's tables of measured figures, a row as its cells.
+fn measured() -> Vec<Vec<String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+    let text = fs::read_to_string(path).expect("README.md");
+    let part = text.split("## What was measured").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("the part");
+    let rows = part.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| |"));
+    rows.map(|row| row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()).collect()
+}
+
+/// A figure; "never" is infinite.
+fn figure(cell: &str) -> f64 {
+    if cell == "never" { f64::INFINITY } else { cell.parse().unwrap_or_else(|_| panic!("{cell} is no figure")) }
+}
+
+/// The same of the command's JSON.
+fn printed(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::INFINITY)
+}
+
+fn magcomp(arguments: &[&str]) -> Value {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let output =
+        Command::cargo_bin("magcomp").unwrap().args(arguments).arg("--json").current_dir(root).output().unwrap();
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// The median of a few runs agrees with that of all, and the worst of a few is no worse than the worst of all, which they are among.
+fn agree(what: &str, few: (f64, f64), all: (f64, f64), least: f64) {
+    let near = few.0 == all.0 || (few.0 <= 2.0 * all.0 + least && all.0 <= 2.0 * few.0 + least);
+    assert!(near, "{what}: README says {}, three runs have {}", all.0, few.0);
+    assert!(few.1 <= all.1 + 0.06, "{what}: README says {} at the worst, three runs have {}", all.1, few.1);
+}
+
+/// README's table of situations has the figures of docs/EVALUATION.md, and three of its ten runs agree with them.
+#[test]
+fn the_readmes_situations_are_those_of_the_command() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/EVALUATION.md");
+    let page = fs::read_to_string(page).expect("docs/EVALUATION.md");
+    let rows = measured();
+    let options = EvaluateOptions { groups: vec![Group::Ordinary, Group::Alone], runs: 3, seed: 1 };
+    let mut compared = 0;
+    let all = evaluate::run(&options).unwrap();
+    // the second group's part of the table begins with its title
+    let second = rows.iter().position(|row| row[0].starts_with("**magnetometer")).expect("a title");
+    for (group, rows) in all.groups.iter().zip([&rows[..second], &rows[second..]]) {
+        let lines = page.split(&format!("## {}", group.title)).nth(1).expect("a table");
+        for line in &group.situations {
+            let Some(row) = rows.iter().find(|row| row[0] == line.name) else { continue };
+            compared += 1;
+            let whole = lines.lines().find(|whole| whole.starts_with(&format!("| {} |", line.name))).expect("a line");
+            let whole: Vec<&str> = whole.split('|').map(str::trim).collect();
+            assert_eq!(row[1..], [whole[3], whole[4], whole[5], whole[6], whole[8]], "{}", line.name);
+            let few = |runs: Runs| (runs.median.unwrap_or(f64::INFINITY), runs.worst.unwrap_or(f64::INFINITY));
+            agree(&line.name, few(line.settled_s), (figure(&row[1]), figure(&row[2])), 1.0);
+            agree(&line.name, few(line.error_deg), (figure(&row[3]), figure(&row[4])), 0.2);
+            let [_, two] = line.within_sigma.expect("headings");
+            assert!((100.0 * two - figure(&row[5])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
+        }
+    }
+    assert!(compared >= 8, "{compared} situations");
+}
+
+/// README's figures beside the paper's method: three of the runs agree.
+#[test]
+fn the_readmes_steps_are_those_of_the_command() {
+    let rows: Vec<_> = measured().into_iter().filter(|row| row[0].starts_with("`magcomp step")).collect();
+    for row in &rows {
+        let command = row[0].trim_matches('`').replace("--runs 20", "--runs 3");
+        let result = magcomp(&command.split_whitespace().skip(1).collect::<Vec<_>>());
+        let rate_hz = result["rate_hz"].as_f64().expect("a rate");
+        for (name, at) in [("windowed, c", 1), ("aided, c", 3)] {
+            let methods = result["methods"].as_array().expect("methods");
+            let seconds = &methods.iter().find(|method| method["name"] == name).expect("the method")["below_2_deg"];
+            let few = (printed(&seconds["median"]) / rate_hz, printed(&seconds["worst"]) / rate_hz);
+            agree(&format!("{command}, {name}"), few, (figure(&row[at]), figure(&row[at + 1])), 0.0);
+        }
+    }
+    assert_eq!(rows.len(), 2);
+}
+
+/// README's figures of the recordings are those of the command.
+#[test]
+fn the_readmes_recordings_are_those_of_the_command() {
+    let rows: Vec<_> = measured().into_iter().filter(|row| row[0].contains(".csv.gz")).collect();
+    for row in &rows {
+        let file = format!("tests/recordings/{}", row[0].split(',').next().unwrap());
+        let [ours, constant, windowed] =
+            ["auto", "constant", "windowed"].map(|method| magcomp(&["replay", &file, "--method", method]));
+        let found = [
+            &ours["raw_heading"],
+            &constant["heading"],
+            &windowed["heading"],
+            &ours["heading"],
+            &ours["published_heading"],
+        ];
+        for (cell, found) in row[1..].iter().zip(found) {
+            let found = found["rms_deg"].as_f64().expect("an error");
+            assert!((found - figure(cell)).abs() < 0.06, "{file}: README says {cell}, the command {found}");
+        }
+    }
+    assert_eq!(rows.len(), 2);
 }

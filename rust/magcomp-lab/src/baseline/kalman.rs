@@ -15,7 +15,7 @@ type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// Fewest and most samples for the sphere it starts from, and how evenly they must be spread before the most: smallest over
-/// largest eigenvalue of their covariance. From a short arc it would never find back.
+/// largest eigenvalue of their covariance. A filter that starts from a short arc never recovers.
 const START: usize = 100;
 const LONGEST_START: usize = 1500;
 const SPREAD: f64 = 0.15;

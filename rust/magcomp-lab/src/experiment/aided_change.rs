@@ -11,7 +11,7 @@ use serde::Serialize;
 /// What the aided method made of the change itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChangeResult {
-    /// From the change to the first status that is not `Tracking`, s: median and worst; none where that many never say so.
+    /// From the change to the first status that is not `Tracking`, s: median and worst; none where half of the runs never say so.
     pub noticed_s: [Option<f64>; 2],
     /// Largest direction error of f from the change on, in the field of the undisturbed place, degrees: median and worst.
     pub carried_worst_deg: [f64; 2],

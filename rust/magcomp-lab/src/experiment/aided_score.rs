@@ -29,7 +29,7 @@ const COMPARED_AT: usize = 300;
 /// The error of no answer, degrees.
 const NO_ANSWER_DEG: f64 = 180.0;
 
-/// Over the runs: half of them stay at or below the median; none where that many never get there.
+/// Over the runs. There is no median where half of them never get there, and no worst where one does not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settling {
     /// Median, samples.

@@ -24,9 +24,9 @@ const NO_ANSWER_DEG: f64 = 90.0;
 const STEADY: usize = 1000;
 /// Samples after which the error is compared with the bound.
 pub const BOUND_AT: [usize; 5] = [30, 100, 300, 1000, 3000];
-/// Samples after the change at which the rms over the runs is told.
+/// Samples after the change at which the rms over the runs is shown.
 pub const TOLD_AT: [usize; 5] = [100, 300, 700, 1500, 3000];
-/// Seeds for tuning lie so far from those that are judged, and are so many.
+/// How far the seeds for tuning are from those that are judged, and how many there are.
 const TUNING_SEEDS: u64 = 1_000_000;
 const TUNING_RUNS: u64 = 6;
 /// Samples over which errors are averaged before they are compared with holding.

@@ -46,7 +46,7 @@ pub struct EvaluateOptions {
 /// Median and worst run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Runs {
-    /// Upper median; none where that many runs have none.
+    /// Upper median; none where half of the runs have none.
     pub median: Option<f64>,
     /// Worst; none where a run has none.
     pub worst: Option<f64>,

@@ -147,7 +147,7 @@ pub struct Expected {
     pub until_s: f64,
     /// What changed.
     pub change: Changed,
-    /// Its absence is a fault. Without it an event may be declared or not, as after a pause.
+    /// Whether an event must be declared. Where it need not be, as after a pause, it may be.
     pub is_due: bool,
 }
 
@@ -158,7 +158,7 @@ pub enum Changed {
     Device,
     /// The place.
     Place,
-    /// Nobody can say: any event will do.
+    /// Device or place cannot be told apart: an event of either kind counts.
     Either,
 }
 

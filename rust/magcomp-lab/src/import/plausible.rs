@@ -1,5 +1,5 @@
-//! Whether units are what they were taken for: of each sensor the usual step of time, the usual size. A wrong unit is told with
-//! the option that mends it.
+//! Whether units are what they were taken for: of each sensor the usual step of time, the usual size. The error about a wrong unit
+//! names the option that mends it.
 
 use super::session::{Session, Stream};
 use crate::error::{LabError, Place};

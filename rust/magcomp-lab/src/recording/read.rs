@@ -69,7 +69,7 @@ impl Source {
         &self.extent
     }
 
-    /// Its rows from the first on. Rows that were asked for before must not be read on.
+    /// Its rows from the first on. The rows of an earlier call must not be read any further.
     ///
     /// # Errors
     /// As of [`Source::open`].

@@ -38,8 +38,8 @@ pub(super) struct Circle {
     arcs: [Arcs; SIGMAS.len()],
 }
 
-/// How many azimuths there are in each bin, and the sum of what they exceed its beginning by, degrees: an azimuth that is alone in
-/// its bin is known exactly. Vectors of their own, because a page of zeros costs no memory until it is written.
+/// For each bin the number of its azimuths and the sum of their distances from its beginning, degrees. So an azimuth that is alone in
+/// its bin is known exactly. Each has a vector of its own, because a page of zeros costs no memory until it is written.
 #[derive(Clone, Debug)]
 struct Bins {
     counts: Vec<u32>,

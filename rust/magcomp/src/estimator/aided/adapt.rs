@@ -136,6 +136,11 @@ impl Adaptation {
         tuning.uneven_gain.powi(2) * self.uneven_ut2()
     }
 
+    /// Largest variance per axis that a place may explain, uT^2.
+    pub(crate) fn largest_local_ut2(&self, tuning: &Tuning) -> f64 {
+        self.uneven_ut2().max(tuning.local_max_ut.powi(2))
+    }
+
     fn uneven_ut2(&self) -> f64 {
         self.slow_power_ut2.max(0.0)
     }
@@ -158,7 +163,8 @@ impl Adaptation {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
             let surprise = size > tuning.useless_step_ut && size > tuning.useless_lever_ut * angle_rad;
-            let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
+            // a cover or charger moves the field for a second at most
+            let gain = 1.0 - (-dt_s / tuning.settled_s).exp();
             self.useless_share += gain * (f64::from(surprise) - self.useless_share);
             self.useless = self.useless_share > tuning.fit_share;
             let gain = (dt_s / tuning.memory_s).min(0.2);

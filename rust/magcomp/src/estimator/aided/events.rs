@@ -39,6 +39,8 @@ pub(crate) enum Phase {
 pub(crate) enum Verdict {
     /// Goes on.
     Open,
+    /// After a pause: only the device's turn was unknown.
+    Unchanged,
     /// The device's disturbance stepped.
     Device,
     /// The place's field stepped (told once, when found).
@@ -56,6 +58,8 @@ pub(crate) struct Trial {
     device: Hypothesis,
     place: Hypothesis,
     pub(crate) recalled: bool,
+    /// Began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
+    pub(crate) blind: bool,
     /// Began when the calibration was young: no step is told then, only relearned.
     pub(crate) young: bool,
     /// `device` has failed since the onset, or a misfit passed by itself lately: hardly a clean step of the device.
@@ -89,6 +93,7 @@ impl Trial {
             device: Hypothesis::zero(),
             place: Hypothesis::zero(),
             recalled: false,
+            blind: false,
             young: false,
             unclean: false,
             log_ratio: 0.0,
@@ -221,6 +226,9 @@ impl Trial {
         let ratio = tuning.decide_log_ratio;
         if self.log_ratio > ratio && device_fits {
             return Verdict::Device;
+        }
+        if self.blind && place_fits {
+            return Verdict::Unchanged;
         }
         if self.log_ratio < -ratio && place_fits {
             self.phase = Phase::Place;

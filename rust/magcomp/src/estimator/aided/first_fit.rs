@@ -72,7 +72,7 @@ pub(super) struct FirstFit {
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
     bias_rad_s: Vector3<f64>,
     bias_variance: f64,
-    /// Variance per axis of what the latest fit left beyond noise, uT^2.
+    /// Variance per axis of what the latest fit left beyond noise, uT^2; the next one allows for it.
     misfit_ut2: f64,
     /// Why the latest fit counts for nothing, if that can be said.
     refused: Option<FitError>,
@@ -106,6 +106,7 @@ struct Prior {
     mean: Vector,
     precision: Matrix,
     noise_ut2: f64,
+    /// Variance per axis of the unevenness of the place, correlated over `CORRELATION_S`, uT^2.
     place_ut2: f64,
 }
 
@@ -165,7 +166,11 @@ impl FirstFit {
 
     /// Bias (rad/s) and scale error of the gyroscope.
     pub(super) fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
-        (self.x.fixed_rows::<3>(G).into_owned(), self.x.fixed_rows::<3>(S).into_owned())
+        match self.answer {
+            Some(_) => (self.x.fixed_rows::<3>(G).into_owned(), self.x.fixed_rows::<3>(S).into_owned()),
+            // a fit that counts for nothing says nothing of the gyroscope either
+            None => (self.bias_rad_s, Vector3::zeros()),
+        }
     }
 
     /// Standard deviation of the gyroscope's bias as far as rest has shown it, rad/s.
@@ -239,10 +244,11 @@ impl FirstFit {
             return None;
         };
         self.x = x;
+        let covariance = self.covariance(&normal, &prior.precision, &prior, tuning)?;
         if !has_converged {
             return None;
         }
-        let found = filter(&x, &self.covariance(&normal, &prior.precision, &prior, tuning)?, tuning)?;
+        let found = filter(&x, &covariance, tuning)?;
         self.refused = impossible_field(&found, tuning.beyond_doubt);
         let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&x.fixed_rows::<3>(FIELD).norm());
         if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
@@ -286,7 +292,9 @@ impl FirstFit {
         let scale =
             (Matrix3::identity() - Matrix3::repeat(common / (own + 3.0 * common))) / (own * tuning.scale_sd.powi(2));
         precision.fixed_view_mut::<3, 3>(S, S).copy_from(&scale);
-        Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) }
+        // what contradicts a given calibration is not the place's doing
+        let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
+        Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) + misfit_ut2 }
     }
 
     /// Covariance of x for the information `before` the samples: that of the fit with what it left, and what the chain of
@@ -296,9 +304,11 @@ impl FirstFit {
         let white = prior.noise_ut2 * normal.groups / normal.count;
         let freedom = (3.0 * normal.groups - 9.0).max(1.0);
         let left = normal.residual_ut2 / freedom - white * (1.0 + 2.0 / freedom.sqrt());
-        self.misfit_ut2 = left.max(0.0);
-        let v = white + prior.place_ut2 * CORRELATION_S / mean_t;
-        let share = v / (v + self.misfit_ut2 * CORRELATION_S / mean_t);
+        // no more than the Earth's field itself: more is no place's doing
+        self.misfit_ut2 = left.clamp(0.0, tuning.far_sd_ut.powi(2));
+        let assumed = white + prior.place_ut2 * CORRELATION_S / mean_t;
+        let found = white + (tuning.place_ut.powi(2) + self.misfit_ut2) * CORRELATION_S / mean_t;
+        let share = assumed / found;
         let information = (normal.curvature - prior.precision) * share + before;
         let mut p = information.cholesky()?.inverse();
         let q = normal.back;

@@ -1,7 +1,7 @@
 //! One sample with a known rotation: predict, gate, rest, hypotheses, update, adopt.
 //!
 //! ```text
-//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16
+//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U, 2 uT)^2
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
@@ -14,7 +14,7 @@ use super::adapt::Increment;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::{Correct, Innovation};
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, OFFSET};
+use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, LOCAL, OFFSET};
 use super::step::Step;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput, propagate};
@@ -156,14 +156,29 @@ impl Aided {
         let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
-        let gated = innovation.nis > self.tuning.gate;
+        // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
+        let local_ut = dense.vector(LOCAL);
+        let gated = innovation.nis > self.tuning.gate
+            || local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
+        let unexplained_ut = innovation.v + local_ut;
         let field = dense.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        self.watch.step(step, gated.then_some(&innovation.v), former, self.trial.is_some(), &self.tuning);
+        self.watch.step(step, gated.then_some(&unexplained_ut), former, self.trial.is_some(), &self.tuning);
         if self.motion.rest_s > self.tuning.memory_s {
             dense.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
         self.watch_strength(step, dense);
+        // after a pause the field is known no better than a step of the device is large: both are tried
+        let is_blind = dense.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        if is_blind && self.trial.is_none() {
+            filter.keep(dense);
+            self.watch.since_ns = step.time_ns;
+            self.watch.misfit_ut = innovation.v.norm();
+            let mut trial = Trial::start(filter, &self.watch, None, &self.tuning);
+            trial.blind = true;
+            trial.young = self.strength.is_young(&self.tuning);
+            self.trial = Some(trial);
+        }
         if self.trial.is_some() {
             self.run_trial(step, dense, filter);
             return;
@@ -203,14 +218,17 @@ impl Aided {
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                if !trial.young {
+                let winner = trial.device(filter);
+                let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
+                if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
                 self.strength.clear();
-                return self.go_on_with(trial.device(filter), dense);
+                return self.go_on_with(winner, dense);
             }
+            Verdict::Unchanged => return self.go_on_with(trial.place(filter), dense),
             Verdict::NewPlace | Verdict::Place => {
                 let winner = trial.place(filter);
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
@@ -227,7 +245,7 @@ impl Aided {
             }
             Verdict::Open => {}
         }
-        if self.watch.share < 0.5 * self.tuning.suspect_share {
+        if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
             self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once

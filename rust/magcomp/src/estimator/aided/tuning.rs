@@ -60,11 +60,11 @@ choices! {
         uneven_start_ut: 0.58, "uT", "recordings";
         /// How far the axes of the gyroscope may be off those of the magnetometer, beyond their scale
         axes_deg: 0.5, "deg", "data sheets: cross-axis sensitivity of 1 to 2 %";
-        /// Memory of what must be seen at once: whether samples fit, whether the gyroscope makes sense, how c and f differ
+        /// Memory of what must be seen at once: whether samples fit, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
         memory_s: 0.5, "s", "families";
-        /// Memory of what changes slowly: up, unevenness, how much was turned of late; motion after which a calibration is proven
+        /// Memory of what changes slowly: up, unevenness, how much was turned of late, whether the gyroscope makes sense; motion after which a calibration is proven
         settled_s: 5.0, "s", "families";
         /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used
         gate: 16.0, "", "one good sample in 900";

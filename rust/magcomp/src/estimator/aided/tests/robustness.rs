@@ -79,9 +79,27 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
         sample.inertial.rotation =
             Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
         let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        if k >= 100 {
+        if k >= 400 {
             assert!(aided.is_gyroscope_useless(), "at {k}");
             assert_eq!((output.mode, output.corrected_ut), (SensorMode::GravityOnly, None), "at {k}");
+        }
+    }
+}
+
+#[test]
+fn a_charger_put_on_slowly_does_not_discredit_the_gyroscope() {
+    let mut world = World::new(11);
+    let mut aided = Aided::new(Tuning::default(), None);
+    let before = world.hard_iron_ut;
+    for k in 0..3_500 {
+        let put_on = (f64::from(k - 2_000) / 40.0).clamp(0.0, 1.0);
+        world.hard_iron_ut = before + Vector3::new(500.0, -300.0, 200.0) * put_on;
+        let sample = world.sample(0.01);
+        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        assert!(!aided.is_gyroscope_useless(), "at {k}");
+        if k >= 2_500 {
+            let error = output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            assert!(error < 5.0, "after the charger: {error} deg at {k}");
         }
     }
 }

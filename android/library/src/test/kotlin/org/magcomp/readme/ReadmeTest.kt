@@ -31,6 +31,19 @@ class ReadmeTest {
     }
 
     @Test
+    fun `the first page's snippet is the one that is compiled here, and shows a heading`(): Unit = runBlocking {
+        val file = "android/library/src/test/kotlin/org/magcomp/readme/QuickStart.kt"
+        val code = "fun headings" + repository.resolve(file).readText().substringAfter("fun headings")
+        assertTrue(code in repository.resolve("README.md").readText(), code)
+
+        val heading = async { headings(FakeApp(sensors)).first { " deg +- " in it } }
+        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
+        events.forEach(sensors::deliver)
+        assertTrue(Regex("[0-9.]+ deg \\+- [0-9.]+").matches(heading.await()), heading.await())
+    }
+
+    @Test
     fun `it shows a heading, goes on over a rotation, and says what is missing`(): Unit = runBlocking {
         val model = CompassViewModel(FakeApp(sensors))
         val heading = async { model.text.first { "give or take" in it } }
