@@ -1,10 +1,10 @@
-//! Gyroscope and accelerometer that belong to a motion: each event reports the truth of `delay_s` ago, times its scale,
+//! Gyroscope and accelerometer that belong to a motion: each event reports the truth of `delay_s` ago, times its scale and skew,
 //! plus a constant bias and white noise, at a rate of its own.
 
 use crate::motion::Trajectory;
 use crate::random::Random;
 use crate::time::time_ns;
-use magcomp::nalgebra::Vector3;
+use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{RotationRateSample, UpSample};
 
 /// Standard gravity, m/s^2.
@@ -21,6 +21,8 @@ pub struct InertialSensor {
     pub bias: Vector3<f64>,
     /// Reading over truth, per axis.
     pub scale: Vector3<f64>,
+    /// What each axis reads of the truth besides, rows first: cross-axis and scale errors of one device; zero for true axes.
+    pub skew: Matrix3<f64>,
     /// How much later than its truth an event is stamped, s; may be negative.
     pub delay_s: f64,
 }
@@ -29,7 +31,14 @@ impl InertialSensor {
     /// A phone's gyroscope: 100 Hz, 0.003 rad/s noise, no bias.
     #[must_use]
     pub fn gyroscope() -> Self {
-        Self { rate_hz: 100.0, noise: 0.003, bias: Vector3::zeros(), scale: Vector3::repeat(1.0), delay_s: 0.0 }
+        Self {
+            rate_hz: 100.0,
+            noise: 0.003,
+            bias: Vector3::zeros(),
+            scale: Vector3::repeat(1.0),
+            skew: Matrix3::zeros(),
+            delay_s: 0.0,
+        }
     }
 
     /// A phone's accelerometer: 100 Hz, 0.05 m/s^2 noise, no bias.
@@ -49,7 +58,8 @@ impl InertialSensor {
         (0..count).map(move |k| {
             let time_s = k as f64 / self.rate_hz;
             let truth = truth(time_s - self.delay_s);
-            (time_ns(time_s), truth.component_mul(&self.scale) + self.bias + random.normal3() * self.noise)
+            let read = truth.component_mul(&self.scale) + self.skew * truth;
+            (time_ns(time_s), read + self.bias + random.normal3() * self.noise)
         })
     }
 

@@ -71,6 +71,8 @@ pub struct Phone {
     pub gyro_scale_percent: f64,
     /// How late the gyroscope's events are stamped, ms.
     pub gyro_late_ms: f64,
+    /// How far each axis of the gyroscope is off along each axis, degrees rms: random cross-axis and scale errors, drawn for each seed.
+    pub gyro_skew_deg: f64,
 }
 
 impl Default for Phone {
@@ -86,6 +88,7 @@ impl Default for Phone {
             gyro_bias_deg_s: 0.0,
             gyro_scale_percent: 0.0,
             gyro_late_ms: 0.0,
+            gyro_skew_deg: 0.0,
         }
     }
 }
@@ -111,6 +114,7 @@ impl Phone {
             (self.gyro_bias_deg_s, "deg/s gyroscope bias"),
             (self.gyro_scale_percent, "% gyroscope scale"),
             (self.gyro_late_ms, "ms late"),
+            (self.gyro_skew_deg, "deg rms gyroscope skew"),
             (self.spikes * 100.0, "% spikes"),
         ] {
             if value != 0.0 {
@@ -127,6 +131,7 @@ impl Phone {
         let start = parameters(&mut random);
         let direction = random.direction();
         let bias = random.direction() * self.gyro_bias_deg_s.to_radians();
+        let skew = Matrix3::from_fn(|_, _| random.normal()) * self.gyro_skew_deg.to_radians();
         let device = |to| Schedule::step(start, CHANGE_S, to);
         let identity = Matrix3::identity();
         let world_ut = world_field_ut(FIELD_UT, DIP_DEG);
@@ -167,6 +172,7 @@ impl Phone {
                 rate_hz: self.rate_hz,
                 bias,
                 scale: Vector3::repeat(1.0 + self.gyro_scale_percent / 100.0),
+                skew,
                 delay_s: self.gyro_late_ms / 1000.0,
                 ..InertialSensor::gyroscope()
             }),

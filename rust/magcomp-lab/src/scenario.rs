@@ -137,7 +137,6 @@ impl Case {
         let spikes = if self == Self::PhoneSpikes { 0.02 } else { 0.0 };
         let phone = Phone { seed, motion, change, spikes, snr_db: snr_db.unwrap_or(40.0), ..Phone::default() };
         let mut scenario = phone.scenario();
-        (scenario.gyroscope, scenario.accelerometer) = (None, None);
         if self == Self::PhoneDrift {
             let start = scenario.parameters.start;
             let direction = Random::new(seed, Purpose::Bootstrap).direction();

@@ -386,6 +386,36 @@ fn compare_says_who_is_better_as_markdown() {
 }
 
 #[test]
+fn compare_judges_methods_with_gyroscope_by_themselves() {
+    let given = |arguments: &[&str]| {
+        let (code, text, error) = run(&[&["compare", "--json"], arguments].concat());
+        assert_eq!(code, 0, "{error}");
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()
+    };
+    let named = |value: &serde_json::Value, name: &str| {
+        value.as_array().unwrap().iter().find(|method| method["name"] == name).unwrap().clone()
+    };
+    let methods = ["--method", "none,aided,aided-sample,vqf-raw,vqf-ours,fusion"];
+    let phone = given(&[&["--scenario", "phone-walk,step", "--runs", "1"], methods.as_slice()].concat());
+    assert_eq!((phone[0]["methods"].as_array().unwrap().len(), phone[0]["aided"].as_array().unwrap().len()), (1, 5));
+    // no gyroscope there
+    assert_eq!(phone[1]["aided"].as_array().unwrap().len(), 0);
+    let after_deg = |name: &str| named(&phone[0]["aided"], name)["after_deg"].as_f64().unwrap();
+    assert!(after_deg("aided") < 2.0 && after_deg("vqf-ours") < 2.0, "{phone}");
+    assert!(after_deg("fusion") > 3.0 && after_deg("vqf-raw") > 3.0, "{phone}");
+
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
+    let recorded = given(&[&[path], methods.as_slice()].concat());
+    let rms = |name: &str| named(&recorded[0]["aided"], name)["vectors"]["heading"]["rms_deg"].as_f64().unwrap();
+    assert!(rms("aided") < rms("vqf-raw") && rms("vqf-raw") < rms("fusion"), "{recorded}");
+    // the same figure as `replay` has for c
+    let (_, text, _) = run(&["replay", "--json", path]);
+    let replayed = serde_json::from_str::<serde_json::Value>(&text).unwrap()["heading"]["rms_deg"].as_f64().unwrap();
+    assert!((rms("aided-sample") - replayed).abs() < 1e-6, "{} {replayed}", rms("aided-sample"));
+    assert!(named(&recorded[0]["aided"], "vqf-raw")["vectors"]["spread_percent"].is_null());
+}
+
+#[test]
 fn compare_on_a_recording_has_a_picture() {
     let folder = tempfile::tempdir().unwrap();
     let (input, pages) = (simulated(folder.path(), "30"), folder.path().join("pages"));

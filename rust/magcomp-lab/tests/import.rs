@@ -290,9 +290,9 @@ fn what_is_no_text_and_two_sessions_at_once_are_refused() {
     assert!(error.contains("are of the same sensor; import one session at a time"), "{error}");
     for (bytes, hint) in [
         (&b"MATLAB 5.0 MAT-file\0\0"[..], "writetimetable"),
-        (b"\x89MCAP0\r\n\0\0", "make CSV of it"),
+        (b"\x89MCAP0\r\n\0\0", "cannot be read: MCAP file ended"),
         (b"\xff\xfet\0,\0", "save it as UTF-8"),
-        (b"SQLite format 3\0", "this is no text file"),
+        (b"\x7fELF\0\0\0\0", "this is no text file"),
     ] {
         let path = folder.path().join("session.bin");
         fs::write(&path, bytes).unwrap();
@@ -461,4 +461,80 @@ fn a_calibration_that_was_not_found_is_not_written() {
     let (input, json) = (folder.path().join("r.csv"), folder.path().join("c.json"));
     let (code, _, error) = run(&["replay", input.to_str().unwrap(), "--calibration", json.to_str().unwrap()]);
     assert!(code == 1 && error.contains("no calibration was found") && !json.exists(), "{error}");
+}
+
+/// A file of `tests/sessions`, which `make.py` there made with other people's writers.
+fn session(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sessions").join(name)
+}
+
+#[test]
+fn a_bag_of_ros_2() {
+    let line = |k: usize| {
+        let (mag, imu) = (format!("0.0{k}0000000,{},-5,-40", 20 + k), format!("0.0{k}4000000"));
+        format!("{mag},,,,,,\n{imu},,,,0.5,-0.25,9.75,0.1,0.2,{}\n", 0.25 * k as f64)
+    };
+    let lines = |text: &str| -> Vec<Vec<String>> {
+        let cell = |cell: &str| cell.parse::<f64>().map_or_else(|_| cell.to_owned(), |v| format!("{v:.9}"));
+        text.lines().map(|line| line.split(',').map(cell).collect()).collect()
+    };
+    let expected = format!("t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n{}", (0..5).map(line).collect::<String>());
+    assert_eq!(lines(&imported(&[&session("ros2.mcap")], &[])), lines(&expected));
+    // as ROS 2 writes it: a folder with metadata.yaml
+    let folder = folder(&[("metadata.yaml", "rosbag2_bagfile_information:\n")]);
+    fs::copy(session("ros2.mcap"), folder.path().join("bag_0.mcap")).unwrap();
+    assert_eq!(lines(&imported(&[folder.path()], &[])), lines(&expected));
+    let turned = imported(&[&session("ros2.mcap")], &["--frame=-y,x,z"]);
+    assert_eq!(lines(&turned)[1][1..4], ["5.000000000", "20.000000000", "-40.000000000"]);
+    let (code, text, error) = run(&["replay", session("ros2.mcap").to_str().unwrap()]);
+    assert_eq!(code, 0, "{error}");
+    assert!(text.contains("ROS 2 session") && text.contains("--frame=-y,x,z"), "{text}");
+
+    // no stamps: the recorder's time; two topics of one kind
+    let two = session("ros2_two_topics.mcap");
+    let error = refused(&[&two], &[]);
+    assert!(error.contains("MagneticField is on /gps/mag and /imu/mag; name one by --topics"), "{error}");
+    let (code, text, error, recording) = import(&[&two], &["--topics", "/gps/mag,/imu/data_raw"]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(text.contains("10 messages had no stamp"), "{text}");
+    assert_eq!(lines(&recording.unwrap()), lines(&expected));
+    // not tesla; cut off; of SQLite
+    let error = refused(&[&session("ros2.mcap")], &["--units", "m=mT"]);
+    assert!(error.contains("line 2, column 1 (/imu/mag magnetic_field): expected a field of 5 to 5000 uT"), "{error}");
+    let bytes = fs::read(session("ros2.mcap")).unwrap();
+    let cut = folder.path().join("cut.mcap");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    assert!(refused(&[&cut], &[]).contains("cut.mcap: cannot be read: "));
+    let database = folder.path().join("bag.db3");
+    fs::write(&database, b"SQLite format 3\0").unwrap();
+    assert!(refused(&[&database], &[]).contains("`ros2 bag convert` makes an mcap file of it"));
+}
+
+#[test]
+fn a_table_in_parquet() {
+    let columns = ["--columns", "t=time,mx=bx,my=by,mz=bz,gx=rate_x,gy=rate_y,gz=rate_z"];
+    let expected = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n\
+                    0.000000000,20.5,-5,-40,,,,0.125,0.25,0.5\n\
+                    0.010000000,21.5,-5.5,-41,,,,0.125,0.25,0.5\n\
+                    0.020000000,,,,,,,0.125,0.25,0.5\n\
+                    0.030000000,22.5,-6,-42,,,,0.125,0.25,0.5\n";
+    let whole_numbers = [columns.as_slice(), &["--units", "t=ns"]].concat();
+    assert_eq!(imported(&[&session("table.parquet")], &whole_numbers), expected);
+    assert_eq!(imported(&[&session("table_timestamps.parquet")], &columns), expected);
+    // the unit, the column and the form are named
+    let error = refused(&[&session("table.parquet")], &columns);
+    assert!(
+        error.contains("table.parquet as CSV: line 2, column 1 (time)") && error.contains("--units t=s, ms, us or ns"),
+        "{error}"
+    );
+    let note = ["--columns", "t=time,mx=note,my=by,mz=bz", "--units", "t=ns"];
+    let error = refused(&[&session("table.parquet")], &note);
+    assert!(error.contains("table.parquet as CSV: line 2, column 8 (note): expected a number, found 'a'"), "{error}");
+    let folder = folder(&[]);
+    let cut = folder.path().join("cut.parquet");
+    fs::write(&cut, &fs::read(session("table.parquet")).unwrap()[..200]).unwrap();
+    assert!(refused(&[&cut], &columns).contains("cut.parquet: cannot be read: "));
+    let arrow = folder.path().join("table.arrow");
+    fs::write(&arrow, b"ARROW1\0\0").unwrap();
+    assert!(refused(&[&arrow], &columns).contains("pandas.read_feather(IN).to_parquet(OUT)"));
 }

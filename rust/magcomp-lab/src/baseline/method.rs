@@ -1,18 +1,30 @@
 //! What every method to compare with does.
 
 use magcomp::nalgebra::Vector3;
-use magcomp::{Calibration, MagneticSample};
+use magcomp::{Calibration, MagneticSample, RotationRateSample, UpSample};
 
 /// Something that corrects a magnetometer, sample by sample, with nothing later than its own sample.
 pub trait Baseline {
     /// The true direction of the field at the next sample: for one that learns from it.
     fn teach(&mut self, _direction: Vector3<f64>) {}
 
+    /// A rotation rate: for one that takes the gyroscope.
+    fn push_rate(&mut self, _sample: &RotationRateSample) {}
+
+    /// An accelerometer sample, Android's sign: for one that takes it.
+    fn push_up(&mut self, _sample: &UpSample) {}
+
     /// One raw sample.
     fn push(&mut self, sample: &MagneticSample);
 
-    /// What it would make of a raw vector now, uT; None while it knows nothing.
+    /// What it would make of a raw vector now, uT; of a method that gives an attitude, its north, of length 1, whatever the raw
+    /// vector. None while it knows nothing.
     fn correct(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>>;
+
+    /// What it made of the sample that came last, whose raw vector this is.
+    fn latest(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>> {
+        self.correct(raw_ut)
+    }
 
     /// Its M, b and field strength, where it has such.
     fn calibration(&self) -> Option<Calibration> {

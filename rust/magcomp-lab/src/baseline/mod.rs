@@ -2,25 +2,29 @@
 
 mod algebraic;
 mod enclosing;
+mod fusion;
 mod helmholtz;
 mod kalman;
 mod method;
 mod network;
 mod none;
 mod ours;
+mod vqf;
 mod window;
 
+pub use fusion::Fusion;
 pub use helmholtz::Helmholtz;
 pub use kalman::Kalman;
 pub use method::Baseline;
 pub use network::Network;
 pub use none::Nothing;
 pub use ours::Ours;
+pub use vqf::Vqf;
 pub use window::{Surface, Windowed};
 
 use crate::parameters::Parameters;
 use clap::ValueEnum;
-use magcomp::{Calibration, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
+use magcomp::{Calibration, Compensator, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,6 +57,16 @@ pub enum Contestant {
     Network,
     /// Calibrated in a Helmholtz coil before, then kept
     Helmholtz,
+    /// Ours with gyroscope and accelerometer: its attitude
+    Aided,
+    /// The same: its corrected sample
+    AidedSample,
+    /// The orientation filter VQF, given the raw field
+    VqfRaw,
+    /// VQF, given our corrected sample
+    VqfOurs,
+    /// A complementary filter that tracks b alone
+    Fusion,
 }
 
 /// What a method may know before a stream.
@@ -89,8 +103,22 @@ impl Contestant {
                 &[0.1, 0.3, 0.5, 0.65]
             }
             Self::Network => &[1e-4, 1e-3, 5e-3],
+            Self::VqfRaw | Self::VqfOurs => &[3.0, 9.0, 27.0],
+            Self::Fusion => &[0.1, 0.3, 1.0],
             _ => &[0.0],
         }
+    }
+
+    /// Whether it takes gyroscope and accelerometer too.
+    #[must_use]
+    pub fn is_aided(self) -> bool {
+        self.gives_attitude() || self == Self::AidedSample
+    }
+
+    /// Whether it answers with north by its own attitude, where others answer with a field.
+    #[must_use]
+    pub fn gives_attitude(self) -> bool {
+        matches!(self, Self::Aided | Self::VqfRaw | Self::VqfOurs | Self::Fusion)
     }
 
     /// A fresh one; None where it cannot take part.
@@ -107,6 +135,13 @@ impl Contestant {
         };
         Ok(match self {
             Self::Adaptive => return ours(method(Method::Adaptive)),
+            Self::Aided => {
+                return Ours::attitude(method(Method::Aided)).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
+            }
+            Self::AidedSample => return ours(method(Method::Aided)),
+            Self::VqfRaw => Some(Box::new(Vqf::new(value, None))),
+            Self::VqfOurs => Some(Box::new(Vqf::new(value, Some(Compensator::new(method(Method::Aided))?)))),
+            Self::Fusion => Some(Box::new(Fusion::new(value))),
             Self::Constant => return ours(method(Method::Constant)),
             Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),
             Self::PaperEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Algebraic)),

@@ -5,7 +5,7 @@ use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_case, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_recording};
-use crate::experiment::compare_view::{add_case, case_table, overview, recording_figure, recording_table};
+use crate::experiment::compare_view::{Given, add_case, case_table, overview, recording_figure, recording_table};
 use crate::import::{ImportOptions, open};
 use crate::progress;
 use crate::recording::name_of;
@@ -48,14 +48,26 @@ pub(super) struct Compare {
 struct Scenario {
     scenario: String,
     runs: u32,
+    /// From the magnetometer alone.
     methods: Vec<MethodScore>,
+    /// With gyroscope and accelerometer.
+    aided: Vec<MethodScore>,
+}
+
+impl Scenario {
+    fn of(&self, given: Given) -> (&str, &[MethodScore]) {
+        (&self.scenario, if given == Given::Inertial { &self.aided } else { &self.methods })
+    }
 }
 
 #[derive(Serialize)]
 struct Recorded {
     recording: String,
     methods: Vec<RecordingScore>,
+    aided: Vec<RecordingScore>,
 }
+
+const BOTH: [Given; 2] = [Given::Magnetometer, Given::Inertial];
 
 impl Compare {
     pub fn run(self) -> Result<(), LabError> {
@@ -73,33 +85,41 @@ impl Compare {
         let bar = progress::bar(cases.len() * methods.len(), "compare");
         let mut all = Vec::new();
         for case in cases {
-            let mut scores = Vec::new();
+            let (mut scores, mut aided) = (Vec::new(), Vec::new());
             for contestant in &methods {
                 let value = tune(case, self.common.seed, self.snr, *contestant)?;
                 if let Some((before, runs)) = run_case(case, seeds.clone(), self.snr, *contestant, value)? {
                     let tuned = (contestant.grid().len() > 1).then_some(value);
-                    scores.push(MethodScore::of(&contestant.name(), tuned, before, &runs));
+                    let score = MethodScore::of(&contestant.name(), tuned, before, &runs);
+                    if contestant.is_aided() { aided.push(score) } else { scores.push(score) }
                 }
                 bar.inc(1);
             }
-            all.push(Scenario { scenario: case.name(), runs: self.runs, methods: scores });
+            all.push(Scenario { scenario: case.name(), runs: self.runs, methods: scores, aided });
         }
         bar.finish_and_clear();
-        let overview = overview(all.iter().map(|one| (one.scenario.as_str(), one.methods.as_slice())));
+        let overview: Vec<_> =
+            BOTH.into_iter().flat_map(|given| overview(all.iter().map(|one| one.of(given)), given)).collect();
         if self.markdown {
             overview.iter().try_for_each(|table| writeln!(std::io::stdout(), "{}", table.markdown()))?;
             return Ok(());
         }
-        let tables = all.iter().flat_map(|one| case_table(&one.scenario, one.runs, &one.methods));
+        let tables = all.iter().flat_map(|one| {
+            BOTH.into_iter().flat_map(|given| case_table(&one.scenario, one.runs, one.of(given).1, given))
+        });
         let tables: Vec<_> = tables.chain(overview.clone()).collect();
         self.common.finish(&tables, &all, || {
             let mut report = Report::new(
                 "Methods side by side",
-                "Direction error of what each method makes of the noise-free sample, over the samples since the change.",
+                "Of the magnetometer alone: direction error of what each method makes of the noise-free sample. With gyroscope and \
+                 accelerometer: error of its heading. Over the samples since the change.",
             );
             overview.iter().for_each(|table| report.table(table));
             for one in &all {
-                add_case(&mut report, &one.scenario, one.runs, &one.methods)?;
+                report.section(&one.scenario, "The change is at 0.");
+                for given in BOTH {
+                    add_case(&mut report, &one.scenario, one.runs, one.of(given).1, given)?;
+                }
             }
             Ok(report)
         })
@@ -114,16 +134,28 @@ impl Compare {
                 &methods,
                 self.common.seed,
             )?;
-            all.push(Recorded { recording: name_of(path), methods: scores });
+            let (aided, methods): (Vec<_>, Vec<_>) = scores.into_iter().partition(|score| score.aided);
+            all.push(Recorded { recording: name_of(path), methods, aided });
         }
-        let tables: Vec<_> = all.iter().map(|one| recording_table(&one.recording, &one.methods)).collect();
+        let groups = |one: &Recorded| -> Vec<_> {
+            let groups = BOTH.into_iter().zip([one.methods.clone(), one.aided.clone()]);
+            groups.filter(|(_, scores)| !scores.is_empty()).collect()
+        };
+        let table = |one: &Recorded, given, scores: &[RecordingScore]| recording_table(&one.recording, scores, given);
+        let tables: Vec<_> = (all.iter())
+            .flat_map(|one| groups(one).into_iter().map(|(given, scores)| table(one, given, &scores)))
+            .collect();
         self.common.finish(&tables, &all, || {
             let mut report = Report::new("Methods side by side on recordings", "Each on the same samples, causal.");
-            for (one, table) in all.iter().zip(&tables) {
+            for one in &all {
                 report.section(&one.recording, "Heading error, rms over a second, up to one constant.");
                 let name = one.recording.split('.').next().unwrap_or_default();
-                report.figure(&format!("compare_{name}"), recording_figure(&one.methods)?, &one.recording);
-                report.table(table);
+                for (given, scores) in groups(one) {
+                    let suffix = if given == Given::Inertial { "_inertial" } else { "" };
+                    let figure = recording_figure(&scores, given)?;
+                    report.figure(&format!("compare_{name}{suffix}"), figure, &one.recording);
+                    report.table(&table(one, given, &scores));
+                }
             }
             Ok(report)
         })

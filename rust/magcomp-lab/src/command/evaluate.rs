@@ -1,6 +1,6 @@
 //! `magcomp evaluate`.
 
-use super::common::Common;
+use super::common::{Common, between};
 use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
 use crate::experiment::situation::Group;
@@ -17,6 +17,9 @@ pub(super) struct Evaluate {
     /// Runs of each situation; run k has the seed --seed + k
     #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(1..))]
     runs: u32,
+    /// How far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 5.0))]
+    gyro_skew: f64,
     /// Print the page docs/EVALUATION.md: what the columns mean, the tables, a list of the bad lines
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
@@ -27,7 +30,12 @@ pub(super) struct Evaluate {
 impl Evaluate {
     pub fn run(self) -> Result<(), LabError> {
         let groups = if self.group.is_empty() { Group::value_variants().to_vec() } else { self.group.clone() };
-        let result = run(&EvaluateOptions { groups, runs: self.runs as usize, seed: self.common.seed })?;
+        let result = run(&EvaluateOptions {
+            groups,
+            runs: self.runs as usize,
+            seed: self.common.seed,
+            gyro_skew_deg: self.gyro_skew,
+        })?;
         if self.markdown {
             write!(std::io::stdout(), "{}", result.markdown())?;
             return Ok(());

@@ -4,7 +4,7 @@ use super::common::{Common, between, finite};
 use crate::error::LabError;
 use crate::experiment::adaptive::{self, AdaptiveOptions};
 use crate::experiment::aided::{self, AidedOptions};
-use crate::experiment::compare_view::add_case;
+use crate::experiment::compare_view::{Given, add_case};
 use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
@@ -65,6 +65,9 @@ pub(super) struct Step {
     /// Tumble, pedestrian: how late the gyroscope's events are stamped, ms
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = |text: &str| between(text, -100.0, 100.0))]
     gyro_late: Option<f64>,
+    /// Tumble, pedestrian: how far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
+    #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, 0.0, 5.0))]
+    gyro_skew: Option<f64>,
     /// Tumble, pedestrian: samples hit by a spike of 30 to 150 uT, percent
     #[arg(long, value_name = "PERCENT", value_parser = |text: &str| between(text, 0.0, 50.0))]
     spikes: Option<f64>,
@@ -105,6 +108,7 @@ impl Step {
             ("--gyro-bias", self.gyro_bias.is_some()),
             ("--gyro-scale", self.gyro_scale.is_some()),
             ("--gyro-late", self.gyro_late.is_some()),
+            ("--gyro-skew", self.gyro_skew.is_some()),
             ("--spikes", self.spikes.is_some()),
         ];
         let phone = AidedOptions::of(self.motion).filter(|_| !adaptive);
@@ -143,7 +147,8 @@ impl Step {
                 "Following a change with the magnetometer alone",
                 "Direction error of the adaptive method's calibration, rms over the runs.",
             );
-            add_case(&mut report, &result.scenario, result.runs as u32, std::slice::from_ref(&result.score))?;
+            let score = std::slice::from_ref(&result.score);
+            add_case(&mut report, &result.scenario, result.runs as u32, score, Given::Magnetometer)?;
             if let Some(table) = result.tables().last() {
                 report.table(table);
             }
@@ -161,6 +166,7 @@ impl Step {
             gyro_bias_deg_s: self.gyro_bias.unwrap_or(0.0),
             gyro_scale_percent: self.gyro_scale.unwrap_or(0.0),
             gyro_late_ms: self.gyro_late.unwrap_or(0.0),
+            gyro_skew_deg: self.gyro_skew.unwrap_or(0.0),
             ..options.phone
         };
         let runs = self.runs.map_or(options.runs, |runs| runs as usize);

@@ -7,6 +7,7 @@
 //! * cost: the least over repeated runs of the same stream, sample by sample, so that it is ours and not the scheduler's.
 
 use super::compare::{MethodScore, Run, follow};
+use super::compare_view::{Given, case_table};
 use super::config;
 use super::nees::Nees;
 use crate::error::LabError;
@@ -102,7 +103,7 @@ pub fn run(options: &AdaptiveOptions) -> Result<AdaptiveResult, LabError> {
         let mut best: Option<Run> = None;
         for _ in 0..options.repeats.max(1) {
             let mut ours = crate::baseline::Ours::new(config.clone())?;
-            let run = follow(&stream, &plan, &mut ours, field_ut);
+            let run = follow(&stream, &plan, &mut ours, field_ut, false);
             match &mut best {
                 Some(best) => best.keep_fastest(&run),
                 None => best = Some(run),
@@ -190,8 +191,8 @@ impl AdaptiveResult {
     /// Two tables.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        let mut tables =
-            super::compare_view::case_table(&self.scenario, self.runs as u32, std::slice::from_ref(&self.score));
+        let score = std::slice::from_ref(&self.score);
+        let mut tables = case_table(&self.scenario, self.runs as u32, score, Given::Magnetometer);
         let columns = ["", "within 1 sigma %", "within 2 sigma %", "NEES of b", "of all"];
         let mut table = Table::new(&format!("{}: are the sigmas honest?", self.scenario), &columns);
         for honesty in &self.honesty {

@@ -3,6 +3,9 @@
 //! Direction error: the angle between the true field and what the method makes of the noise-free raw sample, so that it is
 //! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method
 //! itself had before the latest change.
+//!
+//! Methods with gyroscope and accelerometer are judged by the heading: the angle between the azimuths that the true attitude gives
+//! what they answer and the true field.
 
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::crb::FisherInformation;
@@ -11,7 +14,7 @@ use crate::parameters::{GROUPS, Parameters};
 use crate::scenario::{Case, Plan};
 use crate::simulate::Simulation;
 use magcomp::Calibration;
-use magcomp::nalgebra::Vector3;
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -85,11 +88,12 @@ pub struct MethodScore {
     pub course_deg: Vec<(f64, f64)>,
 }
 
-/// Follows the stream of a plan.
-pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field_ut: f64) -> Run {
+/// Follows the stream of a plan; `aided`: with the events of gyroscope and accelerometer, judged by the heading.
+pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field_ut: f64, aided: bool) -> Run {
     let before = plan.before;
     let mut run = Run::default();
     let mut held: Option<Calibration> = None;
+    let (mut rates, mut ups) = (stream.rotation_rates.iter().peekable(), stream.ups.iter().peekable());
     for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
         if k == before || plan.steps_at(k) {
             held = method.calibration();
@@ -97,11 +101,21 @@ pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field
         if k < before {
             method.teach(truth.field_ut.normalize());
         }
+        while let Some(rate) = rates.next_if(|rate| aided && rate.time_ns <= sample.time_ns) {
+            method.push_rate(rate);
+        }
+        while let Some(up) = ups.next_if(|up| aided && up.time_ns <= sample.time_ns) {
+            method.push_up(up);
+        }
         let started = Instant::now();
         method.push(sample);
         run.times_ns.push(started.elapsed().as_nanos() as u64);
         let error = |found: Option<Vector3<f64>>| {
-            found.map_or(NO_ANSWER_DEG, |found| found.angle(&truth.field_ut).to_degrees()) as f32
+            let off_deg = |found: Vector3<f64>| match aided {
+                true => heading_error_deg(&truth.attitude, &found, &truth.field_ut),
+                false => found.angle(&truth.field_ut).to_degrees(),
+            };
+            found.map_or(NO_ANSWER_DEG, off_deg) as f32
         };
         run.errors_deg.push(error(method.correct(&truth.clean_ut)));
         let kept = || error(held.map(|held| held.correct(&truth.clean_ut)));
@@ -111,6 +125,12 @@ pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field
         }
     }
     run
+}
+
+/// Angle between the azimuths of two vectors of the device.
+fn heading_error_deg(attitude: &UnitQuaternion<f64>, found: &Vector3<f64>, field: &Vector3<f64>) -> f64 {
+    let [found, field] = [found, field].map(|vector| (attitude * vector).xy());
+    found.perp(&field).atan2(found.dot(&field)).to_degrees().abs()
 }
 
 /// Squared error of theta at sample k, and its bound from the samples since the change.
@@ -171,8 +191,9 @@ pub fn run_case(
     for seed in seeds {
         let (stream, plan, known) = prepare(case, seed, snr_db);
         before = plan.before;
-        let Some(mut method) = contestant.make(value, &known)? else { return Ok(None) };
-        runs.push(follow(&stream, &plan, method.as_mut(), known.field_ut));
+        let takes_part = !contestant.is_aided() || plan.scenario.gyroscope.is_some();
+        let Some(mut method) = contestant.make(value, &known)?.filter(|_| takes_part) else { return Ok(None) };
+        runs.push(follow(&stream, &plan, method.as_mut(), known.field_ut, contestant.is_aided()));
     }
     Ok(Some((before, runs)))
 }

@@ -1,12 +1,12 @@
 //! Methods side by side on a recording: spread of the total field, and heading against the reference orientation up to one
 //! constant, as `replay` judges them. The network may learn from the reference over the first 40 %.
 
-use crate::baseline::{Contestant, Known};
+use crate::baseline::{Baseline, Contestant, Known};
 use crate::error::LabError;
-use crate::recording::Source;
+use crate::recording::{Row, Source};
 use crate::replay::{Vectors, VectorsJudge};
-use magcomp::MagneticSample;
 use magcomp::nalgebra::Vector3;
+use magcomp::{MagneticSample, RotationRateSample, UpSample};
 use serde::Serialize;
 
 /// Share of a recording with a reference to learn from.
@@ -24,6 +24,19 @@ fn middle(contestant: Contestant) -> f64 {
     grid[grid.iter().filter(|value| **value >= 0.0).count() / 2]
 }
 
+/// Gives a method what gyroscope and accelerometer said up to a row.
+fn push_inertial(method: &mut dyn Baseline, row: &Row) {
+    let usable = |v: &Vector3<f64>| v.iter().all(|value| value.is_finite());
+    for event in row.inertial() {
+        if let Some(rate_rad_s) = event.rate_rad_s.filter(usable) {
+            method.push_rate(&RotationRateSample { time_ns: event.time_ns, rate_rad_s });
+        }
+        if let Some(up_m_s2) = event.up_m_s2.filter(usable) {
+            method.push_up(&UpSample { time_ns: event.time_ns, up_m_s2 });
+        }
+    }
+}
+
 /// A method on a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingScore {
@@ -31,6 +44,8 @@ pub struct RecordingScore {
     pub name: String,
     /// Value of its free number; none without one.
     pub value: Option<f64>,
+    /// Whether it had gyroscope and accelerometer too.
+    pub aided: bool,
     /// What it came to.
     pub vectors: Vectors,
     /// Heading error rms over a second, degrees, over time, s: for the picture. Empty without a reference.
@@ -62,21 +77,29 @@ pub fn compare_recording(
     for (k, row) in source.rows()?.enumerate() {
         let row = row?;
         let finite = row.field_ut.iter().all(|value| value.is_finite());
-        for (_, method, judge) in &mut running {
+        for (contestant, method, judge) in &mut running {
+            if contestant.is_aided() {
+                push_inertial(method.as_mut(), &row);
+            }
             let corrected = finite.then(|| {
                 if let Some(attitude) = row.attitude.filter(|_| k < taught) {
                     method.teach(attitude.inverse() * field);
                 }
                 method.push(&MagneticSample { time_ns: row.time_ns, field_ut: row.field_ut });
-                method.correct(&row.field_ut)
+                method.latest(&row.field_ut)
             });
             judge.add(&row, corrected.flatten().as_ref());
         }
     }
     let score = |(contestant, _, judge): &(Contestant, _, VectorsJudge)| RecordingScore {
         name: contestant.name(),
+        aided: contestant.is_aided(),
         value: (contestant.grid().len() > 1).then(|| middle(*contestant)),
-        vectors: judge.vectors(),
+        // north by an attitude has no length
+        vectors: match (judge.vectors(), contestant.gives_attitude()) {
+            (vectors, true) => Vectors { spread_percent: None, ..vectors },
+            (vectors, false) => vectors,
+        },
         course_deg: judge.heading_course(),
     };
     Ok(running.iter().map(score).collect())

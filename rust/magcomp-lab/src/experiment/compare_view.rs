@@ -7,26 +7,60 @@ use crate::plot::{Colour, Panel, Series, draw};
 use crate::report::Report;
 use crate::table::{Table, number};
 
-/// Methods drawn, and how.
-const DRAWN: [(&str, Colour); 6] = [
+/// Methods drawn, and how: of the magnetometer alone, and with gyroscope and accelerometer.
+const DRAWN: [(&str, Colour); 11] = [
     ("adaptive", Colour::Blue),
     ("paper-half-range", Colour::Orange),
     ("extended", Colour::Green),
     ("unscented", Colour::Purple),
     ("linear", Colour::Red),
     ("constant", Colour::Grey),
+    ("aided", Colour::Blue),
+    ("aided-sample", Colour::Green),
+    ("vqf-raw", Colour::Orange),
+    ("vqf-ours", Colour::Purple),
+    ("fusion", Colour::Red),
 ];
+/// What the methods of a table were given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Given {
+    /// The magnetometer alone.
+    Magnetometer,
+    /// Gyroscope and accelerometer too.
+    Inertial,
+}
+
+impl Given {
+    /// What is judged.
+    fn error(self) -> &'static str {
+        match self {
+            Self::Magnetometer => "direction error",
+            Self::Inertial => "heading error with gyroscope and accelerometer",
+        }
+    }
+
+    fn what(self) -> &'static str {
+        match self {
+            Self::Magnetometer => "magnetometer alone",
+            Self::Inertial => "with gyroscope and accelerometer",
+        }
+    }
+}
+
 /// Largest error shown, degrees.
 const SHOWN_DEG: f64 = 40.0;
 
 /// A line for each method, the best of a column marked; and their error over the bound.
 #[must_use]
-pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore]) -> Vec<Table> {
+pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Given) -> Vec<Table> {
+    if methods.is_empty() {
+        return Vec::new();
+    }
     let told = TOLD_AT.map(|k| format!("at {k}"));
     let mut columns = vec!["", "tuned", "before", "after", "steady"];
     columns.extend(told.iter().map(String::as_str));
     columns.extend(["< 5 deg", "< 2 deg", "< 1 deg", "/ held", "us", "99.9 %", "max"]);
-    let mut table = Table::new(&format!("{scenario}: direction error rms, deg ({runs} runs)"), &columns);
+    let mut table = Table::new(&format!("{scenario}: {} rms, deg ({runs} runs)", given.error()), &columns);
     let best = |value: &dyn Fn(&MethodScore) -> f64| methods.iter().map(value).fold(f64::INFINITY, f64::min);
     let (best_after, best_steady) = (best(&|m| m.after_deg), best(&|m| m.steady_deg));
     let marked = |value: f64, best: f64| {
@@ -46,6 +80,9 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore]) -> Vec<Tab
     table.note("before: last 1000 samples before the change; after: all after it; steady: from 1000 after it; * the best of all");
     table.note("< 5 deg: samples after the change until the 95th percentile over the runs stays below for good; / held: largest ratio,");
     table.note("over 50 samples, to holding the method's own parameters from before; us: time for a sample, mean, 99.9th percentile, maximum");
+    if given == Given::Inertial {
+        table.note("aided, vqf-raw, vqf-ours, fusion: north by the method's own attitude; aided-sample: the corrected sample without its noise");
+    }
     let mut tables = vec![table];
     if methods.iter().any(|m| m.over_bound.is_some()) {
         let columns: Vec<String> = std::iter::once(String::new()).chain(BOUND_AT.map(|n| format!("n = {n}"))).collect();
@@ -66,13 +103,18 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore]) -> Vec<Tab
 /// All scenarios in two tables, a line for each, a column for each method: over all samples after the change, and from 1000
 /// after it; and in which of them ours is not the best.
 #[must_use]
-pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])> + Clone) -> Vec<Table> {
+pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])> + Clone, given: Given) -> Vec<Table> {
+    let scenarios = scenarios.filter(|(_, methods)| !methods.is_empty());
+    if scenarios.clone().next().is_none() {
+        return Vec::new();
+    }
     let names: Vec<&str> = scenarios
         .clone()
         .next()
         .map_or_else(Vec::new, |(_, methods)| methods.iter().map(|m| m.name.as_str()).collect());
     let columns: Vec<&str> = std::iter::once("").chain(names.iter().copied()).collect();
-    let tables = ["Direction error rms after the change, deg", "The same from 1000 samples after it"].map(|title| {
+    let first = format!("{} rms after the change, deg", capital(given.error()));
+    let tables = [first.as_str(), "The same from 1000 samples after it"].map(|title| {
         let value = |m: &MethodScore| if title.starts_with("The same") { m.steady_deg } else { m.after_deg };
         let mut table = Table::new(title, &columns);
         let mut won = Vec::new();
@@ -98,26 +140,40 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
     tables.to_vec()
 }
 
-/// A section with the picture and the tables.
+fn capital(text: &str) -> String {
+    text[..1].to_uppercase() + &text[1..]
+}
+
+/// The picture and the tables of a scenario.
 ///
 /// # Errors
 /// [`LabError::Plot`].
-pub fn add_case(report: &mut Report, scenario: &str, runs: u32, methods: &[MethodScore]) -> Result<(), LabError> {
-    report.section(scenario, "Error rms over the runs; the change is at 0.");
+pub fn add_case(
+    report: &mut Report,
+    scenario: &str,
+    runs: u32,
+    methods: &[MethodScore],
+    given: Given,
+) -> Result<(), LabError> {
+    if methods.is_empty() {
+        return Ok(());
+    }
     let series = DRAWN.iter().filter_map(|(name, colour)| {
         let method = methods.iter().find(|m| m.name == *name)?;
         Some(Series::new(name, *colour, method.course_deg.iter().map(|(k, error)| (*k, error.min(SHOWN_DEG)))))
     });
     let panel = Panel {
-        title: "direction error".to_owned(),
+        title: given.error().to_owned(),
         x_label: "samples after the change".to_owned(),
         y_label: "deg".to_owned(),
         series: series.collect(),
         ..Panel::default()
     };
-    let name = format!("compare_{}", scenario.replace('-', "_"));
-    report.figure(&name, draw(&[panel], 1, (1100, 300))?, scenario);
-    case_table(scenario, runs, methods).iter().for_each(|table| report.table(table));
+    let suffix = if given == Given::Inertial { "_inertial" } else { "" };
+    let name = format!("compare_{}{suffix}", scenario.replace('-', "_"));
+    let caption = format!("{scenario}: {}, rms over the runs; the change is at 0.", given.error());
+    report.figure(&name, draw(&[panel], 1, (1100, 300))?, &caption);
+    case_table(scenario, runs, methods, given).iter().for_each(|table| report.table(table));
     Ok(())
 }
 
@@ -125,13 +181,13 @@ pub fn add_case(report: &mut Report, scenario: &str, runs: u32, methods: &[Metho
 ///
 /// # Errors
 /// [`LabError::Plot`].
-pub fn recording_figure(methods: &[RecordingScore]) -> Result<String, LabError> {
+pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<String, LabError> {
     let series = DRAWN.iter().filter_map(|(name, colour)| {
         let method = methods.iter().find(|m| m.name == *name)?;
         Some(Series::new(name, *colour, method.course_deg.iter().map(|(t, error)| (*t, error.min(SHOWN_DEG)))))
     });
     let panel = Panel {
-        title: "heading error against the reference".to_owned(),
+        title: format!("heading error against the reference, {}", given.what()),
         x_label: "s".to_owned(),
         y_label: "deg".to_owned(),
         series: series.collect(),
@@ -142,9 +198,9 @@ pub fn recording_figure(methods: &[RecordingScore]) -> Result<String, LabError> 
 
 /// A line for each method on a recording.
 #[must_use]
-pub fn recording_table(recording: &str, methods: &[RecordingScore]) -> Table {
+pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given) -> Table {
     let columns = ["", "value", "answered %", "spread of |h| %", "heading rms deg", "p95 deg"];
-    let mut table = Table::new(recording, &columns);
+    let mut table = Table::new(&format!("{recording}, {}", given.what()), &columns);
     for m in methods {
         let v = &m.vectors;
         table.row(vec![
@@ -156,7 +212,10 @@ pub fn recording_table(recording: &str, methods: &[RecordingScore]) -> Table {
             number(v.heading.map(|heading| heading.p95_deg), 2),
         ]);
     }
-    table.note("without the first 20 s; heading against the reference orientation, up to one constant; the network has learned from");
-    table.note("that reference over the first 40 %; a coil there is not");
+    table.note("without the first 20 s; heading against the reference orientation, up to one constant");
+    table.note(match given {
+        Given::Magnetometer => "the network has learned from that reference over the first 40 %; a coil there is not",
+        Given::Inertial => "aided, vqf-raw, vqf-ours, fusion: north by the method's own attitude; vqf-ours is given the samples of aided-sample",
+    });
     table
 }

@@ -39,6 +39,8 @@ pub struct EvaluateOptions {
     pub runs: usize,
     /// The first seed.
     pub seed: u64,
+    /// Skew of every gyroscope, degrees rms ([`crate::phone::Phone::gyro_skew_deg`]).
+    pub gyro_skew_deg: f64,
 }
 
 /// Median and worst run.
@@ -98,6 +100,8 @@ pub struct EvaluateResult {
     pub runs: usize,
     /// The first seed.
     pub seed: u64,
+    /// Skew of every gyroscope, degrees rms.
+    pub gyro_skew_deg: f64,
     /// The tables.
     pub groups: Vec<GroupResult>,
 }
@@ -117,7 +121,7 @@ pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, LabError> {
         for situation in situations {
             let mut runs = Vec::new();
             for k in 0..options.runs {
-                let stream = situation.stream(options.seed.wrapping_add(k as u64));
+                let stream = situation.stream(options.seed.wrapping_add(k as u64), options.gyro_skew_deg);
                 let recording = Recording::of(&stream.simulation, "simulated");
                 let steps = replay(&recording, &situation.config(), Ignore::default())?;
                 runs.push(Outcome::of(&stream, &steps));
@@ -128,7 +132,8 @@ pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, LabError> {
         result.push(GroupResult { title: group.title(), situations: lines });
     }
     bar.finish_and_clear();
-    Ok(EvaluateResult { runs: options.runs, seed: options.seed, groups: result })
+    let EvaluateOptions { runs, seed, gyro_skew_deg, .. } = *options;
+    Ok(EvaluateResult { runs, seed, gyro_skew_deg, groups: result })
 }
 
 /// A judged sample.

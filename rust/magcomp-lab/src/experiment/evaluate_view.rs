@@ -34,7 +34,9 @@ impl EvaluateResult {
     /// The whole page, docs/EVALUATION.md.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let command = format!("magcomp evaluate --runs {} --seed {} --markdown", self.runs, self.seed);
+        let skew =
+            if self.gyro_skew_deg > 0.0 { format!(" --gyro-skew {}", self.gyro_skew_deg) } else { String::new() };
+        let command = format!("magcomp evaluate --runs {} --seed {}{skew} --markdown", self.runs, self.seed);
         let tables: String = self.tables().iter().map(|table| format!("## {}\n", table.markdown())).collect();
         let lines =
             || self.groups.iter().flat_map(|group| group.situations.iter().map(move |line| (group.title, line)));

@@ -234,9 +234,9 @@ impl Situation {
         Config { rail_ut, ..Config::default() }
     }
 
-    /// The stream of a seed.
+    /// The stream of a seed, with a gyroscope of that skew ([`Phone::gyro_skew_deg`]).
     #[must_use]
-    pub fn stream(&self, seed: u64) -> Stream {
+    pub fn stream(&self, seed: u64, gyro_skew_deg: f64) -> Stream {
         let change = if let Happening::Usual(change) = self.happening { change } else { PhoneChange::Nothing };
         let pause_s = if let Happening::Pause { for_s, .. } = self.happening { for_s } else { 0.0 };
         let mut phone = Phone {
@@ -245,6 +245,7 @@ impl Situation {
             change,
             spikes: self.spikes,
             duration_s: DURATION_S + pause_s,
+            gyro_skew_deg,
             ..Phone::default()
         };
         if self.has_poor_gyroscope {
@@ -351,7 +352,7 @@ mod tests {
     use super::*;
 
     fn streams(group: Group) -> Vec<Stream> {
-        group.situations().iter().map(|situation| situation.stream(3)).collect()
+        group.situations().iter().map(|situation| situation.stream(3, 0.0)).collect()
     }
 
     #[test]

@@ -3,12 +3,14 @@
 //! Made after the loggers' documentation and tried on files written by hand after it; of Sensor Logger also on an iPhone's real
 //! session. No real file of the others was at hand.
 
+mod columnar;
 mod document;
 mod gnss_logger;
 mod matlab;
 mod phyphox;
 mod plain;
 mod plausible;
+mod ros;
 mod sensor_logger;
 mod session;
 mod sheet;
@@ -35,18 +37,21 @@ const START: u64 = 4096;
 /// What is accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
 
-/// How plain CSV is read; the loggers' own files need none of it.
+/// How plain CSV and Parquet are read; the loggers' own files need none of it.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 pub struct ImportOptions {
-    /// Plain CSV: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
+    /// Plain CSV and Parquet: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
     #[arg(long, value_name = "t=NAME,mx=NAME,...")]
     pub columns: Option<ColumnNames>,
-    /// Plain CSV: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
+    /// Plain CSV, Parquet, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
     #[arg(long, value_name = "t=ns,m=uT,...")]
     pub units: Option<Units>,
     /// Which of the file's axes point right, up along the screen, and out of it
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     pub frame: Option<Frame>,
+    /// ROS: topics to take, where several have the same sensor
+    #[arg(long, value_name = "TOPIC,...", value_delimiter = ',')]
+    pub topics: Vec<String>,
 }
 
 /// What a session held.
@@ -106,7 +111,7 @@ fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
     let document = Document { path: input.to_owned(), text };
     let header = Sheet::new(&document).header;
-    Ok(document.text.starts_with(b"PK")
+    Ok([b"PK".as_slice(), columnar::PARQUET, ros::MCAP].iter().any(|form| document.text.starts_with(form))
         || logger(std::slice::from_ref(&document)).is_some()
         || !header.iter().any(|name| name == "t_s") && !header.is_empty())
 }
@@ -143,8 +148,13 @@ pub fn import(
     options: &ImportOptions,
     write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError>,
 ) -> Result<Summary, LabError> {
-    let documents = documents(inputs)?;
     let units = options.units.unwrap_or_default();
+    let bags = ros::bags(inputs)?;
+    if !bags.is_empty() {
+        let session = ros::read(&bags, &options.topics, &units)?;
+        return finish("ROS 2", session, inputs, options, write);
+    }
+    let documents = documents(inputs)?;
     let found = if options.columns.is_some() { None } else { logger(&documents) };
     if found.is_some() && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
         let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
@@ -153,13 +163,24 @@ pub fn import(
     if matches!(found, Some(App::SensorLogger | App::Phyphox | App::Matlab)) {
         refuse_twice(&documents)?;
     }
-    let (name, mut session) = match found {
+    let (name, session) = match found {
         Some(App::SensorLogger) => ("Sensor Logger", sensor_logger::read(&documents, &units)?),
         Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
         Some(App::GnssLogger) => ("GnssLogger", gnss_logger::read(&documents)?),
         Some(App::Matlab) => ("MATLAB Mobile", matlab::read(&documents)?),
         None => ("plain CSV", plain_session(&documents, options, &units)?),
     };
+    finish(name, session, inputs, options, write)
+}
+
+/// Puts a session in order and writes it.
+fn finish(
+    name: &'static str,
+    mut session: Session,
+    inputs: &[PathBuf],
+    options: &ImportOptions,
+    write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError>,
+) -> Result<Summary, LabError> {
     session.require_magnetometer(name, inputs)?;
     session.sort(&options.frame.unwrap_or_default());
     plausible::check(&session)?;

@@ -129,7 +129,12 @@ impl Cells<'_> {
     /// A time in units of so many nanoseconds, exact to the nanosecond where it is written without an exponent.
     pub fn time_ns(&self, column: usize, unit_ns: i64) -> Result<i64, LabError> {
         let text = self.point(column);
-        time_ns(&text, unit_ns).ok_or_else(|| self.wrong(column, "a time that 64 bits of nanoseconds hold"))
+        time_ns(&text, unit_ns).ok_or_else(|| {
+            self.wrong(
+                column,
+                "a time that 64 bits of nanoseconds hold; its unit is named by --units t=s, ms, us or ns",
+            )
+        })
     }
 }
 

@@ -39,6 +39,12 @@ pub struct Row {
 }
 
 impl Row {
+    /// The events of the inertial sensors up to this row, in order.
+    pub fn inertial(&self) -> impl Iterator<Item = Inertial> {
+        let now = Inertial { time_ns: self.time_ns, rate_rad_s: self.rate_rad_s, up_m_s2: self.up_m_s2 };
+        self.before.iter().copied().chain([now])
+    }
+
     /// The accelerometer's latest value since the sample before, m/s^2, Android's sign.
     #[must_use]
     pub fn latest_up(&self) -> Option<Vector3<f64>> {

@@ -46,8 +46,7 @@ impl Player {
 
     /// Plays the next row.
     pub fn play(&mut self, row: &Row) -> Step {
-        let now = Inertial { time_ns: row.time_ns, rate_rad_s: row.rate_rad_s, up_m_s2: row.up_m_s2 };
-        for Inertial { time_ns, rate_rad_s, up_m_s2 } in row.before.iter().copied().chain([now]) {
+        for Inertial { time_ns, rate_rad_s, up_m_s2 } in row.inertial() {
             if let Some(rate_rad_s) = rate_rad_s.filter(|_| !self.ignore.gyroscope) {
                 let _ = self.compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
             }

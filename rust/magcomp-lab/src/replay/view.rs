@@ -71,10 +71,10 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     table
 }
 
-/// Shares of the heading errors within their sigmas.
+/// Shares of the heading errors within their sigmas, a line each.
 fn within(line: &mut impl FnMut(&str, String, String), whose: &str, shares: Option<[f64; 2]>) {
-    if let Some([one, two]) = shares {
-        let percent = |share: f64| number(Some(100.0 * share), 0);
-        line(&format!("heading errors{whose} within 1, 2 sigma, %"), percent(one), percent(two));
+    for (sigmas, share) in (1..).zip(shares.into_iter().flatten()) {
+        let name = format!("heading errors{whose} within {sigmas} sigma, %");
+        line(&name, String::new(), number(Some(100.0 * share), 0));
     }
 }
