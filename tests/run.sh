@@ -19,6 +19,9 @@ rust() {
     cargo clippy "${all[@]}" --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc "${all[@]}" --no-deps
     cargo test "${all[@]}"
+    # the core without snapshots and serde
+    cargo clippy -p magcomp --locked --no-default-features -- -D warnings
+    cargo test -p magcomp --locked --no-default-features --lib
 }
 
 bindings() { bindings/generate.sh --check; }

@@ -11,10 +11,10 @@
 
 use crate::heading::{VERTICAL, angle_sigma_deg, unit};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Attitude {
     /// Takes a vector of the device frame (not turned with the screen's content) to (east, north, up), north magnetic. Its w is at least 0.

@@ -5,7 +5,6 @@
 //! invertible M there by the polar decomposition M = P R and hands back the rotation R it dropped.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Why a pair (M, b) is no calibration.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -82,8 +81,12 @@ pub(crate) fn typical_field_ut(known_ut: Option<f64>) -> f64 {
 }
 
 /// M, b and the strength of the field they were found in: h_m = M h + b.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "CalibrationParts", into = "CalibrationParts")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "CalibrationParts", into = "CalibrationParts")
+)]
 pub struct Calibration {
     soft_iron: Matrix3<f64>,
     soft_iron_inverse: Matrix3<f64>,
@@ -91,7 +94,7 @@ pub struct Calibration {
     field_strength_ut: f64,
 }
 
-#[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct CalibrationParts {
     soft_iron: Matrix3<f64>,
     hard_iron_ut: Vector3<f64>,
@@ -112,7 +115,8 @@ impl From<Calibration> for CalibrationParts {
 }
 
 /// A calibration from elsewhere, and how well it is believed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Given {
     pub calibration: Calibration,
     /// One standard deviation of each component of its b, uT.

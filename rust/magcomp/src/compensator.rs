@@ -4,6 +4,7 @@
 
 mod active;
 mod check;
+#[cfg(feature = "serde")]
 mod keep;
 
 use crate::answer::Answer;
@@ -20,10 +21,9 @@ use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::tilt::Tilt;
-use crate::snapshot::{LARGEST_COUNT, checked};
+use crate::sound::{LARGEST_COUNT, checked};
 use active::Active;
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
@@ -62,17 +62,17 @@ pub struct Compensator {
 }
 
 /// What the checks of the next sample look at, and which estimator is to answer it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Inputs {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.
     repeats: usize,
     /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns. They are no
     /// part of a snapshot: what is rejected changes nothing else.
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     astray: u32,
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     astray_ns: i64,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
@@ -162,6 +162,14 @@ impl Compensator {
             other => *other = Active::new(&self.config, &self.tunings, Some(given)),
         }
         self.clerk.look_through(Some(given.calibration));
+    }
+
+    /// Forgets everything but the config, and begins from this.
+    fn begin_with(&mut self, given: Option<Given>) {
+        self.reset();
+        if let Some(given) = given {
+            self.begin_anew(given);
+        }
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.

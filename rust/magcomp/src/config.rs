@@ -5,10 +5,10 @@ use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
 use crate::range::{Check, ConfigError, first_failed, range};
-use serde::{Deserialize, Serialize};
 
 /// How M and b are estimated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Method {
     /// Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope. The default.
@@ -35,8 +35,8 @@ pub enum Method {
 /// config.heading.declination_deg = Some(2.5);
 /// assert!(config.validate().is_ok());
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Config {
     /// How M and b are estimated. Default [`Method::Auto`].

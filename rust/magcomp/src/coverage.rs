@@ -4,7 +4,6 @@
 mod tests;
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// Cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
 const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
@@ -12,7 +11,8 @@ const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
 pub const CELLS: usize = 48;
 
 /// Counts of samples per cell.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coverage {
     counts: Vec<u32>,
 }

@@ -37,8 +37,12 @@
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
 //!
+//! The feature `serde`, on by default, brings [`Compensator::snapshot`] and serde's traits of the config and of what is read.
+//!
 //! The core needs `std`: without it f64 has no `sqrt`, `sin` or `atan2`, and with `libm` in their place every file of mathematics
 //! would change, for targets that no phone is.
+
+#![cfg_attr(not(feature = "serde"), allow(dead_code, reason = "what a restored state must hold"))]
 
 pub use nalgebra;
 
@@ -55,7 +59,9 @@ mod range;
 mod reading;
 mod sample;
 mod sensing;
+#[cfg(feature = "serde")]
 mod snapshot;
+mod sound;
 mod tuning;
 
 pub use attitude::{Attitude, attitude, attitude_sigma_deg};
@@ -78,11 +84,12 @@ pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, Re
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;
+#[cfg(feature = "serde")]
 pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 #[doc(hidden)]
 pub use tuning::Choice;
 
 /// README's code runs as a test.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "serde"))]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

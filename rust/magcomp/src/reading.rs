@@ -4,10 +4,10 @@ use crate::attitude::Attitude;
 use crate::heading::Heading;
 use crate::quadric::FitError;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// The answer to one magnetometer sample. What is not known is None, never NaN.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Reading {
     /// Time of the sample, nanoseconds.
@@ -29,10 +29,10 @@ pub struct Reading {
     /// many and a calibration.
     pub sigma_t: Option<f64>,
     /// Samples in the window of the estimator.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub coverage: f64,
     /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None
     /// without a calibration or a known covariance.
@@ -44,7 +44,7 @@ pub struct Reading {
     /// Which parameters the latest change set free. Adaptive method only.
     pub model_order: Option<ModelOrder>,
     /// The sensors the estimator runs on.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub mode: SensorMode,
     /// The latest change that was decided, kept until the next. None before the first.
     pub event: Option<Event>,
@@ -53,7 +53,8 @@ pub struct Reading {
 }
 
 /// The sensors an estimator runs on, as they come and go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum SensorMode {
     /// Gyroscope and accelerometer beside the magnetometer: everything works.
@@ -68,7 +69,8 @@ pub enum SensorMode {
 }
 
 /// Which parameters were free to change at the latest change, as the evidence had it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum ModelOrder {
     /// None: they are what they were.
@@ -83,7 +85,8 @@ pub enum ModelOrder {
 }
 
 /// A change that was decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Event {
     /// What changed.
@@ -95,7 +98,8 @@ pub struct Event {
 }
 
 /// What changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum EventKind {
     /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
@@ -107,7 +111,8 @@ pub enum EventKind {
 }
 
 /// What the compensator is doing, so that an app can tell its user what to do.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Status {
     /// No calibration yet.
@@ -132,7 +137,8 @@ pub enum Status {
 }
 
 /// What a first calibration still lacks.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Missing {
     /// More samples before a first fit is tried.
@@ -151,7 +157,8 @@ pub enum Missing {
 }
 
 /// Why nothing is learned at the moment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum HoldReason {
     /// sigma_T is below its threshold: the latest orientations are too much alike.
@@ -169,7 +176,8 @@ pub enum HoldReason {
 }
 
 /// Why a sample was not used.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum RejectReason {
     /// A component is NaN or infinite.

@@ -3,10 +3,10 @@
 //! Device frame of all of them: x right, y up along the screen, z out of the screen (Android's and Apple's).
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// One raw magnetometer event.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MagneticSample {
     /// Time of the event, nanoseconds, strictly increasing from one sample to the next.
     pub time_ns: i64,
@@ -15,7 +15,8 @@ pub struct MagneticSample {
 }
 
 /// One gyroscope event.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RotationRateSample {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     pub time_ns: i64,
@@ -24,7 +25,8 @@ pub struct RotationRateSample {
 }
 
 /// One accelerometer or gravity event.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UpSample {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     pub time_ns: i64,

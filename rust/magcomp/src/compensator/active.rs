@@ -12,10 +12,10 @@ use crate::reading::SensorMode;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix};
-use serde::{Deserialize, Serialize};
 
 /// One of the estimators.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box in each would allocate")]
 pub(super) enum Active {
     Aided(Aided),

@@ -64,11 +64,4 @@ impl Compensator {
         self.begin_with(open(snapshot)?.calibration.map(Given::usual));
         Ok(())
     }
-
-    pub(super) fn begin_with(&mut self, given: Option<Given>) {
-        self.reset();
-        if let Some(given) = given {
-            self.begin_anew(given);
-        }
-    }
 }

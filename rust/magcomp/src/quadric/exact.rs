@@ -1,12 +1,14 @@
 //! Sums without rounding: what enters and leaves again leaves nothing behind, in whatever order.
 
-use serde::{Deserialize, Serialize};
-
 /// An exact running sum: `high` counts units of 2^-20, `low` units of 2^-60.
 ///
 /// `low` stays in [0, 2^40), so that it never overflows and a value has one form only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "(i64, i64)", into = "(i64, i64)")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "(i64, i64)", into = "(i64, i64)")
+)]
 pub(super) struct ExactSum {
     high: i64,
     low: i64,
@@ -59,8 +61,12 @@ impl ExactSum {
 }
 
 /// Exact running sums of so many values at once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<ExactSum>", into = "Vec<ExactSum>")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Vec<ExactSum>", into = "Vec<ExactSum>")
+)]
 pub(crate) struct ExactSums<const N: usize>([ExactSum; N]);
 
 impl<const N: usize> From<ExactSums<N>> for Vec<ExactSum> {

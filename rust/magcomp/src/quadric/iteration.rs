@@ -14,7 +14,6 @@ use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};
 use super::symmetric::{PLACES, six};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;
@@ -22,7 +21,8 @@ type Matrix10 = SMatrix<f64, 10, 10>;
 type Vector10 = SVector<f64, 10>;
 
 /// Why the iteration stopped. Each is an answer; `Stalled` and `MaxIterations` say how good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Termination {
     /// The last step was below the tolerance.

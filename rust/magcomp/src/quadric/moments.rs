@@ -14,9 +14,8 @@
 mod tests;
 
 use super::exact::{ExactSum, ExactSums};
-use crate::snapshot::{LARGEST_COUNT, checked};
+use crate::sound::{LARGEST_COUNT, checked};
 use nalgebra::{SMatrix, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Exponents of x, y, z for each entry of d.
 const EXPONENTS: [(usize, usize, usize); 10] =
@@ -51,8 +50,8 @@ const PLACES: [[usize; 10]; 10] = {
 };
 
 /// Exact sums of the monomials of a set of raw samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,

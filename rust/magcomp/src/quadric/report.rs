@@ -10,7 +10,6 @@ use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::symmetric::{basis, six};
 use crate::calibration::Calibration;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
@@ -19,7 +18,8 @@ const PLANAR_RATIO: f64 = 0.01;
 /// ... and so do those thinner than this many times the noise.
 const PLANAR_NOISES: f64 = 3.0;
 /// An ellipsoid and how far to trust it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct EllipsoidFit {
     /// M, b and the field strength.

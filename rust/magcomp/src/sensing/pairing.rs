@@ -14,9 +14,8 @@
 #[cfg(test)]
 mod tests;
 
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
 const RATE_EVENTS: usize = 16;
@@ -81,15 +80,16 @@ pub(crate) struct Rotation {
     pub variance_rad2: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Event {
     time_ns: i64,
     value: Vector3<f64>,
 }
 
 /// Events in the order of their times, fixed capacity.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Ring<const N: usize> {
     times_ns: SVector<i64, N>,
     values: SMatrix<f64, 3, N>,
@@ -159,8 +159,8 @@ impl<const N: usize> Ring<N> {
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct InertialPairing {
     rates: Ring<RATE_EVENTS>,
     ups: Ring<UP_EVENTS>,

@@ -9,8 +9,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::snapshot::checked;
-use serde::{Deserialize, Serialize};
+use crate::sound::checked;
 
 /// Standard gravity, m/s^2.
 pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
@@ -19,8 +18,8 @@ const MEMORY_S: f64 = 1.0;
 const LARGEST_RAD: f64 = 1.0;
 
 /// The low-passed square of what motion adds to gravity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tilt {
     variance_rad2: f64,
     last_ns: Option<i64>,

@@ -10,7 +10,6 @@ use super::parameters::{Gaussian, Tau, TauMatrix, shape};
 use super::setting::{Sample, Setting};
 use super::tuning::Tuning;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::LN_2;
 use std::ops::Range;
 
@@ -31,7 +30,8 @@ struct Before {
 }
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bank {
     all: [Option<Hypothesis>; MOST],
     former: [Option<Gaussian>; FORMER],

@@ -7,10 +7,10 @@ use super::hypothesis::{Hypothesis, Kind};
 use super::parameters::{Gaussian, Tau, shape};
 use super::tuning::Tuning;
 use crate::reading::{Event, EventKind, ModelOrder};
-use serde::{Deserialize, Serialize};
 
 /// The latest decision.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Decision {
     /// The hypothesis that was decided for, and what it says.
     id: u32,

@@ -18,12 +18,12 @@ use super::setting::{Sample, Setting};
 use super::vertical::{VerticalLikelihood, VerticalMoments, miss};
 use crate::quadric::Moments;
 use crate::quadric::ldl::{self, Ldl};
-use crate::snapshot::{checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// What a hypothesis says has changed at its onset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Kind {
     /// Nothing was known before.
     Cold,
@@ -36,8 +36,8 @@ pub(super) enum Kind {
 }
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Hypothesis {
     pub kind: Kind,
     /// The change before this one.

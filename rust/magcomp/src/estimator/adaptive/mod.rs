@@ -31,7 +31,6 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 use noise::{Level, Noise};
 use parameters::{Gaussian, is_bounded};
 use published::Published;
-use serde::{Deserialize, Serialize};
 use setting::{Sample, Setting};
 pub(crate) use tuning::Tuning;
 
@@ -51,16 +50,18 @@ pub(crate) struct AdaptiveOutput {
 }
 
 /// Where the device stays, and for how long, samples.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Stay {
     at: Vector3<f64>,
     samples: f64,
 }
 
 /// The estimator. All state is plain numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Adaptive {
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     tuning: Tuning,
     unit_ut: f64,
     strength_ut: Option<f64>,

@@ -5,13 +5,12 @@
 use super::parameters::{COUNT, Gaussian, Tau, TauMatrix};
 use super::setting::Setting;
 use crate::quadric::ldl::Ldl;
-use crate::snapshot::{checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Motion {
     pub moves: bool,
     pub rate: Vector3<f64>,

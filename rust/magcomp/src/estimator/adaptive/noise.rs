@@ -13,9 +13,8 @@
 //! are worth one: what lasts is not averaged away.
 
 use super::tuning::Tuning;
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// Times over which errors are summed: 0.02 s times 2^j, up to 5.12 s.
 const LEVELS: usize = 9;
@@ -49,8 +48,8 @@ pub(super) struct Level {
 }
 
 /// A clipped running mean square.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Mean {
     value: f64,
     count: f64,
@@ -71,8 +70,8 @@ impl Mean {
 }
 
 /// What is believed of errors that last before any are seen, and the least that is believed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Believed {
     /// s0 and the least s.
     pub size: (f64, f64),
@@ -85,8 +84,8 @@ pub(super) struct Believed {
 checked!(Believed, |it| [it.size.0, it.size.1, it.lasts_s.0, it.lasts_s.1, it.spread].iter().all(|value| *value > 0.0));
 
 /// Sums of errors over one length of time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Scale {
     /// The sum and its samples that wait for the next.
     pending: Option<(f64, f64)>,
@@ -98,8 +97,8 @@ struct Scale {
 checked!(Scale, |it| it.count >= 0.0 && it.allan >= 0.0 && it.pending.is_none_or(|(_, samples)| samples > 0.0));
 
 /// Errors that last: s and tau.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Lasting {
     believed: Believed,
     bin: (f64, f64),
@@ -187,7 +186,8 @@ impl Lasting {
 }
 
 /// White and lasting errors of a prediction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Errors {
     white: Mean,
     /// The latest mean, and of how many.
@@ -234,8 +234,8 @@ const LEAST_UNEVEN_S: f64 = 0.05;
 const LEAST_TILT_RAD: f64 = 0.005;
 
 /// The learned noise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Noise {
     distance: Errors,
     vertical: Errors,

@@ -9,9 +9,8 @@ mod tests;
 
 use crate::quadric::mean_square_angle;
 use crate::quadric::symmetric::{PLACES, basis, six, symmetric};
-use crate::snapshot::{checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Parameters of a hypothesis.
 pub(super) const COUNT: usize = 10;
@@ -26,8 +25,8 @@ pub(super) type Jacobian = SMatrix<f64, 10, COUNT>;
 const BOUNDS: (f64, f64) = (0.25, 3.5);
 
 /// A Gaussian over tau.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Gaussian {
     pub mean: Tau,
     pub covariance: TauMatrix,

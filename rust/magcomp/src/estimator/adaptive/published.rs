@@ -6,15 +6,14 @@ use super::parameters::{Gaussian, centre, radius_gradient, see, shape, vector_gr
 use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::quadric::symmetric::{basis, six};
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use serde::{Deserialize, Serialize};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// A Gaussian over tau in coordinates of `unit_ut`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Published {
     pub known: Gaussian,
     /// Expected direction error all around, rad^2.

@@ -13,7 +13,6 @@ use crate::quadric::ExactSums;
 use crate::quadric::ldl::{add, times};
 use crate::quadric::symmetric::PLACES;
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
 const SUMS: usize = COUNT * (COUNT + 1) / 2;
 /// Row and column of each sum.
@@ -29,7 +28,8 @@ const PAIRS: [(usize, usize); SUMS] = {
 };
 
 /// Exact sums of y y^T.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct VerticalMoments {
     count: usize,
     sums: ExactSums<SUMS>,

@@ -35,9 +35,8 @@
 //! ```
 //! Source: docs/METHOD.md, but for the walk of b, which the prototype held at one value.
 
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::measure::Innovation;
 use super::tuning::Tuning;
@@ -56,8 +55,8 @@ pub(crate) struct Increment {
 }
 
 /// Noise levels, learned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
     pub(crate) local_ut: f64,

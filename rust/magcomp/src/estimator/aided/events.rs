@@ -16,8 +16,7 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use crate::snapshot::checked;
-use serde::{Deserialize, Serialize};
+use crate::sound::checked;
 
 use super::measure::{Correct, Innovation};
 use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
@@ -26,7 +25,8 @@ use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 
 /// What the hypotheses have come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Phase {
     /// Not decided yet.
     Undecided,
@@ -50,8 +50,8 @@ pub(crate) enum Verdict {
 }
 
 /// The hypotheses `device` and `place`, running.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Trial {
     pub(crate) phase: Phase,
     pub(crate) onset_ns: i64,

@@ -18,7 +18,6 @@
 //! feigns one) and (e, g, tau, s) are plausible under their prior.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::groups::{Groups, Mean};
 use super::propagate::ProcessNoise;
@@ -28,7 +27,7 @@ use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::quadric::FitError;
 use crate::reading::Missing;
-use crate::snapshot::checked;
+use crate::sound::checked;
 
 /// Length of x: (h, b, e, g, tau, s).
 const UNKNOWNS: usize = 19;
@@ -56,8 +55,8 @@ type Vector = SVector<f64, UNKNOWNS>;
 type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// A start under way.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct FirstFit {
     groups: Groups,
     /// The latest fit.
@@ -87,8 +86,8 @@ checked!(FirstFit, |it| it.earth_ut.0.is_finite()
     && it.widest_rad2.is_finite());
 
 /// A calibration from elsewhere, or from before a pause: b and e, and their variance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Before {
     pub(super) mean: SVector<f64, 9>,
     /// Of b, per axis, uT^2.

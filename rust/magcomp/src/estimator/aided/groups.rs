@@ -10,9 +10,8 @@
 //! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
 //! too, and groups become twice as long; at their longest the oldest goes.
 
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::propagate::turn;
 use super::state::cross;
@@ -25,7 +24,8 @@ const SHORTEST_S: f64 = 0.125;
 const LONGEST_S: f64 = 0.5;
 
 /// Sums over the samples of a group.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Group {
     turn: Matrix3<f64>,
     back: Matrix3<f64>,
@@ -70,8 +70,8 @@ pub(super) struct Mean {
 }
 
 /// The groups, the oldest first; the last one is being filled.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Groups {
     groups: [Group; GROUPS],
     used: usize,

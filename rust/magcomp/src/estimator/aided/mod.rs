@@ -25,9 +25,8 @@ mod tests;
 mod tuning;
 mod watch;
 
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 pub(crate) use output::{AidedOutput, calibration_covariance};
 
@@ -53,10 +52,10 @@ const LARGEST_INCREMENT_RAD: f64 = 1000.0;
 const LARGEST_UP_M_S2: f64 = 1000.0;
 
 /// The estimator. All state is plain numbers: it can be cloned, compared and serialized.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Aided {
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     tuning: Tuning,
     last_ns: Option<i64>,
     /// None until a first calibration is found.

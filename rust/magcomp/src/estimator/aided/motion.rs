@@ -22,9 +22,8 @@
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
 use crate::sensing::tilt::GRAVITY_M_S2;
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::tuning::Tuning;
 
@@ -32,8 +31,8 @@ use super::tuning::Tuning;
 const OLDEST_S: f64 = 1000.0;
 
 /// Motion statistics.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Motion {
     pub(crate) rate_rad_s: f64,
     mean_rad_s: Vector3<f64>,

@@ -18,9 +18,8 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use crate::snapshot::{checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Length of the state.
 pub(crate) const STATES: usize = 22;
@@ -48,8 +47,8 @@ pub(crate) const SCALE: usize = 19;
 const TRACE_SHARE: f64 = 1e-6;
 
 /// The first N states and their covariance as they are kept between samples; K = N (N + 1) / 2.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Kept<const N: usize, const K: usize> {
     pub(crate) mean: SVector<f64, N>,
     packed: SVector<f64, K>,

@@ -1,9 +1,8 @@
 //! The magnitude as a witness: | |c| / |m| - 1 | > 15 % says that the field is not that of the place, which m carries. It only
 //! colours the status, once the calibration is 5 s of motion old; it decides nothing. New here.
 
-use crate::snapshot::checked;
+use crate::sound::checked;
 use nalgebra::SVector;
-use serde::{Deserialize, Serialize};
 
 use super::state::{FIELD, Gaussian, OFFSET};
 use super::step::Step;
@@ -14,8 +13,8 @@ use crate::quadric::FitError;
 const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
 
 /// How far |c| is from |m|.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Strength {
     /// Seconds of motion since the first calibration.
     age_s: f64,

@@ -10,17 +10,16 @@
 // index arithmetic is the mathematics here
 #![allow(clippy::needless_range_loop)]
 
-use crate::snapshot::{checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::state::{Dense, Gaussian, OFFSET, iron_rows, packed_index};
 use super::step::Step;
 use super::tuning::Tuning;
 
 /// A calibration that was in force before a step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
@@ -79,8 +78,8 @@ impl Former {
 }
 
 /// Watches the share of samples that the filter does not explain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
     pub(crate) share: f64,

@@ -7,9 +7,8 @@ use super::uniformity::uniformity;
 use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT, typical_field_ut};
 use crate::coverage::Coverage;
 use crate::quadric::{FitOptions, Moments};
-use crate::snapshot::LARGEST_COUNT;
+use crate::sound::LARGEST_COUNT;
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths.
 const RECENTRE: f64 = 0.5;
@@ -34,7 +33,8 @@ pub(crate) struct Clerk {
 }
 
 /// What is carried from sample to sample besides the samples themselves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Noted {
     calibration: Option<Calibration>,
     /// Directions are counted as seen through this.
@@ -44,7 +44,8 @@ struct Noted {
 }
 
 /// The state as a snapshot holds it: moments and counts follow from the samples, exactly.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ClerkState {
     /// Oldest first.
     slots: Vec<Slot>,
@@ -257,7 +258,8 @@ impl Clerk {
 }
 
 /// A sample and the cell of the sphere its direction was counted in.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Slot {
     raw_ut: Vector3<f64>,
     cell: Option<u8>,

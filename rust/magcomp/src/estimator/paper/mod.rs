@@ -8,7 +8,9 @@ mod uniformity;
 mod window;
 mod windowed;
 
-pub(crate) use clerk::{Clerk, ClerkState};
+pub(crate) use clerk::Clerk;
+#[cfg(feature = "serde")]
+pub(crate) use clerk::ClerkState;
 pub use config::WindowedConfig;
 pub use constant::ConstantField;
 pub use uniformity::{Normalisation, uniformity};

@@ -6,10 +6,10 @@
 //! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// What the standard deviations in (15) are divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Normalisation {
     /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, near
     /// the transient of about 700 samples in the paper's fig. 4). The default.

@@ -15,9 +15,8 @@ use super::window::window_length;
 use crate::calibration::Calibration;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
-use crate::snapshot::{LARGEST_COUNT, checked, is_covariance};
+use crate::sound::{LARGEST_COUNT, checked, is_covariance};
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 /// The constant method keeps its first fit that predicts direction errors below this, degrees: an even sphere of 100
 /// samples at 30 dB reaches 0.7.
@@ -30,8 +29,8 @@ const SUSPECT_SPREAD: f64 = 0.1;
 const RETRY_SAMPLES: usize = 10;
 
 /// The paper's estimator, over the samples of a clerk.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Windowed {
     /// The first good fit is kept.
     constant: bool,
