@@ -8,14 +8,15 @@
 //! A smooth motion bends the same way twice: its product is positive, and nothing is counted.
 //!
 //! What is taken beyond the newest gyroscope event is extrapolated by holding the last rate, remembered as `owed`,
-//! and taken back from the next increment, so that events which arrive late lose nothing. All storage is a ring of
+//! and taken back from the next increment, so that events which arrive late lose nothing. All storage is of
 //! fixed size; when it overflows, the oldest segment is folded into the running integral, which loses nothing either.
 
 #[cfg(test)]
 mod tests;
 
 use crate::sound::checked;
-use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
+use arrayvec::ArrayVec;
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
 const RATE_EVENTS: usize = 16;
@@ -87,83 +88,33 @@ struct Event {
     value: Vector3<f64>,
 }
 
-/// Events in the order of their times, fixed capacity.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
-struct Ring<const N: usize> {
-    times_ns: SVector<i64, N>,
-    values: SMatrix<f64, 3, N>,
-    start: usize,
-    len: usize,
+/// Whether an event of this time may enter. Full storage lets its oldest go first, so an older one comes too late.
+fn admit<const N: usize>(events: &ArrayVec<Event, N>, time_ns: i64) -> Result<(), EventRejection> {
+    if events.iter().any(|event| event.time_ns == time_ns) {
+        return Err(EventRejection::Duplicate);
+    }
+    if events.is_full() && time_ns < events[0].time_ns {
+        return Err(EventRejection::Late);
+    }
+    Ok(())
 }
 
-checked!(Ring<const N>, |it| {
-    let in_order = |i: usize| it.at(i).time_ns > it.at(i - 1).time_ns && it.at(i).value.amax() <= LARGEST_VALUE;
-    it.start < N && it.len <= N && (1..it.len).all(in_order)
-});
+/// An event that was admitted enters in the order of times, once there is room for it.
+fn insert<const N: usize>(events: &mut ArrayVec<Event, N>, event: Event) {
+    events.insert(events.partition_point(|other| other.time_ns < event.time_ns), event);
+}
 
-impl<const N: usize> Ring<N> {
-    fn new() -> Self {
-        Self { times_ns: SVector::zeros(), values: SMatrix::zeros(), start: 0, len: 0 }
-    }
-
-    fn full(&self) -> bool {
-        self.len >= N
-    }
-
-    fn at(&self, i: usize) -> Event {
-        let slot = (self.start + i) % N;
-        Event { time_ns: self.times_ns[slot], value: self.values.column(slot).into_owned() }
-    }
-
-    fn put(&mut self, i: usize, event: Event) {
-        let slot = (self.start + i) % N;
-        self.times_ns[slot] = event.time_ns;
-        self.values.set_column(slot, &event.value);
-    }
-
-    fn first(&self) -> Option<Event> {
-        (self.len > 0).then(|| self.at(0))
-    }
-
-    fn pop(&mut self) -> Option<Event> {
-        let event = self.first()?;
-        self.start = (self.start + 1) % N;
-        self.len -= 1;
-        Some(event)
-    }
-
-    /// Whether an event of this time may enter. A full ring lets its oldest go first, so an older one comes too late.
-    fn admit(&self, time_ns: i64) -> Result<(), EventRejection> {
-        if (0..self.len).any(|i| self.at(i).time_ns == time_ns) {
-            return Err(EventRejection::Duplicate);
-        }
-        if self.full() && self.first().is_some_and(|oldest| time_ns < oldest.time_ns) {
-            return Err(EventRejection::Late);
-        }
-        Ok(())
-    }
-
-    /// Insertion in order of time of an event that was admitted, once there is room for it.
-    fn insert(&mut self, event: Event) {
-        let mut i = self.len;
-        while i > 0 && self.at(i - 1).time_ns > event.time_ns {
-            i -= 1;
-        }
-        for j in (i..self.len).rev() {
-            self.put(j + 1, self.at(j));
-        }
-        self.put(i, event);
-        self.len += 1;
-    }
+/// Whether events are in order and none is larger than any that is believed.
+fn are_sound(events: &[Event]) -> bool {
+    events.is_sorted_by(|a, b| a.time_ns < b.time_ns) && events.iter().all(|event| event.value.amax() <= LARGEST_VALUE)
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct InertialPairing {
-    rates: Ring<RATE_EVENTS>,
-    ups: Ring<UP_EVENTS>,
+    rates: ArrayVec<Event, RATE_EVENTS>,
+    ups: ArrayVec<Event, UP_EVENTS>,
     /// The event (or interpolated point) up to which the rate has been integrated.
     anchor: Option<Event>,
     /// Rotation gathered since the last magnetometer sample, rad.
@@ -189,11 +140,13 @@ pub(crate) struct InertialPairing {
 }
 
 checked!(InertialPairing, |it| {
-    let after = |event: Option<Event>, other: Option<Event>| {
+    let after = |event: Option<&Event>, other: Option<Event>| {
         event.zip(other).is_none_or(|(event, other)| event.time_ns > other.time_ns)
     };
     let turns = [it.gathered_rad, it.owed_rad, it.bias_rad_s.cast(), it.scale.cast()];
-    after(it.rates.first(), it.anchor)
+    are_sound(&it.rates)
+        && are_sound(&it.ups)
+        && after(it.rates.first(), it.anchor)
         && after(it.rates.first(), it.last_rate)
         && after(it.ups.first(), it.last_up)
         && it.gathered_rad2 >= 0.0
@@ -206,8 +159,8 @@ impl InertialPairing {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            rates: Ring::new(),
-            ups: Ring::new(),
+            rates: ArrayVec::new(),
+            ups: ArrayVec::new(),
             anchor: None,
             gathered_rad: Vector3::zeros(),
             gathered_rad2: 0.0,
@@ -238,14 +191,13 @@ impl InertialPairing {
         if self.anchor.is_some_and(|anchor| time_ns <= anchor.time_ns) {
             return Err(EventRejection::Late);
         }
-        self.rates.admit(time_ns)?;
-        if self.rates.full()
-            && let Some(oldest) = self.rates.pop()
-        {
+        admit(&self.rates, time_ns)?;
+        if self.rates.is_full() {
+            let oldest = self.rates.remove(0);
             self.bridge(&oldest);
             self.advance(oldest);
         }
-        self.rates.insert(Event { time_ns, value: rate_rad_s });
+        insert(&mut self.rates, Event { time_ns, value: rate_rad_s });
         Ok(())
     }
 
@@ -258,11 +210,11 @@ impl InertialPairing {
         if self.last_up.is_some_and(|last| time_ns <= last.time_ns) {
             return Err(EventRejection::Late);
         }
-        self.ups.admit(time_ns)?;
-        if self.ups.full() {
-            self.last_up = self.ups.pop();
+        admit(&self.ups, time_ns)?;
+        if self.ups.is_full() {
+            self.last_up = Some(self.ups.remove(0));
         }
-        self.ups.insert(Event { time_ns, value: up_m_s2 });
+        insert(&mut self.ups, Event { time_ns, value: up_m_s2 });
         Ok(())
     }
 
@@ -337,8 +289,8 @@ impl InertialPairing {
             return PairedInertial::default();
         }
         let started = self.last_paired_ns.is_some() && self.anchor.is_some();
-        while let Some(event) = self.rates.first().filter(|event| event.time_ns <= time_ns) {
-            self.rates.pop();
+        while self.rates.first().is_some_and(|event| event.time_ns <= time_ns) {
+            let event = self.rates.remove(0);
             self.bridge(&event);
             self.advance(event);
         }
@@ -354,7 +306,7 @@ impl InertialPairing {
             return self.share_of_a_flood(anchor.time_ns, time_ns, started);
         }
         let mut owed_rad = Vector3::zeros();
-        let rate_rad_s = match self.rates.first() {
+        let rate_rad_s = match self.rates.first().copied() {
             Some(next) if anchor.time_ns < time_ns => {
                 let share = seconds(anchor.time_ns, time_ns) / seconds(anchor.time_ns, next.time_ns);
                 let rate = anchor.value + (next.value - anchor.value) * share;
@@ -406,9 +358,8 @@ impl InertialPairing {
     }
 
     fn up_at(&mut self, time_ns: i64) -> Option<Vector3<f64>> {
-        while let Some(event) = self.ups.first().filter(|event| event.time_ns <= time_ns) {
-            self.ups.pop();
-            self.last_up = Some(event);
+        while self.ups.first().is_some_and(|event| event.time_ns <= time_ns) {
+            self.last_up = Some(self.ups.remove(0));
         }
         let last = self.last_up?;
         if let Some(next) = self.ups.first() {

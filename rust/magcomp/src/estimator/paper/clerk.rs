@@ -9,6 +9,7 @@ use crate::coverage::Coverage;
 use crate::quadric::{FitOptions, Moments};
 use crate::sound::LARGEST_COUNT;
 use nalgebra::Vector3;
+use std::collections::VecDeque;
 
 /// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths.
 const RECENTRE: f64 = 0.5;
@@ -24,8 +25,9 @@ const RECOUNT_SHIFT: f64 = 0.2;
 pub(crate) struct Clerk {
     config: WindowedConfig,
     field_strength_ut: Option<f64>,
-    ring: Ring,
-    /// The latest `window` samples of the ring are in the moments and in the cells.
+    /// The latest N_max samples at the most, oldest first.
+    kept: VecDeque<Slot>,
+    /// The latest `window` of them are in the moments and in the cells.
     window: usize,
     moments: Moments,
     cells: Coverage,
@@ -62,7 +64,7 @@ impl Clerk {
         Self {
             config,
             field_strength_ut,
-            ring: Ring::new(config.n_max),
+            kept: VecDeque::with_capacity(config.n_max),
             window: 0,
             moments: Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut)),
             cells: Coverage::default(),
@@ -72,7 +74,7 @@ impl Clerk {
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self, initial: Option<Calibration>) {
-        self.ring.clear();
+        self.kept.clear();
         self.cells.clear();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
@@ -130,18 +132,23 @@ impl Clerk {
 
     /// Samples kept.
     pub(super) fn len(&self) -> usize {
-        self.ring.len()
+        self.kept.len()
+    }
+
+    /// The latest so many, the very latest first.
+    fn latest(&self, count: usize) -> impl Iterator<Item = &Slot> {
+        self.kept.iter().rev().take(count)
     }
 
     /// (15) over the latest N_min samples, seen through the calibration noted last; and the rms deviation of |h| there.
     pub(super) fn variability(&self) -> (Option<f64>, f64) {
         let n = self.config.n_min;
-        let Some(calibration) = self.noted.calibration.filter(|_| self.ring.len() >= n) else {
+        let Some(calibration) = self.noted.calibration.filter(|_| self.len() >= n) else {
             return (None, 0.0);
         };
         let mut squares = 0.0;
-        let corrected = (0..n).map(|age| {
-            let h = calibration.correct(self.ring.latest(age));
+        let corrected = self.latest(n).map(|slot| {
+            let h = calibration.correct(&slot.raw_ut);
             squares += (h.norm() / calibration.field_strength_ut() - 1.0).powi(2);
             h
         });
@@ -149,16 +156,19 @@ impl Clerk {
         (Some(sigma_t), (squares / n as f64).sqrt())
     }
 
-    /// The sample enters ring and window.
+    /// The sample enters, in the window too.
     pub(super) fn enter(&mut self, raw_ut: &Vector3<f64>) {
-        if self.ring.len() == 0 && self.noted.calibration.is_none() {
+        if self.kept.is_empty() && self.noted.calibration.is_none() {
             self.moments = Moments::new(*raw_ut, self.moments.scale_ut());
         }
         if self.window == self.config.n_max {
             self.resize(self.window - 1);
         }
         let cell = self.noted.seen_through.map(|through| Coverage::cell(&through.correct(raw_ut)) as u8);
-        self.ring.push(Slot { raw_ut: *raw_ut, cell });
+        if self.kept.len() == self.config.n_max {
+            self.kept.pop_front();
+        }
+        self.kept.push_back(Slot { raw_ut: *raw_ut, cell });
         self.moments.add(raw_ut);
         self.cells.add(cell);
         self.window += 1;
@@ -167,15 +177,15 @@ impl Clerk {
 
     /// Samples enter or leave the window at its old end until it has this length.
     pub(super) fn resize(&mut self, length: usize) {
-        let length = length.min(self.ring.len());
+        let (length, kept) = (length.min(self.len()), self.len());
         while self.window > length {
-            let oldest = self.ring.slot(self.window - 1);
+            let oldest = self.kept[kept - self.window];
             self.moments.remove(&oldest.raw_ut);
             self.cells.remove(oldest.cell);
             self.window -= 1;
         }
         while self.window < length {
-            let next = self.ring.slot(self.window);
+            let next = self.kept[kept - 1 - self.window];
             self.moments.add(&next.raw_ut);
             self.cells.add(next.cell);
             self.window += 1;
@@ -198,9 +208,7 @@ impl Clerk {
         };
         self.noted.seen_through = Some(through);
         self.cells.clear();
-        for age in 0..self.ring.len() {
-            let place = self.ring.place(age);
-            let slot = &mut self.ring.slots[place];
+        for (age, slot) in self.kept.iter_mut().rev().enumerate() {
             let counted = age < self.window.min(RECOUNT_SPAN);
             slot.cell = counted.then(|| Coverage::cell(&through.correct(&slot.raw_ut)) as u8);
             self.cells.add(slot.cell);
@@ -220,16 +228,15 @@ impl Clerk {
         let other = !(0.5..=2.0).contains(&(field_ut / scale));
         if (far || other) && self.noted.since_recentred >= self.config.n_min {
             self.noted.since_recentred = 0;
-            self.moments = Moments::new(*centre_ut, field_ut);
-            for age in 0..self.window {
-                self.moments.add(self.ring.latest(age));
-            }
+            let mut moments = Moments::new(*centre_ut, field_ut);
+            self.latest(self.window).for_each(|slot| moments.add(&slot.raw_ut));
+            self.moments = moments;
         }
     }
 
     pub fn state(&self) -> ClerkState {
         ClerkState {
-            slots: (0..self.ring.len()).rev().map(|age| self.ring.slot(age)).collect(),
+            slots: self.kept.iter().copied().collect(),
             window: self.window,
             centre_ut: *self.moments.centre_ut(),
             scale_ut: self.moments.scale_ut(),
@@ -251,7 +258,7 @@ impl Clerk {
         }
         self.noted = state.noted;
         self.moments = Moments::new(state.centre_ut, state.scale_ut);
-        state.slots.into_iter().for_each(|slot| self.ring.push(slot));
+        self.kept.extend(state.slots);
         self.resize(state.window);
         Some(self)
     }
@@ -263,51 +270,4 @@ impl Clerk {
 struct Slot {
     raw_ut: Vector3<f64>,
     cell: Option<u8>,
-}
-
-/// The latest samples in a buffer of fixed size.
-#[derive(Clone, Debug)]
-struct Ring {
-    slots: Vec<Slot>,
-    capacity: usize,
-    next: usize,
-}
-
-impl Ring {
-    fn new(capacity: usize) -> Self {
-        Self { slots: Vec::with_capacity(capacity), capacity, next: 0 }
-    }
-
-    fn clear(&mut self) {
-        self.slots.clear();
-        self.next = 0;
-    }
-
-    fn push(&mut self, slot: Slot) {
-        if self.slots.len() < self.capacity {
-            self.slots.push(slot);
-        } else {
-            self.slots[self.next] = slot;
-        }
-        self.next = (self.next + 1) % self.capacity;
-    }
-
-    fn len(&self) -> usize {
-        self.slots.len()
-    }
-
-    fn place(&self, age: usize) -> usize {
-        let len = self.slots.len();
-        (self.next + 2 * len - 1 - age) % len
-    }
-
-    /// The slot `age` steps back: 0 is the latest.
-    fn slot(&self, age: usize) -> Slot {
-        self.slots[self.place(age)]
-    }
-
-    /// The sample `age` steps back: 0 is the latest.
-    fn latest(&self, age: usize) -> &Vector3<f64> {
-        &self.slots[self.place(age)].raw_ut
-    }
 }
