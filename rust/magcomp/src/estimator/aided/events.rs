@@ -13,13 +13,10 @@
 //! `device` starts from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
 //! while undecided and the recall are new.
 
-// index arithmetic is the mathematics here
-#![allow(clippy::needless_range_loop)]
-
 use crate::sound::checked;
 
-use super::measure::{Correct, Innovation};
-use super::state::{Dense, FIELD, Gaussian, Hypothesis, OFFSET};
+use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
+use super::state::{FIELD, Gaussian, OFFSET};
 use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
@@ -55,8 +52,8 @@ pub(crate) enum Verdict {
 pub(crate) struct Trial {
     pub(crate) phase: Phase,
     pub(crate) onset_ns: i64,
-    device: Hypothesis,
-    place: Hypothesis,
+    pub(crate) device: Gaussian,
+    pub(crate) place: Gaussian,
     pub(crate) recalled: bool,
     /// Began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
     pub(crate) blind: bool,
@@ -90,8 +87,8 @@ impl Trial {
         let mut trial = Self {
             phase: Phase::Undecided,
             onset_ns: watch.since_ns,
-            device: Hypothesis::zero(),
-            place: Hypothesis::zero(),
+            device: filter.clone(),
+            place: filter.clone(),
             recalled: false,
             blind: false,
             young: false,
@@ -110,12 +107,12 @@ impl Trial {
     /// Starts both hypotheses (anew).
     fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) {
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
-        let base = filter.open();
-        let mut device = base.clone();
+        (self.device, self.place) = (filter.clone(), filter.clone());
+        let device = &mut self.device;
         let recall = former.filter(|_| fits_again(watch, tuning));
         self.recalled = recall.is_some();
         if let Some(former) = recall {
-            former.put_into(&mut device, tuning);
+            former.put_into(device, tuning);
         } else {
             device.add_variance(OFFSET, step_ut * step_ut);
             let iron = (tuning.iron_sd * (step_ut / tuning.far_sd_ut).min(1.0)).powi(2);
@@ -124,10 +121,7 @@ impl Trial {
             let m = device.vector(FIELD);
             device.add_block(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
-        let mut place = base;
-        place.add_variance(FIELD, step_ut * step_ut);
-        self.device.keep(&device);
-        self.place.keep(&place);
+        self.place.add_variance(FIELD, step_ut * step_ut);
         self.log_ratio = 0.0;
         self.device_misfit = 0.0;
         self.place_misfit = 0.0;
@@ -144,24 +138,22 @@ impl Trial {
         former: Option<&Former>,
         tuning: &Tuning,
     ) -> Verdict {
-        let mut device = self.device(filter);
-        let mut place = self.place(filter);
-        device.propagate(step.increment_rad, step.dt_s, step.noise);
-        place.propagate(step.increment_rad, step.dt_s, step.noise);
+        self.device.propagate(step.increment_rad, step.dt_s, step.noise);
+        self.place.propagate(step.increment_rad, step.dt_s, step.noise);
         if self.age_s < tuning.ramp_s {
             let variance = tuning.ramp_walk_ut * tuning.ramp_walk_ut * step.dt_s;
-            device.add_variance(OFFSET, variance);
-            place.add_variance(FIELD, variance);
+            self.device.add_variance(OFFSET, variance);
+            self.place.add_variance(FIELD, variance);
         }
         if !step.resting {
-            let seen = |dense: &Dense| dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
-            if let (Some(d), Some(p)) = (seen(&device), seen(&place)) {
-                self.judge(&d, &p, step, tuning);
-                if d.nis < tuning.gate {
-                    device.update(&d, Correct::All);
+            let seen = |it: &Gaussian| it.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
+            if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
+                self.judge(&device, &place, step, tuning);
+                if device.nis < tuning.gate {
+                    self.device.update(&device, NONE);
                 }
-                if p.nis < tuning.gate {
-                    place.update(&p, Correct::FieldOnly);
+                if place.nis < tuning.gate {
+                    self.place.update(&place, ALL_BUT_FIELD);
                 }
             }
         }
@@ -169,14 +161,12 @@ impl Trial {
         if let Some(former) =
             former.filter(|_| !self.recalled && self.phase == Phase::Undecided && fits_again(watch, tuning))
         {
-            device = filter.open();
-            former.put_into(&mut device, tuning);
+            self.device = filter.clone();
+            former.put_into(&mut self.device, tuning);
             self.recalled = true;
             self.log_ratio = 0.0;
             self.device_misfit = 0.0;
         }
-        self.device.keep(&device);
-        self.place.keep(&place);
         if step.resting {
             return Verdict::Open;
         }
@@ -236,19 +226,5 @@ impl Trial {
             return Verdict::Place;
         }
         Verdict::Open
-    }
-
-    /// The filter, had the device stepped.
-    pub(crate) fn device(&self, filter: &Gaussian) -> Dense {
-        let mut dense = self.device.open();
-        dense.lend(filter);
-        dense
-    }
-
-    /// The filter, had the field of the place changed.
-    pub(crate) fn place(&self, filter: &Gaussian) -> Dense {
-        let mut dense = self.place.open();
-        dense.lend(filter);
-        dense
     }
 }

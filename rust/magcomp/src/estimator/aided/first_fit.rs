@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Groups, Mean};
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, IRON, OFFSET, SCALE, cross, iron_rows};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, soft_iron};
 use super::step::Step;
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -29,12 +29,8 @@ use crate::quadric::FitError;
 use crate::reading::Missing;
 use crate::sound::checked;
 
-/// Length of x: (h, b, e, g, tau, s).
-const UNKNOWNS: usize = 19;
-/// First index of g, index of tau, first index of s in x; h, b and e are where the state has them.
-const G: usize = 12;
-const TAU: usize = 15;
-const S: usize = 16;
+/// Length of x = (h, b, e, g, tau, s): the state without d.
+const UNKNOWNS: usize = LOCAL;
 /// Steps of a fit at most; one that has not converged then goes on with the next group.
 const STEPS: usize = 8;
 /// A step that lowers the cost by less than this is the last.
@@ -155,7 +151,7 @@ impl FirstFit {
 
     /// b and M as they are now believed, to tell noise from the device's motion.
     pub(super) fn calibration(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        (self.x.fixed_rows::<3>(OFFSET).into_owned(), self.soft_iron())
+        (self.x.fixed_rows::<3>(OFFSET).into_owned(), soft_iron(self.x.as_slice()))
     }
 
     /// The calibration that was given, while it is believed.
@@ -177,10 +173,6 @@ impl FirstFit {
         self.bias_variance.sqrt()
     }
 
-    fn soft_iron(&self) -> Matrix3<f64> {
-        soft_iron(&self.x)
-    }
-
     /// At rest the rate is the bias.
     pub(super) fn rest(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
         let gain = self.bias_variance / (self.bias_variance + variance);
@@ -188,9 +180,7 @@ impl FirstFit {
         self.bias_variance *= 1.0 - gain;
         self.x.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
         if let Some(answer) = &mut self.answer {
-            let mut dense = answer.open();
-            dense.update_bias(rate_rad_s, variance);
-            answer.keep(&dense);
+            answer.update_bias(rate_rad_s, variance);
         }
     }
 
@@ -198,9 +188,7 @@ impl FirstFit {
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, turn: &Matrix3<f64>, dt_s: f64, noise: &ProcessNoise) {
         self.groups.turn(increment_rad, dt_s);
         if let Some(answer) = &mut self.answer {
-            let mut dense = answer.open();
-            dense.propagate(increment_rad, dt_s, noise);
-            answer.keep(&dense);
+            answer.propagate(increment_rad, dt_s, noise);
         }
         let h = turn * self.field();
         self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
@@ -356,29 +344,13 @@ fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) ->
     }
 }
 
-fn soft_iron(x: &Vector) -> Matrix3<f64> {
-    let e = x.fixed_rows::<6>(IRON);
-    Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
-}
-
 /// The filter that starts from a fit.
 fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
-    let place = |k: usize| match k {
-        TAU => DELAY,
-        S.. => SCALE + k - S,
-        G.. => BIAS + k - G,
-        _ => k,
-    };
-    let mut dense: Dense = Gaussian::zero().open();
-    for i in 0..UNKNOWNS {
-        dense.x[place(i)] = x[i];
-        for j in 0..UNKNOWNS {
-            dense.p[place(i)][place(j)] = p[(i, j)];
-        }
-    }
-    dense.add_variance(super::state::LOCAL, tuning.local_start_ut.powi(2));
     let mut filter = Gaussian::zero();
-    filter.keep(&dense).then_some(filter)
+    filter.x.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
+    filter.p.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
+    filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));
+    filter.is_finite().then_some(filter)
 }
 
 /// Levenberg-Marquardt over (h, g, tau, s), damped by the curvature that is left once b and e have adapted; b and e are solved
@@ -436,24 +408,19 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     };
     let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
     let (h, b, g, s, tau) = (vector(FIELD), vector(OFFSET), vector(G), vector(S), x[TAU]);
-    let m = soft_iron(x);
+    let m = soft_iron(x.as_slice());
     groups.each(&h, &g, &s, |mean: &Mean| {
         let v = prior.noise_ut2 / mean.count + prior.place_ut2 * CORRELATION_S / mean.moved_s;
         let w = mean.rate_rad_s - mean.rate_rad_s.component_mul(&s) - g;
         let u = mean.back * h;
-        let late = Matrix3::identity() + cross(&w) * tau;
+        let late = Matrix3::identity() + w.cross_matrix() * tau;
         let swing = w.cross(&u);
         let seen = u + swing * tau;
         let to_field = m * late;
         let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
         j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
         j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-        let iron = iron_rows(&seen);
-        for i in 0..3 {
-            for k in 0..6 {
-                j[(i, IRON + k)] = iron[i][k];
-            }
-        }
+        j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
         let by_gyroscope = to_field * mean.by_gyroscope;
         j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
         j.fixed_columns_mut::<3>(S).copy_from(&by_gyroscope.fixed_columns::<3>(3));

@@ -14,7 +14,6 @@ use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::propagate::turn;
-use super::state::cross;
 
 /// Groups held.
 const GROUPS: usize = 32;
@@ -142,7 +141,7 @@ impl Groups {
             leads.fixed_columns_mut::<3>(0).copy_from(&group.by_bias);
             leads.fixed_columns_mut::<3>(3).copy_from(&group.by_scale);
             let field = back * h;
-            let leads = cross(&field) * leads;
+            let leads = field.cross_matrix() * leads;
             if group.count > 0.0 {
                 // on average half of a group's error lies between its end and a sample
                 let (half, _) = turn(&(off * 0.5));

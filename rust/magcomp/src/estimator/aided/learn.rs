@@ -12,9 +12,9 @@ use nalgebra::Vector3;
 
 use super::adapt::Increment;
 use super::events::{Phase, Trial, Verdict};
-use super::measure::{Correct, Innovation};
+use super::measure::{Innovation, NONE};
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, DELAY, Dense, FIELD, Gaussian, LOCAL, OFFSET};
+use super::state::{BIAS, DELAY, FIELD, Gaussian, LOCAL, OFFSET};
 use super::step::Step;
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput, propagate};
@@ -33,19 +33,18 @@ impl Aided {
         let Some(mut filter) = self.filter.take() else {
             return self.collect(time_ns, raw_ut, rotation, up, dt_s);
         };
-        let mut dense = filter.open();
-        let bias_sd = (BIAS..BIAS + 3).map(|k| dense.p[k][k]).fold(0.0, f64::max).sqrt();
+        let bias_sd = filter.block(BIAS, BIAS).diagonal().max().sqrt();
         if dt_s > self.tuning.gap_s {
-            self.drift(&mut dense, dt_s);
+            self.drift(&mut filter, dt_s);
         }
-        self.motion.step(&rotation.rate_rad_s, &dense.vector(BIAS), bias_sd, dt_s, &self.tuning);
+        self.motion.step(&rotation.rate_rad_s, &filter.vector(BIAS), bias_sd, dt_s, &self.tuning);
         let noise = self.process_noise(rotation.variance_rad2);
-        let (offset_ut, soft_iron) = (dense.vector(OFFSET), dense.soft_iron());
-        let angle_rad = (rotation.increment_rad - dense.vector(BIAS) * dt_s).norm();
-        let turn = dense.propagate(&rotation.increment_rad, dt_s, &noise);
+        let (offset_ut, soft_iron) = (filter.vector(OFFSET), filter.soft_iron());
+        let angle_rad = (rotation.increment_rad - filter.vector(BIAS) * dt_s).norm();
+        let turn = filter.propagate(&rotation.increment_rad, dt_s, &noise);
         self.displaced_ut = (turn * self.displaced_ut.cast()).cast();
         self.displaced_s += dt_s as f32;
-        self.adaptation.carry(noise.carried_ut2(dense.vector(FIELD).norm(), angle_rad, dt_s));
+        self.adaptation.carry(noise.carried_ut2(filter.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.tuning);
         self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
@@ -55,11 +54,11 @@ impl Aided {
             return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
         }
         let step = self.step(time_ns, raw_ut, rotation, &noise, angle_rad, dt_s);
-        self.learn(&step, &mut dense, &mut filter);
+        self.learn(&step, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
-            dense.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
+            filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
-        if !filter.keep(&dense) {
+        if !filter.is_finite() {
             self.begin(None);
             return self.blank(time_ns, Status::Collecting(Missing::Rotation));
         }
@@ -152,26 +151,25 @@ impl Aided {
     }
 
     /// The magnetometer's part of one sample.
-    fn learn(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
-        let Some(innovation) = dense.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
+    fn learn(&mut self, step: &Step<'_>, filter: &mut Gaussian) {
+        let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
         // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
-        let local_ut = dense.vector(LOCAL);
+        let local_ut = filter.vector(LOCAL);
         let gated = innovation.nis > self.tuning.gate
             || local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let unexplained_ut = innovation.v + local_ut;
-        let field = dense.vector(FIELD);
+        let field = filter.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&unexplained_ut), former, self.trial.is_some(), &self.tuning);
         if self.motion.rest_s > self.tuning.memory_s {
-            dense.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
+            filter.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
-        self.watch_strength(step, dense);
+        self.watch_strength(step, filter);
         // after a pause the field is known no better than a step of the device is large: both are tried
-        let is_blind = dense.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
         if is_blind && self.trial.is_none() {
-            filter.keep(dense);
             self.watch.since_ns = step.time_ns;
             self.watch.misfit_ut = innovation.v.norm();
             let mut trial = Trial::start(filter, &self.watch, None, &self.tuning);
@@ -180,17 +178,16 @@ impl Aided {
             self.trial = Some(trial);
         }
         if self.trial.is_some() {
-            self.run_trial(step, dense, filter);
+            self.run_trial(step, filter);
             return;
         }
         if !step.resting {
             if !gated {
-                self.update(step, &innovation, dense);
+                self.update(step, &innovation, filter);
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
         if self.watch.share > self.tuning.suspect_share {
-            filter.keep(dense);
             let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
             trial.young = self.strength.is_young(&self.tuning);
             trial.unclean = self
@@ -201,24 +198,23 @@ impl Aided {
     }
 
     /// The ordinary update, and what its corrections say about the noises.
-    fn update(&mut self, step: &Step<'_>, innovation: &Innovation, dense: &mut Dense) {
-        let before = dense.vector(OFFSET);
+    fn update(&mut self, step: &Step<'_>, innovation: &Innovation, filter: &mut Gaussian) {
+        let before = filter.vector(OFFSET);
         self.adaptation.correct(step.sigma_ut.powi(2), step.dt_s, &self.tuning);
-        dense.update(innovation, Correct::All);
-        self.watch_unevenness(step, dense);
-        let correction_ut = dense.vector(OFFSET) - before;
-        self.adaptation.walk(&correction_ut, dense.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
+        filter.update(innovation, NONE);
+        self.watch_unevenness(step, filter);
+        let correction_ut = filter.vector(OFFSET) - before;
+        self.adaptation.walk(&correction_ut, filter.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
     }
 
-    /// One sample while the hypotheses run; `dense` is the filter as it was, predicted.
-    fn run_trial(&mut self, step: &Step<'_>, dense: &mut Dense, filter: &mut Gaussian) {
+    /// One sample while the hypotheses run; `filter` is as it was, predicted.
+    fn run_trial(&mut self, step: &Step<'_>, filter: &mut Gaussian) {
         let Some(mut trial) = self.trial.take() else { return };
-        filter.keep(dense);
         let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.tuning);
         let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                let winner = trial.device(filter);
+                let winner = trial.device;
                 let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
                 if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
@@ -226,13 +222,13 @@ impl Aided {
                     self.former = Some(Former::of(filter));
                 }
                 self.strength.clear();
-                return self.go_on_with(winner, dense);
+                return self.go_on_with(winner, filter);
             }
-            Verdict::Unchanged => return self.go_on_with(trial.place(filter), dense),
+            Verdict::Unchanged => return self.go_on_with(trial.place, filter),
             Verdict::NewPlace | Verdict::Place => {
-                let winner = trial.place(filter);
+                let winner = trial.place.clone();
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
-                let moved_ut = displaced_ut + winner.vector(FIELD) - dense.vector(FIELD);
+                let moved_ut = displaced_ut + winner.vector(FIELD) - filter.vector(FIELD);
                 let back = moved_ut.norm() < self.tuning.smallest_step_ut.min(0.5 * displaced_ut.norm());
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
@@ -240,7 +236,7 @@ impl Aided {
                 if verdict == Verdict::NewPlace || back {
                     self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
                     self.displaced_s = 0.0;
-                    return self.go_on_with(winner, dense);
+                    return self.go_on_with(winner, filter);
                 }
             }
             Verdict::Open => {}
@@ -258,25 +254,24 @@ impl Aided {
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: Dense, dense: &mut Dense) {
-        *dense = winner;
+    fn go_on_with(&mut self, winner: Gaussian, filter: &mut Gaussian) {
+        *filter = winner;
         self.watch = Watch::new();
         self.adaptation.stepped();
     }
 
     /// Follows the slow difference between c and f.
-    fn watch_unevenness(&mut self, step: &Step<'_>, dense: &Dense) {
-        let Some(w) = dense.soft_iron().try_inverse() else { return };
-        let still = w * (step.raw_ut - dense.vector(OFFSET));
-        let rate = dense.true_rate(step.rate_rad_s);
-        let c = still - rate.cross(&still) * dense.x[DELAY];
-        self.adaptation.uneven(&(c - dense.vector(FIELD)), step.dt_s, &self.tuning);
+    fn watch_unevenness(&mut self, step: &Step<'_>, filter: &Gaussian) {
+        let Some(still) = filter.corrected(step.raw_ut) else { return };
+        let rate = filter.true_rate(step.rate_rad_s);
+        let c = still - rate.cross(&still) * filter.x[DELAY];
+        self.adaptation.uneven(&(c - filter.vector(FIELD)), step.dt_s, &self.tuning);
     }
 
     /// Follows |c| against |m|.
-    fn watch_strength(&mut self, step: &Step<'_>, dense: &Dense) {
-        let Some(w) = dense.soft_iron().try_inverse() else { return };
-        let ratio = (w * (step.raw_ut - dense.vector(OFFSET))).norm() / dense.vector(FIELD).norm().max(1e-3);
+    fn watch_strength(&mut self, step: &Step<'_>, filter: &Gaussian) {
+        let Some(c) = filter.corrected(step.raw_ut) else { return };
+        let ratio = c.norm() / filter.vector(FIELD).norm().max(1e-3);
         self.strength.step(step, ratio, &self.tuning);
     }
 

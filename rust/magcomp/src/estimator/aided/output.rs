@@ -43,14 +43,8 @@ pub(crate) struct AidedOutput {
 
 /// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
 pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
-    let rows = super::state::iron_rows(h);
-    let mut g = SMatrix::<f64, 3, 9>::zeros();
-    for i in 0..3 {
-        g[(i, i)] = 1.0;
-        for k in 0..6 {
-            g[(i, 3 + k)] = rows[i][k];
-        }
-    }
+    let mut g = SMatrix::<f64, 3, 9>::identity();
+    g.fixed_columns_mut::<6>(3).copy_from(&super::state::iron_rows(h));
     let g = w * g;
     g * p * g.transpose()
 }

@@ -11,15 +11,11 @@
 //! m += ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
 //! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T
 //! ```
-//! Only the rows of m and d change, so F P F^T costs two 6 x 22 products. Source: docs/METHOD.md; the Jacobian to g
-//! through d and J are exact here (the prototype left them out).
+//! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
-// index arithmetic is the mathematics here
-#![allow(clippy::needless_range_loop)]
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use nalgebra::{Matrix3, Vector3};
-
-use super::state::{BIAS, Dense, FIELD, LOCAL, OFFSET, SCALE, STATES, cross};
+use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -58,12 +54,12 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
         let (sin, cos) = angle.sin_cos();
         (sin / angle, (1.0 - cos) / angle2, (angle - sin) / (angle2 * angle))
     };
-    let k = cross(&-theta);
+    let k = (-theta).cross_matrix();
     let k2 = k * k;
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
-impl Dense {
+impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
         let theta = increment_rad - increment_rad.component_mul(&self.vector(SCALE)) - self.vector(BIAS) * dt_s;
@@ -74,64 +70,35 @@ impl Dense {
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let to_g = j * -dt_s;
-        let m_g = cross(&m) * to_g;
-        let d_g = cross(&d) * to_g;
-        let to_s = -j * Matrix3::from_diagonal(increment_rad);
-        let (m_s, d_s) = (rows(&(cross(&m) * to_s)), rows(&(cross(&d) * to_s)));
-        let (m_g, d_g) = (rows(&m_g), rows(&d_g));
-        let rm = rows(&r);
-        let rd = rows(&(r * fade));
-        // rows of m and d of F P
-        let mut fp = [[0.0; STATES]; 6];
-        for i in 0..3 {
-            for c in 0..STATES {
-                let mut sum_m = 0.0;
-                let mut sum_d = 0.0;
-                for k in 0..3 {
-                    let (g, s) = (self.p[BIAS + k][c], self.p[SCALE + k][c]);
-                    sum_m += rm[i][k] * self.p[FIELD + k][c] + m_g[i][k] * g + m_s[i][k] * s;
-                    sum_d += rd[i][k] * self.p[LOCAL + k][c] + d_g[i][k] * g + d_s[i][k] * s;
-                }
-                fp[i][c] = sum_m;
-                fp[3 + i][c] = sum_d;
-            }
+        let by_bias = j * -dt_s;
+        let by_scale = -j * Matrix3::from_diagonal(increment_rad);
+        let row =
+            |turn: Matrix3<f64>, v: &Vector3<f64>| (turn, v.cross_matrix() * by_bias, v.cross_matrix() * by_scale);
+        let turning = [(FIELD, row(r, &m)), (LOCAL, row(r * fade, &d))];
+        // F P first, whose other rows are those of P; then (F P) F^T
+        let fp: [SMatrix<f64, 3, STATES>; 2] = turning.map(|(i, (f, g, s))| {
+            let p = |k| self.p.fixed_rows::<3>(k);
+            f * p(i) + g * p(BIAS) + s * p(SCALE)
+        });
+        for ((i, _), rows) in turning.iter().zip(&fp) {
+            self.p.fixed_rows_mut::<3>(*i).copy_from(rows);
+            self.p.fixed_columns_mut::<3>(*i).copy_from(&rows.transpose());
         }
-        // the 6 x 6 block of (F P) F^T, then everything written to both sides of the diagonal
-        const TURNING: [usize; 6] = [FIELD, FIELD + 1, FIELD + 2, LOCAL, LOCAL + 1, LOCAL + 2];
-        for a in 0..6 {
-            for c in 0..STATES {
-                if !(FIELD..FIELD + 3).contains(&c) && !(LOCAL..LOCAL + 3).contains(&c) {
-                    self.p[TURNING[a]][c] = fp[a][c];
-                    self.p[c][TURNING[a]] = fp[a][c];
-                }
-            }
-            for b in 0..=a {
-                let (f, g, s, from) = if b < 3 {
-                    (&rm[b], &m_g[b], &m_s[b], FIELD)
-                } else {
-                    (&rd[b - 3], &d_g[b - 3], &d_s[b - 3], LOCAL)
-                };
-                let mut sum = 0.0;
-                for k in 0..3 {
-                    sum += fp[a][from + k] * f[k] + fp[a][BIAS + k] * g[k] + fp[a][SCALE + k] * s[k];
-                }
-                self.p[TURNING[a]][TURNING[b]] = sum;
-                self.p[TURNING[b]][TURNING[a]] = sum;
+        for ((i, _), rows) in turning.iter().zip(&fp) {
+            for (k, (f, g, s)) in &turning {
+                let p = |k| rows.fixed_columns::<3>(k);
+                let block = p(*k) * f.transpose() + p(BIAS) * g.transpose() + p(SCALE) * s.transpose();
+                self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block);
+                self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block.transpose());
             }
         }
 
         let turn2 = noise.turn_rad2(theta.norm(), dt_s);
-        let across = Matrix3::identity() * (m.norm_squared() * turn2);
-        self.add_block(FIELD, &(across - m * m.transpose() * turn2));
+        self.add_block(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_iron_variance(noise.iron.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
         r
     }
-}
-
-fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    [[m.m11, m.m12, m.m13], [m.m21, m.m22, m.m23], [m.m31, m.m32, m.m33]]
 }

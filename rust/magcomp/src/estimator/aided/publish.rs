@@ -43,11 +43,11 @@ impl Aided {
         let Some(w) = filter.soft_iron().try_inverse() else { return output };
         let rate = filter.true_rate(&rotation.rate_rad_s);
         let still = w * (raw_ut - filter.vector(OFFSET));
-        let delay_s = filter.mean[DELAY];
+        let delay_s = filter.x[DELAY];
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let clock_s2 = (self.tuning.clock_share * delay_s).powi(2) + filter.p(DELAY, DELAY);
+        let clock_s2 = (self.tuning.clock_share * delay_s).powi(2) + filter.p[(DELAY, DELAY)];
         let swing = rate.cross(&f) * clock_s2.sqrt();
         let timing = swing * swing.transpose();
         let floor = self.adaptation.floor_ut2(&self.tuning);

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, SVector, Vector3};
 
 use super::first_fit::{Before, FirstFit};
-use super::state::{Dense, FIELD, IRON, LOCAL, OFFSET};
+use super::state::{FIELD, Gaussian, IRON, LOCAL, OFFSET};
 use super::strength::Strength;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
@@ -45,14 +45,14 @@ impl Aided {
     }
 
     /// The filter's calibration, which may have changed in a pause.
-    fn kept(&self, dense: &Dense) -> Before {
-        let iron: f64 = (IRON..IRON + 6).map(|k| dense.p[k][k]).sum();
+    fn kept(&self, filter: &Gaussian) -> Before {
+        let iron = filter.p.fixed_view::<6, 6>(IRON, IRON).trace();
         Before {
-            mean: SVector::from_fn(|i, _| dense.x[OFFSET + i]),
-            offset_ut2: dense.block(OFFSET, OFFSET).trace() / 3.0,
+            mean: filter.x.fixed_rows::<9>(OFFSET).into_owned(),
+            offset_ut2: filter.block(OFFSET, OFFSET).trace() / 3.0,
             // of six elements, whose variances sum to 3.5 of that of the pattern T
             iron: iron / 3.5,
-            strength_ut: self.lost_strength_ut.unwrap_or_else(|| dense.vector(FIELD).norm()),
+            strength_ut: self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm()),
         }
     }
 
@@ -76,28 +76,26 @@ impl Aided {
             return self.held(time_ns, raw_ut);
         };
         let dt_s = dt_s.unwrap_or(0.0);
-        let mut dense = filter.open();
-        self.drift(&mut dense, dt_s);
+        self.drift(&mut filter, dt_s);
         if dt_s > self.tuning.gap_s {
-            self.begin(Some(self.kept(&dense)));
+            self.begin(Some(self.kept(&filter)));
             return self.held(time_ns, raw_ut);
         }
-        self.lost_strength_ut.get_or_insert(dense.vector(FIELD).norm());
-        if let Some(w) = dense.soft_iron().try_inverse() {
-            dense.set_vector(FIELD, &(w * (raw_ut - dense.vector(OFFSET))));
+        self.lost_strength_ut.get_or_insert(filter.vector(FIELD).norm());
+        if let Some(c) = filter.corrected(raw_ut) {
+            filter.set_vector(FIELD, &c);
         }
-        dense.set_vector(LOCAL, &Vector3::zeros());
-        dense.isolate(FIELD, self.tuning.far_sd_ut * self.tuning.far_sd_ut);
-        dense.isolate(LOCAL, self.adaptation.local_ut.powi(2));
-        filter.keep(&dense);
+        filter.set_vector(LOCAL, &Vector3::zeros());
+        filter.isolate(FIELD, &Matrix3::from_diagonal_element(self.tuning.far_sd_ut.powi(2)));
+        filter.isolate(LOCAL, &Matrix3::from_diagonal_element(self.adaptation.local_ut.powi(2)));
         self.filter = Some(filter);
         self.held(time_ns, raw_ut)
     }
 
     /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
-    pub(super) fn drift(&self, dense: &mut Dense, dt_s: f64) {
-        let room_ut2 = self.tuning.far_sd_ut.powi(2) - dense.block(OFFSET, OFFSET).trace() / 3.0;
+    pub(super) fn drift(&self, filter: &mut Gaussian, dt_s: f64) {
+        let room_ut2 = self.tuning.far_sd_ut.powi(2) - filter.block(OFFSET, OFFSET).trace() / 3.0;
         let walk_ut2 = self.tuning.offset_walk_max_ut.powi(2) * dt_s;
-        dense.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
+        filter.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
     }
 }

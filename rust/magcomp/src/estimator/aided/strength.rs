@@ -72,6 +72,6 @@ pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64
     }
     let m = filter.vector(FIELD);
     let along = m / m.norm().max(1.0);
-    let cross = SVector::from_fn(|i, _| (0..3).map(|k| filter.p(OFFSET + i, FIELD + k) * along[k]).sum());
+    let cross = filter.p.fixed_view::<9, 3>(OFFSET, FIELD) * along;
     (cross, along.dot(&(filter.block(FIELD, FIELD) * along)))
 }

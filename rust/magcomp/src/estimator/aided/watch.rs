@@ -7,13 +7,10 @@
 //! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD.md;
 //! the recall is new.
 
-// index arithmetic is the mathematics here
-#![allow(clippy::needless_range_loop)]
-
 use crate::sound::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::state::{Dense, Gaussian, OFFSET, iron_rows, packed_index};
+use super::state::{Gaussian, OFFSET, iron_rows};
 use super::step::Step;
 use super::tuning::Tuning;
 
@@ -23,57 +20,26 @@ use super::tuning::Tuning;
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
-    /// Their covariance, packed lower triangle; what rounding does to it, what is added covers.
-    packed: SVector<f32, 45>,
+    covariance: SMatrix<f64, 9, 9>,
 }
 
-checked!(Former, |it| is_covariance(&SMatrix::<f64, 9, 9>::from_fn(|i, j| f64::from(it.packed[packed_index(i, j)]))));
+checked!(Former, |it| is_covariance(&it.covariance));
 
 impl Former {
     pub(crate) fn of(filter: &Gaussian) -> Self {
-        let mut packed = SVector::zeros();
-        let mut k = 0;
-        for i in 0..9 {
-            for j in 0..=i {
-                packed[k] = filter.p(OFFSET + i, OFFSET + j) as f32;
-                k += 1;
-            }
-        }
-        Self { mean: filter.mean.fixed_rows::<9>(OFFSET).into_owned(), packed }
+        Self { mean: filter.x.fixed_rows::<9>(OFFSET).into_owned(), covariance: filter.calibration_block() }
     }
 
     /// raw - (M h + b) of this calibration, uT.
     pub(crate) fn residual(&self, raw_ut: &Vector3<f64>, h: &Vector3<f64>) -> Vector3<f64> {
-        let rows = iron_rows(h);
-        let mut r = raw_ut - h;
-        for i in 0..3 {
-            r[i] -= self.mean[i];
-            for k in 0..6 {
-                r[i] -= rows[i][k] * self.mean[3 + k];
-            }
-        }
-        r
+        raw_ut - h - self.mean.fixed_rows::<3>(0) - iron_rows(h) * self.mean.fixed_rows::<6>(3)
     }
 
     /// Puts this calibration into a filter, apart from all else in it.
-    pub(crate) fn put_into(&self, dense: &mut Dense, tuning: &Tuning) {
-        for i in OFFSET..OFFSET + 9 {
-            for j in 0..dense.p.len() {
-                dense.p[i][j] = 0.0;
-                dense.p[j][i] = 0.0;
-            }
-        }
-        let mut k = 0;
-        for i in 0..9 {
-            dense.x[OFFSET + i] = self.mean[i];
-            for j in 0..=i {
-                let value = f64::from(self.packed[k]);
-                dense.p[OFFSET + i][OFFSET + j] = value;
-                dense.p[OFFSET + j][OFFSET + i] = value;
-                k += 1;
-            }
-        }
-        dense.add_variance(OFFSET, tuning.noise_start_ut * tuning.noise_start_ut);
+    pub(crate) fn put_into(&self, filter: &mut Gaussian, tuning: &Tuning) {
+        filter.isolate(OFFSET, &self.covariance);
+        filter.x.fixed_rows_mut::<9>(OFFSET).copy_from(&self.mean);
+        filter.add_variance(OFFSET, tuning.noise_start_ut * tuning.noise_start_ut);
     }
 }
 

@@ -11,7 +11,8 @@ use crate::sensing::pairing::PairedInertial;
 fn assert_positive_definite(aided: &Aided, at: usize) {
     let Some(filter) = &aided.filter else { return };
     // scaled to unit diagonal, so that units do not matter
-    let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| filter.p(i, j) / (filter.p(i, i) * filter.p(j, j)).sqrt());
+    let p = filter.p;
+    let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt());
     assert!(p.cholesky().is_some(), "not positive definite at sample {at}");
 }
 
@@ -119,7 +120,7 @@ fn the_scale_of_the_gyroscope_is_found() {
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
         let filter = aided.filter.as_ref().unwrap();
-        sum += (SCALE..SCALE + 3).map(|k| filter.mean[k]).sum::<f64>() / 3.0;
+        sum += (SCALE..SCALE + 3).map(|k| filter.x[k]).sum::<f64>() / 3.0;
     }
     let mean: f64 = sum / 10.0;
     assert!((mean - 0.01 / 1.01).abs() < 0.003, "mean scale error found: {mean}");
@@ -140,7 +141,7 @@ fn a_late_gyroscope_is_found_and_f_is_not_late() {
             squares_deg2 += output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
         }
     }
-    let delay_s = aided.filter.as_ref().unwrap().mean[DELAY];
+    let delay_s = aided.filter.as_ref().unwrap().x[DELAY];
     assert!((delay_s + 0.010).abs() < 0.002, "{delay_s} s");
     let rms_deg = (squares_deg2 / 1_000.0).sqrt();
     assert!(rms_deg < 0.45, "{rms_deg} deg");
