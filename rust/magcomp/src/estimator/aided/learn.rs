@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use super::adapt::Increment;
 use super::events::{Phase, Trial, Verdict};
-use super::measure::{Innovation, NONE};
+use super::measure::NONE;
 use super::propagate::ProcessNoise;
 use super::state::{BIAS, DELAY, FIELD, Gaussian, LOCAL, OFFSET};
 use super::step::Step;
@@ -44,7 +44,6 @@ impl Aided {
         let turn = filter.propagate(&rotation.increment_rad, dt_s, &noise);
         self.displaced_ut = (turn * self.displaced_ut.cast()).cast();
         self.displaced_s += dt_s as f32;
-        self.adaptation.carry(noise.carried_ut2(filter.vector(FIELD).norm(), angle_rad, dt_s));
         let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
         self.adaptation.step(raw_ut, &increment, &self.tuning);
         self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
@@ -100,9 +99,6 @@ impl Aided {
             self.first.add(&step, self.motion.up.as_ref(), &self.tuning);
         }
         self.filter = self.first.take();
-        if self.filter.is_some() {
-            self.adaptation.restart_walk();
-        }
         if !self.first.is_blind() {
             self.lost_strength_ut = None;
         }
@@ -183,7 +179,8 @@ impl Aided {
         }
         if !step.resting {
             if !gated {
-                self.update(step, &innovation, filter);
+                filter.update(&innovation, NONE);
+                self.watch_unevenness(step, filter);
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
@@ -195,16 +192,6 @@ impl Aided {
                 .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
             self.trial = Some(trial);
         }
-    }
-
-    /// The ordinary update, and what its corrections say about the noises.
-    fn update(&mut self, step: &Step<'_>, innovation: &Innovation, filter: &mut Gaussian) {
-        let before = filter.vector(OFFSET);
-        self.adaptation.correct(step.sigma_ut.powi(2), step.dt_s, &self.tuning);
-        filter.update(innovation, NONE);
-        self.watch_unevenness(step, filter);
-        let correction_ut = filter.vector(OFFSET) - before;
-        self.adaptation.walk(&correction_ut, filter.block(OFFSET, OFFSET).trace(), step.dt_s, &self.tuning);
     }
 
     /// One sample while the hypotheses run; `filter` is as it was, predicted.
@@ -242,7 +229,6 @@ impl Aided {
             Verdict::Open => {}
         }
         if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
-            self.adaptation.restart_walk();
             if trial.phase != Phase::Undecided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
@@ -257,7 +243,6 @@ impl Aided {
     fn go_on_with(&mut self, winner: Gaussian, filter: &mut Gaussian) {
         *filter = winner;
         self.watch = Watch::new();
-        self.adaptation.stepped();
     }
 
     /// Follows the slow difference between c and f.
@@ -281,7 +266,7 @@ impl Aided {
             angle_rad: c.angle_walk_rad,
             scale: self.tuning.scale_walk,
             bridged_rad2,
-            offset_ut: self.adaptation.offset_walk_ut * self.motion.amount(&self.tuning).sqrt(),
+            offset_ut: self.tuning.offset_walk_ut * self.motion.amount(&self.tuning).sqrt(),
             iron: self.tuning.iron_walk,
             bias_rad_s: c.bias_walk_rad_s,
             local_ut: self.adaptation.local_ut,

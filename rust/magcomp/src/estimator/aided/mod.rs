@@ -152,10 +152,9 @@ impl Aided {
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.known()?;
-        let believed = self.adaptation.believed(&self.tuning);
-        let p = filter.calibration_block() * believed;
+        let p = filter.calibration_block();
         let s = strength::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);
-        Some(self.regauged(p, (s.0 * believed, s.1 * believed), &filter.soft_iron(), self.strength_of(filter)))
+        Some(self.regauged(p, s, &filter.soft_iron(), self.strength_of(filter)))
     }
 
     /// The covariance `p` of (b, e) as that of (b, M k), k = |m| / known: d(M k) = k dM + M d|m| / known. `s` has the covariance

@@ -37,11 +37,6 @@ impl ProcessNoise {
     fn turn_rad2(&self, angle_rad: f64, dt_s: f64) -> f64 {
         self.angle_rad.powi(2) * dt_s + self.scale.powi(2) * angle_rad.powi(2) / dt_s.max(1e-6) + self.bridged_rad2
     }
-
-    /// Variance per axis across a field of `field_ut` that one step adds to m, uT^2.
-    pub(crate) fn carried_ut2(&self, field_ut: f64, angle_rad: f64, dt_s: f64) -> f64 {
-        field_ut * field_ut * self.turn_rad2(angle_rad, dt_s)
-    }
 }
 
 /// exp(-[theta]x), and J_l(-theta).

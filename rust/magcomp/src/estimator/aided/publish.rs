@@ -58,14 +58,11 @@ impl Aided {
             unseen += self.watch.misfit_ut.powi(2) / 3.0;
         }
         let p_c =
-            calibration_covariance(&(filter.calibration_block() * self.adaptation.believed(&self.tuning)), &w, &f)
-                + noise
-                + Matrix3::identity() * unseen
-                + timing;
+            calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
         let axes_rad2 = self.tuning.axes_deg.to_radians().powi(2);
         let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
-        let p_f = self.adaptation.field_ut2(&filter.block(FIELD, FIELD), self.trial.is_none(), &self.tuning)
+        let p_f = filter.block(FIELD, FIELD)
             + Matrix3::identity() * floor
             + (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * axes_rad2
             + timing

@@ -24,18 +24,10 @@ choices! {
         bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
         /// Random walk of the soft iron
         iron_walk: 1e-4, "1/s^0.5", "families";
-        /// Random walk of the hard iron at the start
-        offset_walk_ut: 0.25, "uT/s^0.5", "families";
-        /// Least random walk of the hard iron
-        offset_walk_min_ut: 0.03, "uT/s^0.5", "0.25 uT in a minute";
-        /// Largest random walk of the hard iron; also that in a gap
-        offset_walk_max_ut: 1.2, "uT/s^0.5", "follows 1 uT/s";
-        /// Time over which corrections of the hard iron are gathered to judge its random walk
-        offset_walk_time_s: 2.0, "s", "families";
-        /// How fast a window of them changes the walk
-        walk_gain: 0.3, "", "families";
-        /// A walk is never believed to be more than this many times what the filter allows for
-        largest_walk_share: 3.0, "", "families";
+        /// Random walk of the hard iron in motion
+        offset_walk_ut: 0.15, "uT/s^0.5", "families and recordings: 1 uT in a minute; follows a drift of 0.5 uT/s";
+        /// Random walk of the hard iron in a gap
+        gap_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
         noise_start_ut: 0.5, "uT", "a Nexus 5 has 0.48, iPhones 0.7 to 1.1";
         /// Least magnetometer noise, per axis
