@@ -59,8 +59,6 @@ pub(crate) struct Trial {
     pub(crate) blind: bool,
     /// Began when the calibration was young: no step is told then, only relearned.
     pub(crate) young: bool,
-    /// `device` has failed since the onset, or a misfit passed by itself lately: hardly a clean step of the device.
-    pub(crate) unclean: bool,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
@@ -92,7 +90,6 @@ impl Trial {
             recalled: false,
             blind: false,
             young: false,
-            unclean: false,
             log_ratio: 0.0,
             device_misfit: 0.0,
             place_misfit: 0.0,
@@ -194,7 +191,6 @@ impl Trial {
     ) -> Verdict {
         let device_fits = self.device_misfit < tuning.fit_share;
         let place_fits = self.place_misfit < tuning.fit_share;
-        self.unclean |= !device_fits;
         if self.phase == Phase::Place {
             if place_fits {
                 self.place_s += step.dt_s;

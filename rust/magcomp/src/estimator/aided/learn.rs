@@ -159,10 +159,12 @@ impl Aided {
         let field = filter.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         self.watch.step(step, gated.then_some(&unexplained_ut), former, self.trial.is_some(), &self.tuning);
+        if !step.resting {
+            self.moved_s += step.dt_s;
+        }
         if self.motion.rest_s > self.tuning.memory_s {
             filter.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
-        self.watch_strength(step, filter);
         // after a pause the field is known no better than a step of the device is large: both are tried
         let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
         if is_blind && self.trial.is_none() {
@@ -170,7 +172,7 @@ impl Aided {
             self.watch.misfit_ut = innovation.v.norm();
             let mut trial = Trial::start(filter, &self.watch, None, &self.tuning);
             trial.blind = true;
-            trial.young = self.strength.is_young(&self.tuning);
+            trial.young = self.moved_s < self.tuning.settled_s;
             self.trial = Some(trial);
         }
         if self.trial.is_some() {
@@ -186,10 +188,7 @@ impl Aided {
         }
         if self.watch.share > self.tuning.suspect_share {
             let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
-            trial.young = self.strength.is_young(&self.tuning);
-            trial.unclean = self
-                .passed_ns
-                .is_some_and(|passed| (step.time_ns.saturating_sub(passed) as f64) < self.tuning.unrest_s * 1e9);
+            trial.young = self.moved_s < self.tuning.settled_s;
             self.trial = Some(trial);
         }
     }
@@ -208,7 +207,6 @@ impl Aided {
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
-                self.strength.clear();
                 return self.go_on_with(winner, filter);
             }
             Verdict::Unchanged => return self.go_on_with(trial.place, filter),
@@ -233,7 +231,6 @@ impl Aided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
             }
-            self.passed_ns = Some(step.time_ns);
             return; // nothing happened, or it is over
         }
         self.trial = Some(trial);
@@ -251,13 +248,6 @@ impl Aided {
         let rate = filter.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * filter.x[DELAY];
         self.adaptation.uneven(&(c - filter.vector(FIELD)), step.dt_s, &self.tuning);
-    }
-
-    /// Follows |c| against |m|.
-    fn watch_strength(&mut self, step: &Step<'_>, filter: &Gaussian) {
-        let Some(c) = filter.corrected(step.raw_ut) else { return };
-        let ratio = c.norm() / filter.vector(FIELD).norm().max(1e-3);
-        self.strength.step(step, ratio, &self.tuning);
     }
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {

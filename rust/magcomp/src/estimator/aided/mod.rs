@@ -2,8 +2,7 @@
 //!
 //! Between two samples the field in the device frame turns by the inverse of the device's own rotation, which the
 //! gyroscope measures. So raw = M h + b is linear in (b, M) with a known h, and any rotation makes them observable.
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` (the magnitude
-//! as a witness) · `watch` (what does not fit) · `events` (hypotheses) · `start` · `learn` (one
+//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `watch` (what does not fit) · `events` (hypotheses) · `start` · `learn` (one
 //! sample) · `output`, `publish`. The derivation is in docs/METHOD.md.
 
 mod adapt;
@@ -38,7 +37,6 @@ use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
 use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
-use strength::Strength;
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::{Former, Watch};
@@ -69,9 +67,8 @@ pub(crate) struct Aided {
     trial: Option<Trial>,
     former: Option<Former>,
     event: Option<Event>,
-    strength: Strength,
-    /// When the latest misfit passed by itself.
-    passed_ns: Option<i64>,
+    /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
+    moved_s: f64,
     /// What the field of a new place differs by from the one carried there, device frame, uT.
     displaced_ut: Vector3<f32>,
     /// How long it has been the place, s.
@@ -81,7 +78,9 @@ pub(crate) struct Aided {
     mode: SensorMode,
 }
 
-checked!(Aided, |it| it.displaced_s >= 0.0 && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
+checked!(Aided, |it| it.displaced_s >= 0.0
+    && it.moved_s >= 0.0
+    && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
 
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
@@ -97,8 +96,7 @@ impl Aided {
             trial: None,
             former: None,
             event: None,
-            strength: Strength::default(),
-            passed_ns: None,
+            moved_s: 0.0,
             displaced_ut: Vector3::zeros(),
             displaced_s: 0.0,
             lost_strength_ut: None,

@@ -85,15 +85,10 @@ impl Aided {
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
-            let strange = self.strength.since_ns.is_some();
             return match trial.phase {
                 Phase::Place => Status::Disturbed { since_ns },
-                Phase::Undecided if strange && trial.unclean => Status::Disturbed { since_ns },
                 Phase::Undecided => Status::Suspect { since_ns },
             };
-        }
-        if let Some(since_ns) = self.strength.since_ns {
-            return Status::Disturbed { since_ns };
         }
         if let Some(error) = impossible {
             Status::Held(HoldReason::FitRefused(error))

@@ -8,7 +8,6 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 use super::first_fit::{Before, FirstFit};
 use super::state::{FIELD, Gaussian, IRON, LOCAL, OFFSET};
-use super::strength::Strength;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Given;
@@ -25,7 +24,7 @@ impl Aided {
         self.first = FirstFit::new(given, self.known_ut, &self.tuning);
         self.trial = None;
         self.watch = Watch::new();
-        self.strength = Strength::default();
+        self.moved_s = 0.0;
         self.displaced_ut = Vector3::zeros();
     }
 

@@ -78,16 +78,10 @@ choices! {
         decide_rotation_rad: 0.5, "rad", "only rotation tells device from place";
         /// That share from which it has failed
         fit_share: 0.5, "", "families";
-        /// A misfit within this time of one that passed by itself is likelier the place's again than the device's
-        unrest_s: 120.0, "s", "a walk through a building";
         /// Time a changed place is held before it is taken as the new place
         place_time_s: 30.0, "s", "a room";
         /// Time in which a new place is believed to be the earth's field
         new_place_time_s: 300.0, "s", "a building";
-        /// Deviation of |c| from |m|, as a share, from which the field counts as disturbed
-        strength_share: 0.15, "", "rooms";
-        /// Time constant of that deviation
-        strength_time_s: 0.05, "s", "spikes";
         /// Split of the first sample into the field of the place and the offset
         far_sd_ut: 30.0, "uT", "the field of the earth";
         /// Tilt that a late gyroscope feigns

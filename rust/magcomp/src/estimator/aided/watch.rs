@@ -55,15 +55,13 @@ pub(crate) struct Watch {
     pub(crate) misfit_ut: f64,
     /// Low-passed residual of the former calibration over gated samples, uT.
     pub(crate) former_ut: Vector3<f64>,
-    /// Rotation over gated samples, fading otherwise, rad.
-    pub(crate) rotation_rad: f64,
 }
 
-checked!(Watch, |it| (0.0..=1.0).contains(&it.share) && it.misfit_ut >= 0.0 && it.rotation_rad >= 0.0);
+checked!(Watch, |it| (0.0..=1.0).contains(&it.share) && it.misfit_ut >= 0.0);
 
 impl Watch {
     pub(crate) fn new() -> Self {
-        Self { share: 0.0, since_ns: 0, misfit_ut: 0.0, former_ut: Vector3::zeros(), rotation_rad: 0.0 }
+        Self { share: 0.0, since_ns: 0, misfit_ut: 0.0, former_ut: Vector3::zeros() }
     }
 
     /// One sample: its innovation if it was gated, and the residual of the former calibration.
@@ -86,9 +84,6 @@ impl Watch {
             if let Some(former) = former {
                 self.former_ut += (former - self.former_ut) * tuning.misfit_gain;
             }
-            self.rotation_rad += step.angle_rad;
-        } else {
-            self.rotation_rad *= (-step.dt_s).exp();
         }
         self.share += (1.0 - (-step.dt_s / time_s).exp()) * (f64::from(gated.is_some()) - self.share);
     }
