@@ -220,7 +220,7 @@ impl Compensator {
         let answer = self.active.push(&sample, &paired, &mut self.clerk);
         if let Active::Aided(aided) = &*self.active {
             let (bias_rad_s, scale) = aided.gyroscope();
-            self.pairing.assume(bias_rad_s, scale);
+            self.pairing.assume(bias_rad_s, scale.diagonal());
             self.inputs.is_gyroscope_useless = aided.is_gyroscope_useless();
         }
         self.inputs.mode = answer.mode;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! mean raw of a group = M (u + tau w x u) + b,   u = back h,   M = I + E
-//! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 19 numbers
+//! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 25 numbers
 //! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
 //! ```
 //! b and e enter linearly for given (h, g, tau, s): each step solves for them exactly, so that the valley along which the field and
@@ -21,7 +21,9 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Groups, Mean};
 use super::propagate::ProcessNoise;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, soft_iron};
+use super::state::{
+    BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron,
+};
 use super::step::Step;
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -160,11 +162,11 @@ impl FirstFit {
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.
-    pub(super) fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
+    pub(super) fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
         match self.answer {
-            Some(_) => (self.x.fixed_rows::<3>(G).into_owned(), self.x.fixed_rows::<3>(S).into_owned()),
+            Some(_) => (self.x.fixed_rows::<3>(G).into_owned(), scale(self.x.as_slice())),
             // a fit that counts for nothing says nothing of the gyroscope either
-            None => (self.bias_rad_s, Vector3::zeros()),
+            None => (self.bias_rad_s, Matrix3::zeros()),
         }
     }
 
@@ -274,11 +276,18 @@ impl FirstFit {
         let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
         precision[(TAU, TAU)] = tuning.delay_sd_s.powi(-2);
-        let (own, common) = (1.0 - tuning.scale_common, tuning.scale_common);
         // the inverse of own I + common 1 1'
+        let (own, common) = (1.0 - tuning.scale_common, tuning.scale_common);
         let scale =
             (Matrix3::identity() - Matrix3::repeat(common / (own + 3.0 * common))) / (own * tuning.scale_sd.powi(2));
-        precision.fixed_view_mut::<3, 3>(S, S).copy_from(&scale);
+        for i in 0..9 {
+            precision[(S + i, S + i)] = tuning.axes_deg.to_radians().powi(-2);
+        }
+        for i in 0..3 {
+            for k in 0..3 {
+                precision[(S + 4 * i, S + 4 * k)] = scale[(i, k)];
+            }
+        }
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
         Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) + misfit_ut2 }
@@ -407,11 +416,12 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         back: Matrix3::zeros(),
     };
     let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, b, g, s, tau) = (vector(FIELD), vector(OFFSET), vector(G), vector(S), x[TAU]);
+    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
+    let s = x.fixed_rows::<9>(S).into_owned();
     let m = soft_iron(x.as_slice());
     groups.each(&h, &g, &s, |mean: &Mean| {
         let v = prior.noise_ut2 / mean.count + prior.place_ut2 * CORRELATION_S / mean.moved_s;
-        let w = mean.rate_rad_s - mean.rate_rad_s.component_mul(&s) - g;
+        let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
         let u = mean.back * h;
         let late = Matrix3::identity() + w.cross_matrix() * tau;
         let swing = w.cross(&u);
@@ -423,7 +433,7 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
         let by_gyroscope = to_field * mean.by_gyroscope;
         j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
-        j.fixed_columns_mut::<3>(S).copy_from(&by_gyroscope.fixed_columns::<3>(3));
+        j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
         j.set_column(TAU, &(m * swing));
         let residual = mean.raw_ut - m * seen - b;
         let size = residual.norm_squared();

@@ -3,7 +3,7 @@
 //! ```text
 //! R      turns the field from the device frame of one sample to that of the next:  h <- R h
 //! group: turn = product of R,  back = sum of R' from the group's end to each sample,  raw = sum of samples
-//!        G = sum of R_end dt,  S = sum of R_end diag(increment)      (R_end: from the step to the group's end)
+//!        G = sum of R_end dt,  S = sum of R_end (increment' (x) I)      (R_end: from the step to the group's end)
 //! with the gyroscope's bias g and scale error s:  turn' = exp([G g + S s]x) turn
 //! ```
 //! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
@@ -11,9 +11,10 @@
 //! too, and groups become twice as long; at their longest the oldest goes.
 
 use crate::sound::checked;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::propagate::turn;
+use super::state::scale_rows;
 
 /// Groups held.
 const GROUPS: usize = 32;
@@ -29,7 +30,7 @@ struct Group {
     turn: Matrix3<f64>,
     back: Matrix3<f64>,
     by_bias: Matrix3<f64>,
-    by_scale: Matrix3<f64>,
+    by_scale: SMatrix<f64, 3, 9>,
     raw_ut: Vector3<f64>,
     rate_rad_s: Vector3<f64>,
     count: f64,
@@ -63,7 +64,7 @@ pub(super) struct Mean {
     /// Mean of R' from now to the samples: the mean field is `back` h.
     pub(super) back: Matrix3<f64>,
     /// Derivative of that mean field by g and s.
-    pub(super) by_gyroscope: SMatrix<f64, 3, 6>,
+    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
     pub(super) count: f64,
     pub(super) moved_s: f64,
 }
@@ -98,7 +99,7 @@ impl Groups {
         group.turn = r * group.turn;
         group.back *= r.transpose();
         group.by_bias = r * group.by_bias + Matrix3::identity() * dt_s;
-        group.by_scale = r * group.by_scale + Matrix3::from_diagonal(increment_rad);
+        group.by_scale = r * group.by_scale + scale_rows(increment_rad);
     }
 
     /// A sample after that step. Returns whether a group is full.
@@ -131,15 +132,15 @@ impl Groups {
     }
 
     /// Each group from the latest back to the first, for a field `h` now, bias `g` and scale error `s`.
-    pub(super) fn each(&self, h: &Vector3<f64>, g: &Vector3<f64>, s: &Vector3<f64>, mut visit: impl FnMut(&Mean)) {
+    pub(super) fn each(&self, h: &Vector3<f64>, g: &Vector3<f64>, s: &SVector<f64, 9>, mut visit: impl FnMut(&Mean)) {
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
-        let mut by_gyroscope = SMatrix::<f64, 3, 6>::zeros();
+        let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();
         for group in self.groups[..self.used].iter().rev() {
             let off = group.by_bias * g + group.by_scale * s;
-            let mut leads = SMatrix::<f64, 3, 6>::zeros();
+            let mut leads = SMatrix::<f64, 3, 12>::zeros();
             leads.fixed_columns_mut::<3>(0).copy_from(&group.by_bias);
-            leads.fixed_columns_mut::<3>(3).copy_from(&group.by_scale);
+            leads.fixed_columns_mut::<9>(3).copy_from(&group.by_scale);
             let field = back * h;
             let leads = field.cross_matrix() * leads;
             if group.count > 0.0 {

@@ -78,7 +78,7 @@ impl Aided {
         let (bias_rad_s, scale) = self.first.gyroscope();
         let bias_sd = self.first.bias_sd();
         self.motion.step(&rotation.rate_rad_s, &bias_rad_s, bias_sd, dt_s, &self.tuning);
-        let turned = rotation.increment_rad - rotation.increment_rad.component_mul(&scale) - bias_rad_s * dt_s;
+        let turned = rotation.increment_rad - scale * rotation.increment_rad - bias_rad_s * dt_s;
         let (turn, _) = propagate::turn(&turned);
         let (offset_ut, soft_iron) = self.first.calibration();
         let angle_rad = turned.norm();

@@ -1,8 +1,8 @@
 //! The measurement: a raw sample is the field as it was tau ago, through the device's own disturbance.
 //!
 //! ```text
-//! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = (1 - s) gyroscope rate - g
-//! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/ds = dr/dg diag(rate),
+//! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = (I - S) gyroscope rate - g
+//! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/ds = dr/dg (rate' (x) I),
 //! dr/dtau = M (w x h0)
 //! S = H P H^T + sigma^2 I + B,   S = L L^T,   V = P H^T L^-T,   z = L^-1 v
 //! x <- x + V z,   P <- P - V V^T + U U^T
@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
-use super::state::{BIAS, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, STATES, iron_rows};
+use super::state::{BIAS, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, STATES, iron_rows, scale_rows};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ pub(crate) fn jacobian(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> SMatrix<f64, 
     h.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&(h0 + wh * tau)));
     h.fixed_columns_mut::<3>(BIAS).copy_from(&to_bias);
     h.set_column(DELAY, &(m * wh));
-    h.fixed_columns_mut::<3>(SCALE).copy_from(&(to_bias * Matrix3::from_diagonal(rate_rad_s)));
+    h.fixed_columns_mut::<9>(SCALE).copy_from(&(to_bias * scale_rows(rate_rad_s)));
     h.fixed_columns_mut::<3>(LOCAL).copy_from(&to_field);
     h
 }

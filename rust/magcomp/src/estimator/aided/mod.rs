@@ -36,7 +36,7 @@ use adapt::Adaptation;
 use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
-use state::{BIAS, FIELD, Gaussian, OFFSET, SCALE};
+use state::{BIAS, FIELD, Gaussian, OFFSET};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::{Former, Watch};
@@ -136,10 +136,8 @@ impl Aided {
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
-    pub fn gyroscope(&self) -> (Vector3<f64>, Vector3<f64>) {
-        self.filter
-            .as_ref()
-            .map_or_else(|| self.first.gyroscope(), |filter| (filter.vector(BIAS), filter.vector(SCALE)))
+    pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
+        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |filter| (filter.vector(BIAS), filter.scale()))
     }
 
     /// Whether what the gyroscope reads explains nothing.

@@ -1,9 +1,9 @@
 //! Propagation over dt: between two samples the field turns by the inverse of the device's own rotation.
 //!
 //! ```text
-//! theta = (1 - s) (rotation increment of the gyroscope) - g dt,   R = exp(-[theta]x)   (Rodrigues)
+//! theta = (I - S) (rotation increment of the gyroscope) - g dt,   R = exp(-[theta]x)   (Rodrigues)
 //! m <- R m,   d <- a R d,  a = exp(-dt / tau_d),   b, e, g, tau, s constant
-//! dm/dm = R,  dd/dd = a R,  dm/dg = -dt [m']x J,  dd/dg = -dt [d']x J,   d/ds = d/dg diag(increment) / dt
+//! dm/dm = R,  dd/dd = a R,  dm/dg = -dt [m']x J,  dd/dg = -dt [d']x J,   d/ds = d/dg (increment' (x) I) / dt
 //! J = J_l(-theta), the left Jacobian of the rotation: exp([p + dp]x) = exp([J_l(p) dp]x) exp([p]x)
 //! ```
 //! Process noise:
@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES};
+use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES, scale_rows};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
 impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
-        let theta = increment_rad - increment_rad.component_mul(&self.vector(SCALE)) - self.vector(BIAS) * dt_s;
+        let theta = increment_rad - self.scale() * increment_rad - self.vector(BIAS) * dt_s;
         let (r, j) = turn(&theta);
         let fade = (-dt_s / noise.local_time_s).exp();
         let m = r * self.vector(FIELD);
@@ -66,14 +66,14 @@ impl Gaussian {
         self.set_vector(LOCAL, &d);
 
         let by_bias = j * -dt_s;
-        let by_scale = -j * Matrix3::from_diagonal(increment_rad);
+        let by_scale = -j * scale_rows(increment_rad);
         let row =
             |turn: Matrix3<f64>, v: &Vector3<f64>| (turn, v.cross_matrix() * by_bias, v.cross_matrix() * by_scale);
         let turning = [(FIELD, row(r, &m)), (LOCAL, row(r * fade, &d))];
         // F P first, whose other rows are those of P; then (F P) F^T
         let fp: [SMatrix<f64, 3, STATES>; 2] = turning.map(|(i, (f, g, s))| {
             let p = |k| self.p.fixed_rows::<3>(k);
-            f * p(i) + g * p(BIAS) + s * p(SCALE)
+            f * p(i) + g * p(BIAS) + s * self.p.fixed_rows::<9>(SCALE)
         });
         for ((i, _), rows) in turning.iter().zip(&fp) {
             self.p.fixed_rows_mut::<3>(*i).copy_from(rows);
@@ -82,7 +82,8 @@ impl Gaussian {
         for ((i, _), rows) in turning.iter().zip(&fp) {
             for (k, (f, g, s)) in &turning {
                 let p = |k| rows.fixed_columns::<3>(k);
-                let block = p(*k) * f.transpose() + p(BIAS) * g.transpose() + p(SCALE) * s.transpose();
+                let block =
+                    p(*k) * f.transpose() + p(BIAS) * g.transpose() + rows.fixed_columns::<9>(SCALE) * s.transpose();
                 self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block);
                 self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block.transpose());
             }

@@ -1,4 +1,4 @@
-//! The state and its covariance: x = [m, b, e, g, tau, s, d], 22 numbers, P symmetric.
+//! The state and its covariance: x = [m, b, e, g, tau, s, d], 28 numbers, P symmetric.
 //!
 //! ```text
 //! m    field of the place in the device frame at the gyroscope's time, uT
@@ -6,7 +6,7 @@
 //! e    soft iron M = I + E, e = (E_xx, E_yy, E_zz, E_xy, E_xz, E_yz), trace E = 0
 //! g    gyroscope bias, rad/s
 //! tau  how late the magnetometer is against the gyroscope, s
-//! s    scale error of the gyroscope, per axis: true rate = (1 - s) reading - g
+//! s    S by columns: scale and axes of the gyroscope against the magnetometer's, true rate = (I - S) reading - g
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! ```
 //!
@@ -18,7 +18,7 @@ use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Length of the state.
-pub(crate) const STATES: usize = 22;
+pub(crate) const STATES: usize = 28;
 /// First index of m.
 pub(crate) const FIELD: usize = 0;
 /// First index of b.
@@ -32,7 +32,7 @@ pub(crate) const DELAY: usize = 15;
 /// First index of s.
 pub(crate) const SCALE: usize = 16;
 /// First index of d.
-pub(crate) const LOCAL: usize = 19;
+pub(crate) const LOCAL: usize = 25;
 
 /// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
@@ -79,9 +79,14 @@ impl Gaussian {
         soft_iron(self.x.as_slice())
     }
 
-    /// The device's rate for a gyroscope's reading: (1 - s) reading - g.
+    /// S.
+    pub(crate) fn scale(&self) -> Matrix3<f64> {
+        scale(self.x.as_slice())
+    }
+
+    /// The device's rate for a gyroscope's reading: (I - S) reading - g.
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        reading - reading.component_mul(&self.vector(SCALE)) - self.vector(BIAS)
+        reading - self.scale() * reading - self.vector(BIAS)
     }
 
     /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
@@ -119,6 +124,16 @@ impl Gaussian {
 pub(crate) fn soft_iron(x: &[f64]) -> Matrix3<f64> {
     let e = &x[IRON..IRON + 6];
     Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
+}
+
+/// S of a state, or of one that begins as the state does.
+pub(crate) fn scale(x: &[f64]) -> Matrix3<f64> {
+    Matrix3::from_column_slice(&x[SCALE..SCALE + 9])
+}
+
+/// The 3x9 matrix that makes S v linear in s.
+pub(crate) fn scale_rows(v: &Vector3<f64>) -> SMatrix<f64, 3, 9> {
+    v.transpose().kronecker(&Matrix3::identity())
 }
 
 /// D(h) e = E h: the 3x6 matrix that makes M h linear in e.

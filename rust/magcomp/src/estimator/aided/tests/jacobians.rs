@@ -24,9 +24,9 @@ const QUIET: ProcessNoise = ProcessNoise {
 /// Sizes of the states, for steps and tolerances.
 fn scale(i: usize) -> f64 {
     match i {
-        0..=5 | 19..=21 => 10.0,
+        0..=5 | 25..=27 => 10.0,
         6..=11 => 0.05,
-        12..=14 | 16..=18 => 0.02,
+        12..=14 | 16..=24 => 0.02,
         _ => 0.01,
     }
 }
