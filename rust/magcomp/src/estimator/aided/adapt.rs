@@ -66,7 +66,7 @@ impl Adaptation {
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
-            slow_power_ut2: tuning.uneven_start_ut.powi(2),
+            slow_power_ut2: tuning.local_start_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
@@ -128,7 +128,7 @@ impl Adaptation {
             // a cover or charger moves the field for a second at most
             let gain = 1.0 - (-dt_s / tuning.settled_s).exp();
             self.useless_share += gain * (f64::from(surprise) - self.useless_share);
-            self.useless = self.useless_share > tuning.fit_share;
+            self.useless = self.useless_share > 0.5;
             let gain = (dt_s / tuning.memory_s).min(0.2);
             let variance = self.variance_ut2;
             self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);

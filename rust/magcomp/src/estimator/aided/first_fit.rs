@@ -238,7 +238,7 @@ impl FirstFit {
             return None;
         }
         let found = filter(&x, &covariance, tuning)?;
-        self.refused = impossible_field(&found, tuning.beyond_doubt);
+        self.refused = impossible_field(&found);
         let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&x.fixed_rows::<3>(FIELD).norm());
         if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
@@ -276,17 +276,8 @@ impl FirstFit {
         let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
         precision[(TAU, TAU)] = tuning.delay_sd_s.powi(-2);
-        // the inverse of own I + common 1 1'
-        let (own, common) = (1.0 - tuning.scale_common, tuning.scale_common);
-        let scale =
-            (Matrix3::identity() - Matrix3::repeat(common / (own + 3.0 * common))) / (own * tuning.scale_sd.powi(2));
-        for i in 0..9 {
-            precision[(S + i, S + i)] = tuning.axes_deg.to_radians().powi(-2);
-        }
-        for i in 0..3 {
-            for k in 0..3 {
-                precision[(S + 4 * i, S + 4 * k)] = scale[(i, k)];
-            }
+        for k in S..LOCAL {
+            precision[(k, k)] = tuning.axes_sd.powi(-2);
         }
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };

@@ -254,10 +254,8 @@ impl Aided {
         let c = &self.tuning;
         ProcessNoise {
             angle_rad: c.angle_walk_rad,
-            scale: self.tuning.scale_walk,
             bridged_rad2,
             offset_ut: self.tuning.offset_walk_ut * self.motion.amount(&self.tuning).sqrt(),
-            iron: self.tuning.iron_walk,
             bias_rad_s: c.bias_walk_rad_s,
             local_ut: self.adaptation.local_ut,
             local_time_s: self.tuning.local_time_s,

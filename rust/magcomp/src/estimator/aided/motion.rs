@@ -4,7 +4,7 @@
 //! motion = min((rate / 0.3)^2, 1): how much of the process noise and of the learning applies.
 //! Rest: rate < 0.06 rad/s and |w - g| < 0.12; while the bias is unknown also a rate that is small (bias could be it)
 //! and does not scatter, as no hand holds. At rest the rate itself is the bias.
-//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a - u), |a - u| < 0.2 g, where a is what the
+//! up: turned with the gyroscope, drawn to the accelerometer: u += (dt / T) (a - u), where a is what the
 //! accelerometer reads in g, low-passed for a second and turned likewise. (The mean of samples that were limited one by one
 //! is not gravity.) Carried so, what motion adds to
 //! gravity is averaged as the world sees it, where it comes to nothing (a body that stays about where it is). Samples
@@ -16,9 +16,8 @@
 //! Averaged over T it leaves L T_0 / T in u. Meanwhile the gyroscope tilts u by D T, where D has the uncertainty of its bias
 //! and what its axes are off, times the rotation that does not cancel: D^2 = s_g^2 + axes^2 |net rate|^2. Hence
 //! ```text
-//! T = max(5 s, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = (L - (1 deg)^2)_+ T_0 / T + D^2 T^2
+//! T = max(5 s, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = L T_0 / T + D^2 T^2
 //! ```
-//! (a late gyroscope feigns a degree in L).
 //! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
 
 use crate::sensing::tilt::GRAVITY_M_S2;
@@ -91,8 +90,7 @@ impl Motion {
 
     /// Variance of `up` about a horizontal axis for what motion adds to gravity, rad^2.
     pub(crate) fn tilt_rad2(&self, tuning: &Tuning) -> f64 {
-        let felt = (f64::from(self.leaning) - tuning.feigned_rad2).max(0.0);
-        felt * tuning.settled_s / self.up_time_s + self.drift_rad2_s2 * self.up_time_s.powi(2)
+        f64::from(self.leaning) * tuning.settled_s / self.up_time_s + self.drift_rad2_s2 * self.up_time_s.powi(2)
     }
 
     pub(crate) fn at_rest(&self) -> bool {
@@ -152,11 +150,9 @@ impl Motion {
                 let age_s = f64::from(self.up_age_s);
                 // an unknown bias must not tilt up by more than about 0.03 rad
                 let time_s = (0.03 / bias_sd).max(0.5).min(tuning.settled_s).min(age_s);
-                let axes_rad = tuning.axes_deg.to_radians();
-                self.drift_rad2_s2 = bias_sd.powi(2) + axes_rad.powi(2) * self.net_rad_s.norm_squared();
+                self.drift_rad2_s2 = bias_sd.powi(2) + tuning.axes_sd.powi(2) * self.net_rad_s.norm_squared();
                 let best_s = (f64::from(self.leaning) * tuning.settled_s / (2.0 * self.drift_rad2_s2)).cbrt();
                 self.up_time_s = best_s.max(time_s).min(age_s);
-                let off = off * (tuning.largest_off / off.norm().max(tuning.largest_off));
                 *up += off * (dt_s / self.up_time_s).min(1.0);
                 let gain = (dt_s / time_s).min(1.0);
                 let slow: Vector3<f64> = self.slow.cast();

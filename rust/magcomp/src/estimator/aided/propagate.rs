@@ -8,8 +8,8 @@
 //! ```
 //! Process noise:
 //! ```text
-//! m += ((q_g^2 + q_s^2 |w|^2) dt + v) (|m|^2 I - m m^T)     (gyroscope noise; q_s: scale error; v: bridged)
-//! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I,  e += q_e^2 dt T
+//! m += (q_g^2 dt + v) (|m|^2 I - m m^T)     (gyroscope noise; v: bridged)
+//! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
@@ -21,22 +21,13 @@ use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES, scale_ro
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProcessNoise {
     pub(crate) angle_rad: f64,
-    pub(crate) scale: f64,
     /// Variance (not density) of this step's increment per axis, for what the gyroscope did between its events, rad^2.
     pub(crate) bridged_rad2: f64,
     pub(crate) offset_ut: f64,
-    pub(crate) iron: f64,
     pub(crate) bias_rad_s: f64,
     /// Standard deviation (not density) of the local field, uT.
     pub(crate) local_ut: f64,
     pub(crate) local_time_s: f64,
-}
-
-impl ProcessNoise {
-    /// Variance per axis of a turn by `angle_rad` in `dt_s`, rad^2.
-    fn turn_rad2(&self, angle_rad: f64, dt_s: f64) -> f64 {
-        self.angle_rad.powi(2) * dt_s + self.scale.powi(2) * angle_rad.powi(2) / dt_s.max(1e-6) + self.bridged_rad2
-    }
 }
 
 /// exp(-[theta]x), and J_l(-theta).
@@ -89,10 +80,9 @@ impl Gaussian {
             }
         }
 
-        let turn2 = noise.turn_rad2(theta.norm(), dt_s);
+        let turn2 = noise.angle_rad.powi(2) * dt_s + noise.bridged_rad2;
         self.add_block(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
-        self.add_iron_variance(noise.iron.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
         r

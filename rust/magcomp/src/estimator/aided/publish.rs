@@ -47,9 +47,8 @@ impl Aided {
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
-        let clock_s2 = (self.tuning.clock_share * delay_s).powi(2) + filter.p[(DELAY, DELAY)];
-        let swing = rate.cross(&f) * clock_s2.sqrt();
-        let timing = swing * swing.transpose();
+        let swing = rate.cross(&f);
+        let timing = swing * swing.transpose() * filter.p[(DELAY, DELAY)];
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
         let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
@@ -59,14 +58,10 @@ impl Aided {
         }
         let p_c =
             calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
-        let axes_rad2 = self.tuning.axes_deg.to_radians().powi(2);
         let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
-        let p_f = filter.block(FIELD, FIELD)
-            + Matrix3::identity() * floor
-            + (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * axes_rad2
-            + timing
-            + displaced_ut * displaced_ut.transpose();
+        let p_f =
+            filter.block(FIELD, FIELD) + Matrix3::identity() * floor + timing + displaced_ut * displaced_ut.transpose();
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }
@@ -79,7 +74,7 @@ impl Aided {
     }
 
     fn status(&self, filter: &Gaussian) -> Status {
-        let impossible = impossible_field(filter, self.tuning.beyond_doubt);
+        let impossible = impossible_field(filter);
         if self.filter.is_none() && self.first.answer.is_some() {
             return Status::Collecting(self.first.missing());
         }

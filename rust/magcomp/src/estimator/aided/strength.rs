@@ -7,12 +7,14 @@ use crate::quadric::FitError;
 
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
 const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
+/// Standard deviations by which |m| must be outside that to be refused: one in 400.
+const BEYOND_DOUBT: f64 = 3.0;
 
 /// That no place has a field as strong or as weak as m, if so.
-pub(super) fn impossible_field(filter: &Gaussian, beyond_doubt: f64) -> Option<FitError> {
+pub(super) fn impossible_field(filter: &Gaussian) -> Option<FitError> {
     let m = filter.vector(FIELD);
     let field_ut = m.norm();
-    let doubt_ut = beyond_doubt * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
+    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
     let (low_ut, high_ut) = POSSIBLE_UT;
     (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
         field_ut,

@@ -12,18 +12,12 @@ choices! {
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
         /// Delay of the magnetometer against the gyroscope before anything is known
         delay_sd_s: 0.010, "s", "from -7 to 27 ms were found";
-        /// Scale error of a gyroscope's axis before anything is known
-        scale_sd: 0.008, "", "data sheets: 1 to 3 % at the most";
-        /// Share of its variance that the three axes have in common
-        scale_common: 0.8, "", "one drive, one temperature";
+        /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
+        axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
         /// Angle random walk of the gyroscope
         angle_walk_rad: 3e-4, "rad/s^0.5", "data sheets: 1e-4 to 3e-4";
-        /// Noise in proportion to the rate, for what is left of the scale error (cross axis, timing)
-        scale_walk: 0.001, "s^0.5", "families";
         /// Random walk of the gyroscope's bias
         bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
-        /// Random walk of the soft iron
-        iron_walk: 1e-4, "1/s^0.5", "families";
         /// Random walk of the hard iron in motion
         offset_walk_ut: 0.15, "uT/s^0.5", "families and recordings: 1 uT in a minute; follows a drift of 0.5 uT/s";
         /// Random walk of the hard iron in a gap
@@ -34,7 +28,7 @@ choices! {
         noise_min_ut: 0.2, "uT", "phones";
         /// Correlation time of the local field, and over which the accelerometer is averaged, as the world sees it
         local_time_s: 1.0, "s", "a step or two";
-        /// Standard deviation of the local field at the start
+        /// Standard deviation of the local field at the start, and of the slow difference between c and f
         local_start_ut: 1.0, "uT", "rooms";
         /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
         local_min_ut: 0.03, "uT", "families";
@@ -48,10 +42,6 @@ choices! {
         slow_weight: 0.15, "", "families";
         /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f: f follows c
         uneven_gain: 2.15, "", "the undisturbed recordings";
-        /// That difference at the start
-        uneven_start_ut: 0.58, "uT", "recordings";
-        /// How far the axes of the gyroscope may be off those of the magnetometer, beyond their scale
-        axes_deg: 0.5, "deg", "data sheets: cross-axis sensitivity of 1 to 2 %";
         /// Memory of what must be seen at once: whether samples fit, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
@@ -60,12 +50,8 @@ choices! {
         settled_s: 5.0, "s", "families";
         /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used
         gate: 16.0, "", "one good sample in 900";
-        /// Time constant of the share of gated samples
-        gated_time_s: 0.6, "s", "families";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.13 s of nothing but gated samples";
-        /// Gain of the size of what does not fit
-        misfit_gain: 0.1, "", "ten samples";
         /// Least size of a step; less than half of it is no misfit of a former calibration
         smallest_step_ut: 8.0, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk and are not compared
@@ -76,20 +62,12 @@ choices! {
         decide_log_ratio: 30.0, "", "recordings";
         /// Rotation since the onset before a hypothesis may win
         decide_rotation_rad: 0.5, "rad", "only rotation tells device from place";
-        /// That share from which it has failed
-        fit_share: 0.5, "", "families";
         /// Time a changed place is held before it is taken as the new place
         place_time_s: 30.0, "s", "a room";
         /// Time in which a new place is believed to be the earth's field
         new_place_time_s: 300.0, "s", "a building";
         /// Split of the first sample into the field of the place and the offset
-        far_sd_ut: 30.0, "uT", "the field of the earth";
-        /// Tilt that a late gyroscope feigns
-        feigned_rad2: 3.05e-4, "rad^2", "one degree: 10 ms";
-        /// Standard deviations by which |m| must be outside what any place has to be refused
-        beyond_doubt: 3.0, "", "one in 400";
-        /// Share of the delay found by which the clocks of the sensors differ beyond it
-        clock_share: 0.35, "", "phones";
+        far_sd_ut: 39.0, "uT", "the strongest field on Earth, 67 uT, an axis";
         /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
         adopt_sd_ut: 4.0, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
@@ -102,8 +80,6 @@ choices! {
         unknown_bias_rad_s: 0.02, "rad/s", "phones";
         /// Rate from which motion is full: all of the process noise and of the learning applies
         full_motion_rad_s: 0.3, "rad/s", "families";
-        /// What the accelerometer reads beside gravity counts as no more than this, in g
-        largest_off: 0.2, "", "recordings";
         /// One step beyond which a gyroscope does not explain what the field does
         useless_step_ut: 17.0, "uT", "families";
         /// The same per turn

@@ -1,8 +1,8 @@
 //! What is kept of the samples that do not fit: their share, size and beginning; and the calibration before the last step.
 //!
 //! ```text
-//! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.6 s, falling with 0.25 s while hypotheses run
-//! |v|, raw - (M h + b)_former:  low-passed over gated samples (gain 0.1)
+//! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
+//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.25 s)
 //! ```
 //! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD.md;
 //! the recall is new.
@@ -73,16 +73,17 @@ impl Watch {
         clearing: bool,
         tuning: &Tuning,
     ) {
-        let time_s = if clearing && gated.is_none() { tuning.quick_s } else { tuning.gated_time_s };
+        let time_s = if clearing && gated.is_none() { tuning.quick_s } else { tuning.memory_s };
         if let Some(v) = gated {
             if self.share < 0.5 * tuning.suspect_share {
                 self.since_ns = step.time_ns;
                 self.misfit_ut = v.norm();
                 self.former_ut = former.unwrap_or_default();
             }
-            self.misfit_ut += tuning.misfit_gain * (v.norm() - self.misfit_ut);
+            let gain = 1.0 - (-step.dt_s / tuning.quick_s).exp();
+            self.misfit_ut += gain * (v.norm() - self.misfit_ut);
             if let Some(former) = former {
-                self.former_ut += (former - self.former_ut) * tuning.misfit_gain;
+                self.former_ut += (former - self.former_ut) * gain;
             }
         }
         self.share += (1.0 - (-step.dt_s / time_s).exp()) * (f64::from(gated.is_some()) - self.share);

@@ -12,10 +12,8 @@ use super::simulator::Random;
 
 const QUIET: ProcessNoise = ProcessNoise {
     angle_rad: 0.0,
-    scale: 0.0,
     bridged_rad2: 0.0,
     offset_ut: 0.0,
-    iron: 0.0,
     bias_rad_s: 0.0,
     local_ut: 0.0,
     local_time_s: 1.0,

@@ -62,12 +62,14 @@ fn one_axis_from_nothing_is_never_told_beyond_its_sigma() {
             beyond[0] += run.beyond[0];
             beyond[1] += run.beyond[1];
             told += run.told;
+            println!("  seed {seed} {:?} {} {:?} filter {}", run.beyond, run.told, run.first_s, aided.filter.is_some());
             worst_deg = worst_deg.max(run.worst_deg);
             if wobble_deg == 0.0 {
                 assert!(aided.filter.is_none(), "seed {seed}: {}", run.status);
                 assert_eq!(run.status, Status::Collecting(Missing::Directions), "seed {seed}");
             }
         }
+        println!("{wobble_deg} {beyond:?} {told} {worst_deg}");
         assert!(beyond[0] * 10 <= told && beyond[1] * 40 <= told, "{wobble_deg} deg: {beyond:?} of {told} told");
         assert!(worst_deg < 10.0, "{wobble_deg} deg: off by {worst_deg} deg and beyond three sigma");
     }
@@ -125,6 +127,7 @@ fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
             beyond[0] += run.beyond[0];
             beyond[1] += run.beyond[1];
             told += run.told;
+            println!("  seed {seed} {:?} {} {:?} filter {}", run.beyond, run.told, run.first_s, aided.filter.is_some());
         }
         // what is off by twelve standard deviations is dropped as soon as the motion shows it
         assert!(beyond[0] * 4 <= told, "{off_ut} uT: {beyond:?} of {told}");
