@@ -16,7 +16,7 @@
 #[cfg(test)]
 mod tests;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Which axis of the device the heading is that of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -178,7 +178,7 @@ pub fn heading_sigma_deg(
     up: &Vector3<f64>,
     axis: ReferenceAxis,
     rotation: ScreenRotation,
-    covariance_ut2: &nalgebra::Matrix3<f64>,
+    covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
     let up = up.try_normalize(0.0)?;
@@ -191,8 +191,18 @@ pub fn heading_sigma_deg(
         (e2 * n1 - n2 * e1).atan2(e1 * e2 + n1 * n2) / (2.0 * TILT_STEP_RAD)
     };
     let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
-    let variance = (covariance_ut2 * across).dot(&across) + tilt * tilt;
+    let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
     angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)
+}
+
+/// Variance of the horizontal part of a field across it, uT^2, as far as it turns that part: a part whose length is not known
+/// turns by more. `E[(y/x)^2] = var y / x^2 (1 + 3 var x / x^2 + ...)`. `up` has length 1.
+pub(crate) fn across_ut2(field_ut: &Vector3<f64>, up: &Vector3<f64>, covariance_ut2: &Matrix3<f64>) -> Option<f64> {
+    let east = field_ut.cross(up);
+    let across = east.try_normalize(VERTICAL)?;
+    let along = up.cross(&across);
+    let variance = |d: &Vector3<f64>| (covariance_ut2 * d).dot(d);
+    Some(variance(&across) * (1.0 + 3.0 * variance(&along).max(0.0) / east.norm_squared()))
 }
 
 /// The standard deviation of an angle whose vector has this length, and this standard deviation across it, degrees.

@@ -27,6 +27,7 @@ use super::state::{
 use super::step::Step;
 use super::strength::impossible_field;
 use super::tuning::Tuning;
+use crate::heading::across_ut2;
 use crate::quadric::FitError;
 use crate::reading::Missing;
 use crate::sound::checked;
@@ -335,11 +336,7 @@ fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
 /// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.
 fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) -> f64 {
     match up {
-        Some(up) => {
-            let level = h - up * up.dot(h);
-            let across = up.cross(&level).normalize();
-            across.dot(&(p_hh * across)) / level.norm_squared()
-        }
+        Some(up) => across_ut2(h, up, p_hh).map_or(f64::INFINITY, |variance| variance / h.cross(up).norm_squared()),
         None => p_hh.symmetric_eigenvalues().max() / h.norm_squared(),
     }
 }
