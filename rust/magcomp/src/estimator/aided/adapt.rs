@@ -8,6 +8,12 @@
 //! |e| > 150 uT |theta|) in most samples.
 //! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion; and with what the innovations have in common
 //! over 0.25 s beyond white noise (less than white: s_d is too large, the corrections go too far).
+//! Random walk of b, from its own corrections D_k = sum db over T seconds: a true drift keeps their direction, noise and
+//! an uneven field do not (after Myers and Tapley 1976, with the lagged product in place of the square):
+//! ```text
+//! seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / t_s) (seen - q_b^2)
+//! ```
+//! between the least and the largest walk.
 //! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
 //! then c and f differ slowly, which white noise does not do:
 //! ```text
@@ -41,6 +47,14 @@ pub(crate) struct Increment {
 pub(crate) struct Adaptation {
     variance_ut2: f64,
     pub(crate) local_ut: f64,
+    /// q_b, uT per root of a second.
+    pub(crate) walk_ut: f64,
+    /// D so far, that of the window before, and the window's time.
+    walked_ut: Vector3<f64>,
+    walked_before_ut: Vector3<f64>,
+    walked_s: f64,
+    /// tr P_bb when the window began, uT^2.
+    walk_began_ut2: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f32>,
@@ -54,6 +68,8 @@ pub(crate) struct Adaptation {
 
 checked!(Adaptation, |it| {
     [it.variance_ut2, it.local_ut, it.slow_age_s].iter().all(|v| *v > 0.0)
+        && it.walk_ut > 0.0
+        && it.walked_s >= 0.0
         && it.power_ut2 >= 0.0
         && (0.0..=1.0).contains(&it.useless_share)
 });
@@ -63,6 +79,11 @@ impl Adaptation {
         Self {
             variance_ut2: tuning.noise_start_ut.powi(2),
             local_ut: tuning.local_start_ut,
+            walk_ut: tuning.offset_walk_ut,
+            walked_ut: Vector3::zeros(),
+            walked_before_ut: Vector3::zeros(),
+            walked_s: 0.0,
+            walk_began_ut2: f64::MAX,
             previous_raw_ut: None,
             slow_ut: Vector3::zeros(),
             slow_innovation_ut: Vector3::zeros(),
@@ -152,5 +173,30 @@ impl Adaptation {
         let excess = if excess < 0.0 { excess * motion } else { excess };
         self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
         self.local_ut = self.local_ut.min(tuning.local_max_ut).max(tuning.local_min_ut);
+    }
+
+    /// The walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
+    pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, tuning: &Tuning) {
+        self.walked_ut += correction_ut;
+        self.walked_s += dt_s;
+        if self.walked_s < tuning.walk_s {
+            return;
+        }
+        let now = self.walk_ut.powi(2);
+        // what grew P meanwhile could not be seen
+        let unseen = (variance_ut2 - self.walk_began_ut2).max(0.0);
+        let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walked_s);
+        // one product has three degrees of freedom: it is not believed beyond nine fold
+        let next = now + (self.walked_s / tuning.settled_s).min(1.0) * (seen.clamp(-now, 9.0 * now) - now);
+        self.walk_ut = next.max(0.0).sqrt().clamp(tuning.offset_walk_ut, tuning.largest_walk_ut);
+        self.restart_walk(self.walked_ut, variance_ut2);
+    }
+
+    /// Begins a window of `walk`, after one in which b went by `before_ut`: by nothing after a step, which is no walk.
+    pub(crate) fn restart_walk(&mut self, before_ut: Vector3<f64>, variance_ut2: f64) {
+        self.walked_before_ut = before_ut;
+        self.walk_began_ut2 = variance_ut2;
+        self.walked_ut = Vector3::zeros();
+        self.walked_s = 0.0;
     }
 }

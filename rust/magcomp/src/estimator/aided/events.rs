@@ -141,7 +141,7 @@ impl Trial {
         self.device.propagate(step.increment_rad, step.dt_s, step.noise);
         self.place.propagate(step.increment_rad, step.dt_s, step.noise);
         if self.age_s < tuning.ramp_s {
-            let variance = tuning.ramp_walk_ut * tuning.ramp_walk_ut * step.dt_s;
+            let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
             self.device.add_variance(OFFSET, variance);
             self.place.add_variance(FIELD, variance);
         }

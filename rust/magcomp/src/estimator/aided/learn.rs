@@ -181,7 +181,11 @@ impl Aided {
         }
         if !step.resting {
             if !gated {
+                let before_ut = filter.vector(OFFSET);
                 filter.update(&innovation, NONE);
+                let variance_ut2 = filter.block(OFFSET, OFFSET).trace();
+                let correction_ut = filter.vector(OFFSET) - before_ut;
+                self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
                 self.watch_unevenness(step, filter);
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
@@ -240,6 +244,7 @@ impl Aided {
     fn go_on_with(&mut self, winner: Gaussian, filter: &mut Gaussian) {
         *filter = winner;
         self.watch = Watch::new();
+        self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }
 
     /// Follows the slow difference between c and f.
@@ -255,7 +260,7 @@ impl Aided {
         ProcessNoise {
             angle_rad: c.angle_walk_rad,
             bridged_rad2,
-            offset_ut: self.tuning.offset_walk_ut * self.motion.amount(&self.tuning).sqrt(),
+            offset_ut: self.adaptation.walk_ut * self.motion.amount(&self.tuning).sqrt(),
             bias_rad_s: c.bias_walk_rad_s,
             local_ut: self.adaptation.local_ut,
             local_time_s: self.tuning.local_time_s,

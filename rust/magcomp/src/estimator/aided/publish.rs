@@ -60,8 +60,13 @@ impl Aided {
             calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
         let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
         let displaced_ut = self.displaced_ut.cast() * doubted;
-        let p_f =
-            filter.block(FIELD, FIELD) + Matrix3::identity() * floor + timing + displaced_ut * displaced_ut.transpose();
+        // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
+        let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
+        let p_f = filter.block(FIELD, FIELD)
+            + Matrix3::identity() * floor
+            + frames
+            + timing
+            + displaced_ut * displaced_ut.transpose();
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }

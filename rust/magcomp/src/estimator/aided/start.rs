@@ -92,7 +92,7 @@ impl Aided {
     /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
     pub(super) fn drift(&self, filter: &mut Gaussian, dt_s: f64) {
         let room_ut2 = self.tuning.far_sd_ut.powi(2) - filter.block(OFFSET, OFFSET).trace() / 3.0;
-        let walk_ut2 = self.tuning.gap_walk_ut.powi(2) * dt_s;
+        let walk_ut2 = self.tuning.largest_walk_ut.powi(2) * dt_s;
         filter.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
     }
 }

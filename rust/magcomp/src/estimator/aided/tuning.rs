@@ -18,10 +18,12 @@ choices! {
         angle_walk_rad: 3e-4, "rad/s^0.5", "data sheets: 1e-4 to 3e-4";
         /// Random walk of the gyroscope's bias
         bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
-        /// Random walk of the hard iron in motion
-        offset_walk_ut: 0.15, "uT/s^0.5", "families and recordings: 1 uT in a minute; follows a drift of 0.5 uT/s";
-        /// Random walk of the hard iron in a gap
-        gap_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
+        /// Least random walk of the hard iron in motion
+        offset_walk_ut: 0.05, "uT/s^0.5", "0.4 uT in a minute; families";
+        /// Time over which corrections of the hard iron are gathered to see whether they go one way
+        walk_s: 2.0, "s", "families";
+        /// Largest random walk of the hard iron, and that in a gap
+        largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
         noise_start_ut: 0.5, "uT", "a Nexus 5 has 0.48, iPhones 0.7 to 1.1";
         /// Least magnetometer noise, per axis
@@ -52,12 +54,12 @@ choices! {
         gate: 16.0, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.13 s of nothing but gated samples";
+        /// Memory of the size of what does not fit
+        misfit_s: 0.1, "s", "short against the time in which a hand puts a cover on";
         /// Least size of a step; less than half of it is no misfit of a former calibration
         smallest_step_ut: 8.0, "uT", "a cover";
-        /// A change takes up to this long: meanwhile the hypotheses let their unknown walk and are not compared
+        /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: 0.4, "s", "a cover put on";
-        /// That walk
-        ramp_walk_ut: 4.0, "uT/s^0.5", "families";
         /// Log likelihood ratio, per sample of 10 ms, at which a hypothesis wins: residuals of a real field are not white
         decide_log_ratio: 30.0, "", "recordings";
         /// Rotation since the onset before a hypothesis may win

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
-//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.25 s)
+//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.1 s)
 //! ```
 //! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD.md;
 //! the recall is new.
@@ -80,7 +80,7 @@ impl Watch {
                 self.misfit_ut = v.norm();
                 self.former_ut = former.unwrap_or_default();
             }
-            let gain = 1.0 - (-step.dt_s / tuning.quick_s).exp();
+            let gain = 1.0 - (-step.dt_s / tuning.misfit_s).exp();
             self.misfit_ut += gain * (v.norm() - self.misfit_ut);
             if let Some(former) = former {
                 self.former_ut += (former - self.former_ut) * gain;

@@ -51,7 +51,7 @@ fn positive_definite_over(samples: usize) {
     }
 }
 
-/// The next test's mean is over seeds, axes and time; a single run is correlated over many seconds.
+/// b walks as the filter takes it to. The mean is over seeds, axes and time; a single run is correlated over many seconds.
 #[test]
 fn offset_errors_match_their_covariance() {
     let (mut sum, mut count) = (0.0, 0.0);
@@ -59,6 +59,8 @@ fn offset_errors_match_their_covariance() {
         let mut world = World::new(seed);
         let mut aided = Aided::new(Tuning::default(), None);
         for k in 0..3_000 {
+            let walk_ut = Tuning::default().offset_walk_ut * 0.01_f64.sqrt();
+            world.hard_iron_ut += world.random.vector(walk_ut);
             let sample = world.sample(0.01);
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
             if k >= 500 && k % 100 == 0 {

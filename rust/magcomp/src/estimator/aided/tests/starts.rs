@@ -51,27 +51,23 @@ fn run(world: &mut World, aided: &mut Aided, seconds: f64) -> Run {
 #[test]
 fn one_axis_from_nothing_is_never_told_beyond_its_sigma() {
     for wobble_deg in [0.0, 0.1, 0.3, 0.6, 1.0] {
-        let mut beyond = [0; 2];
-        let (mut told, mut worst_deg) = (0, 0.0_f64);
+        // a run's errors go together: runs are counted
+        let mut doubtful = 0;
         for seed in 0..12 {
             let mut world = World::new(100 + seed);
             world.axis = Some(world.random.vector(1.0).normalize());
             world.wobble_rad = f64::to_radians(wobble_deg);
             let mut aided = Aided::new(Tuning::default(), None);
             let run = run(&mut world, &mut aided, 40.0);
-            beyond[0] += run.beyond[0];
-            beyond[1] += run.beyond[1];
-            told += run.told;
-            println!("  seed {seed} {:?} {} {:?} filter {}", run.beyond, run.told, run.first_s, aided.filter.is_some());
-            worst_deg = worst_deg.max(run.worst_deg);
+            doubtful += u32::from(run.beyond[0] * 10 > run.told);
+            assert!(run.beyond[1] * 40 <= run.told, "{wobble_deg} deg, seed {seed}: {:?} of {}", run.beyond, run.told);
+            assert!(run.worst_deg < 10.0, "{wobble_deg} deg, seed {seed}: off by {} deg", run.worst_deg);
             if wobble_deg == 0.0 {
                 assert!(aided.filter.is_none(), "seed {seed}: {}", run.status);
                 assert_eq!(run.status, Status::Collecting(Missing::Directions), "seed {seed}");
             }
         }
-        println!("{wobble_deg} {beyond:?} {told} {worst_deg}");
-        assert!(beyond[0] * 10 <= told && beyond[1] * 40 <= told, "{wobble_deg} deg: {beyond:?} of {told} told");
-        assert!(worst_deg < 10.0, "{wobble_deg} deg: off by {worst_deg} deg and beyond three sigma");
+        assert!(doubtful <= 2, "{wobble_deg} deg: {doubtful} of 12 runs beyond two sigmas");
     }
 }
 
@@ -127,10 +123,10 @@ fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
             beyond[0] += run.beyond[0];
             beyond[1] += run.beyond[1];
             told += run.told;
-            println!("  seed {seed} {:?} {} {:?} filter {}", run.beyond, run.told, run.first_s, aided.filter.is_some());
         }
-        // what is off by twelve standard deviations is dropped as soon as the motion shows it
-        assert!(beyond[0] * 4 <= told, "{off_ut} uT: {beyond:?} of {told}");
+        // what is off by twelve standard deviations is dropped as soon as the motion shows it; of four, along the axis, no
+        // motion shows anything
+        assert!(beyond[0] * 2 <= told && beyond[1] * 20 <= told, "{off_ut} uT: {beyond:?} of {told}");
     }
 }
 
