@@ -74,7 +74,7 @@ fn offset_errors_match_their_covariance() {
         }
     }
     let nees: f64 = sum / count;
-    assert!(count > 1_000.0 && (0.2..3.0).contains(&nees), "NEES per axis {nees:.2} over {count}");
+    assert!(count > 1_000.0 && (0.3..1.6).contains(&nees), "NEES per axis {nees:.2} over {count}");
 }
 
 #[test]
