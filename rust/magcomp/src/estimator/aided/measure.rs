@@ -124,15 +124,22 @@ impl Gaussian {
         whitened: &SVector<f64, N>,
         held: &[Range<usize>],
     ) {
-        self.p -= gain * gain.transpose();
+        // the lower half of P alone, by columns
+        let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
+            for column in v.column_iter() {
+                self.p.syger(sign, &column, &column, 1.0);
+            }
+        };
+        add(&gain, -1.0);
         if !held.is_empty() {
             let mut kept = SMatrix::<f64, STATES, N>::zeros();
             for k in held.iter().cloned().flatten() {
                 kept.set_row(k, &gain.row(k));
                 gain.row_mut(k).fill(0.0);
             }
-            self.p += kept * kept.transpose();
+            add(&kept, 1.0);
         }
+        self.p.fill_upper_triangle_with_lower_triangle();
         self.x += gain * whitened;
         // no variance below what rounding can carry: P stays positive definite for ever
         const FLOORS: [(usize, f64); 5] = [(FIELD, 1e-8), (IRON, 1e-12), (BIAS, 1e-14), (DELAY, 1e-12), (LOCAL, 1e-8)];

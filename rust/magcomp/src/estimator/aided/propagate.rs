@@ -61,22 +61,21 @@ impl Gaussian {
         let row =
             |turn: Matrix3<f64>, v: &Vector3<f64>| (turn, v.cross_matrix() * by_bias, v.cross_matrix() * by_scale);
         let turning = [(FIELD, row(r, &m)), (LOCAL, row(r * fade, &d))];
-        // F P first, whose other rows are those of P; then (F P) F^T
-        let fp: [SMatrix<f64, 3, STATES>; 2] = turning.map(|(i, (f, g, s))| {
-            let p = |k| self.p.fixed_rows::<3>(k);
-            f * p(i) + g * p(BIAS) + s * self.p.fixed_rows::<9>(SCALE)
+        // P F^T first, whose other columns are those of P; then F (P F^T). By columns, as they lie in memory
+        let pf: [SMatrix<f64, STATES, 3>; 2] = turning.map(|(i, (f, g, s))| {
+            let p = |k| self.p.fixed_columns::<3>(k);
+            p(i) * f.transpose() + p(BIAS) * g.transpose() + self.p.fixed_columns::<9>(SCALE) * s.transpose()
         });
-        for ((i, _), rows) in turning.iter().zip(&fp) {
-            self.p.fixed_rows_mut::<3>(*i).copy_from(rows);
-            self.p.fixed_columns_mut::<3>(*i).copy_from(&rows.transpose());
+        for ((i, _), columns) in turning.iter().zip(&pf) {
+            self.p.fixed_columns_mut::<3>(*i).copy_from(columns);
+            self.p.fixed_rows_mut::<3>(*i).copy_from(&columns.transpose());
         }
-        for ((i, _), rows) in turning.iter().zip(&fp) {
+        for ((i, _), columns) in turning.iter().zip(&pf) {
             for (k, (f, g, s)) in &turning {
-                let p = |k| rows.fixed_columns::<3>(k);
-                let block =
-                    p(*k) * f.transpose() + p(BIAS) * g.transpose() + rows.fixed_columns::<9>(SCALE) * s.transpose();
-                self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block);
-                self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block.transpose());
+                let p = |k| columns.fixed_rows::<3>(k);
+                let block = f * p(*k) + g * p(BIAS) + s * columns.fixed_rows::<9>(SCALE);
+                self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block);
+                self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block.transpose());
             }
         }
 

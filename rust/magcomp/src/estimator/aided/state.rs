@@ -52,9 +52,9 @@ impl Gaussian {
         Self { x: SVector::zeros(), p: SMatrix::zeros() }
     }
 
+    /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
     pub(crate) fn is_finite(&self) -> bool {
-        // no early end: the loop is one of vectors
-        self.x.iter().chain(self.p.iter()).fold(true, |all, v| all & v.is_finite())
+        self.x.iter().all(|v| v.is_finite()) && (0..STATES).all(|i| self.p[(i, i)].is_finite())
     }
 
     /// The 3x3 block of the covariance whose first indices are given.
