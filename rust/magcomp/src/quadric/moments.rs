@@ -33,18 +33,29 @@ const fn place([i, j, k]: [usize; 3]) -> usize {
     below + rest * (rest + 1) / 2 + k
 }
 
-/// Where each entry of S is found among the monomials (0 is the constant).
-const PLACES: [[usize; 10]; 10] = {
-    let mut places = [[0; 10]; 10];
-    let mut row = 0;
-    while row < 10 {
-        let mut column = 0;
-        while column < 10 {
-            let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
-            places[row][column] = place([a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
-            column += 1;
+/// Where an entry of S is found among the monomials (0 is the constant); of (grad d)(grad d)^T the factor and the place of what
+/// each axis adds.
+type Entry = (usize, [(f64, usize); 3]);
+
+const PLACES: [[Entry; 10]; 10] = {
+    let mut places = [[(0, [(0.0, 0); 3]); 10]; 10];
+    let mut entry = 0;
+    while entry < 100 {
+        let (row, column) = (entry / 10, entry % 10);
+        let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
+        let both = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        places[row][column].0 = place(both);
+        let mut axis = 0;
+        while axis < 3 {
+            if a[axis] * b[axis] > 0 {
+                let mut derived = both;
+                derived[axis] -= 2;
+                let factor = FACTORS[row] * FACTORS[column] * (a[axis] * b[axis]) as f64;
+                places[row][column].1[axis] = (factor, place(derived));
+            }
+            axis += 1;
         }
-        row += 1;
+        entry += 1;
     }
     places
 };
@@ -203,13 +214,14 @@ impl Moments {
     #[must_use]
     pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
         let means = self.means();
-        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j]] * (FACTORS[i] * FACTORS[j]));
+        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].0] * (FACTORS[i] * FACTORS[j]));
         // the Laplacian of d is 2 in the squares
         let square = |i: usize, j: usize| if i < 3 { s[(j, 9)] } else { 0.0 };
         let mut n = SMatrix::<f64, 10, 10>::zeros();
         for i in 0..10 {
             for j in i..10 {
-                n[(i, j)] = gradients(i, j, &means) * (FACTORS[i] * FACTORS[j]) + square(i, j) + square(j, i);
+                let [x, y, z] = PLACES[i][j].1.map(|(factor, place)| factor * means[place]);
+                n[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }
         n.fill_lower_triangle_with_upper_triangle();
@@ -223,21 +235,6 @@ impl Moments {
         let mean = Vector3::new(x, y, z);
         (Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) - mean * mean.transpose()) * (self.scale_ut * self.scale_ut)
     }
-}
-
-/// Mean of (grad x^i y^j z^k) . (grad x^l y^m z^n) for two entries of d, their factors left out.
-#[inline]
-fn gradients(row: usize, column: usize, means: &[f64; MONOMIALS + 1]) -> f64 {
-    let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
-    let mut sum = 0.0;
-    for axis in 0..3 {
-        if a[axis] * b[axis] > 0 {
-            let mut both = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-            both[axis] -= 2;
-            sum += (a[axis] * b[axis]) as f64 * means[place(both)];
-        }
-    }
-    sum
 }
 
 fn is_finite(v: &Vector3<f64>) -> bool {

@@ -58,16 +58,16 @@ pub(crate) fn closed_form(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
 /// Linear least squares with trace A = 3, if it is an ellipsoid: p = p0 + B q, (B^T S B) q = -B^T S p0, where
 /// p0 = [1, 1, 1, 0, ...] and B takes q1, q2 to A11 - A33, A22 - A33 and the other seven to themselves.
 fn linear(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
-    let mut b = SMatrix::<f64, 10, 9>::zeros();
-    (b[(0, 0)], b[(1, 1)]) = (1.0, 1.0);
-    b.fixed_view_mut::<1, 2>(2, 0).fill(-1.0);
-    b.fixed_view_mut::<7, 7>(3, 2).fill_with_identity();
-    let bs = b.tr_mul(s);
-    let q = ldl::solve(&(bs * b), &-(bs.column(0) + bs.column(1) + bs.column(2)))?;
-    let mut p = SVector::<f64, 10>::zeros();
-    p.fixed_rows_mut::<3>(0).fill(1.0);
-    p.gemv(1.0, &b, &q, 1.0);
-    Shape::from_quadric(&p)
+    let half = constrained(s);
+    let normal = constrained(&half.transpose()).transpose();
+    let q = ldl::solve(&normal, &-(half.column(0) + half.column(1) + half.column(2)))?;
+    let p = [1.0 + q[0], 1.0 + q[1], 1.0 - q[0] - q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8]];
+    Shape::from_quadric(&SVector::from(p))
+}
+
+/// B^T M.
+fn constrained<const C: usize>(m: &SMatrix<f64, 10, C>) -> SMatrix<f64, 9, C> {
+    SMatrix::from_fn(|i, j| if i < 2 { m[(i, j)] - m[(2, j)] } else { m[(i + 1, j)] })
 }
 
 /// Li and Griffiths with k = 4: the largest eigenvalue of C v = mu S_r v, S_r the scatter of the second-degree
