@@ -23,7 +23,7 @@ use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::tilt::Tilt;
 use crate::sound::{LARGEST_COUNT, checked};
 use active::Active;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::SMatrix;
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
@@ -104,7 +104,7 @@ impl Compensator {
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
         Ok(Self {
-            pairing: InertialPairing::new(),
+            pairing: InertialPairing::default(),
             active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
             clerk: Self::clerk(&config),
             inputs: Inputs::default(),
@@ -257,7 +257,7 @@ impl Compensator {
     fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
-        let least_deg = self.config.heading.tilt_sigma_deg;
+        let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: least_deg } = self.config.heading;
         let tilt_sigma_deg = match answer.tilt_rad2 {
             Some(variance) => least_deg.hypot(variance.sqrt().to_degrees()),
             None => self.inputs.tilt.sigma_deg(least_deg),
@@ -268,7 +268,15 @@ impl Compensator {
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: pointing.and_then(|(field, up)| self.heading(&field, &up, covariance.as_ref(), tilt_sigma_deg)),
+            heading: pointing.and_then(|(field, up)| {
+                let found = heading(&field, &up, axis, screen_rotation)?;
+                let sigma = |p| heading_sigma_deg(&field, &up, axis, screen_rotation, &p, tilt_sigma_deg);
+                Some(Heading {
+                    heading_sigma_deg: covariance.and_then(sigma),
+                    true_heading_deg: declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
+                    ..found
+                })
+            }),
             attitude: pointing.and_then(|(field, up)| {
                 let sigma_deg = covariance.and_then(|p| attitude_sigma_deg(&field, &up, &p, tilt_sigma_deg));
                 Some(Attitude { sigma_deg, ..attitude(&field, &up)? })
@@ -283,24 +291,6 @@ impl Compensator {
             event: self.inputs.event,
             status: answer.status,
         }
-    }
-
-    fn heading(
-        &self,
-        field: &Vector3<f64>,
-        up: &Vector3<f64>,
-        covariance: Option<&Matrix3<f64>>,
-        tilt_sigma_deg: f64,
-    ) -> Option<Heading> {
-        let config = &self.config.heading;
-        let found = heading(field, up, config.axis, config.screen_rotation)?;
-        Some(Heading {
-            heading_sigma_deg: covariance.and_then(|covariance| {
-                heading_sigma_deg(field, up, config.axis, config.screen_rotation, covariance, tilt_sigma_deg)
-            }),
-            true_heading_deg: config.declination_deg.map(|d| true_heading_deg(found.heading_deg, d)),
-            ..found
-        })
     }
 
     /// M, b and field strength in force, if any.
@@ -329,7 +319,7 @@ impl Compensator {
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        self.pairing = InertialPairing::new();
+        self.pairing = InertialPairing::default();
         *self.active = Active::new(&self.config, &self.tunings, Self::initial(&self.config));
         self.clerk.restart(self.config.initial);
         self.inputs = Inputs::default();

@@ -10,6 +10,11 @@ const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
 /// Cells on the whole sphere, each about 30 degrees across.
 pub const CELLS: usize = 48;
 
+/// The first cell of each band, and how many it has.
+fn bands() -> impl Iterator<Item = (usize, usize)> {
+    (0..BANDS.len()).map(|band| (BANDS[..band].iter().sum(), BANDS[band]))
+}
+
 /// Counts of samples per cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -30,29 +35,18 @@ impl Coverage {
         let length = direction.norm();
         let z = if length > 0.0 { direction.z / length } else { 1.0 };
         let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU + 0.5;
-        let mut first = 0;
-        for (band, cells) in BANDS.into_iter().enumerate() {
-            if z > 1.0 - 2.0 * (first + cells) as f64 / CELLS as f64 || band == BANDS.len() - 1 {
-                return first + ((turn * cells as f64) as usize).min(cells - 1);
-            }
-            first += cells;
-        }
-        CELLS - 1
+        let is_above = |last: usize| z > 1.0 - 2.0 * last as f64 / CELLS as f64;
+        let (first, cells) = bands().find(|(first, cells)| is_above(first + cells)).unwrap_or((CELLS - 4, 4));
+        first + ((turn * cells as f64) as usize).min(cells - 1)
     }
 
     /// Unit vector to the middle of a cell.
     fn middle(cell: usize) -> Vector3<f64> {
-        let mut first = 0;
-        for cells in BANDS {
-            if cell < first + cells {
-                let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
-                let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
-                let flat = (1.0 - z * z).sqrt();
-                return Vector3::new(flat * phi.cos(), flat * phi.sin(), z);
-            }
-            first += cells;
-        }
-        Vector3::z()
+        let (first, cells) = bands().find(|(first, cells)| cell < first + cells).unwrap_or((CELLS - 4, 4));
+        let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
+        let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
+        let flat = (1.0 - z * z).sqrt();
+        Vector3::new(flat * phi.cos(), flat * phi.sin(), z)
     }
 
     /// One more sample in a cell; in none, nothing changes.

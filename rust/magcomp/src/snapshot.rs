@@ -13,7 +13,6 @@
 mod tests;
 
 use crate::calibration::Calibration;
-use nalgebra::{Matrix3, Vector3};
 use postcard::Deserializer;
 use postcard::de_flavors::{Flavor, Slice};
 use serde::Serialize;
@@ -52,9 +51,8 @@ pub enum SnapshotError {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opened<'a> {
     pub calibration: Option<Calibration>,
-    version: u32,
-    library: &'a str,
-    state: &'a str,
+    /// None when another version or build of the library wrote it, or the calibration alone was kept.
+    state: Option<&'a str>,
 }
 
 const LIBRARY: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("MAGCOMP_BUILD"));
@@ -62,7 +60,7 @@ const MARK: &str = "{\"magcomp_snapshot\":";
 
 /// A state as text.
 pub(crate) fn seal<S: Serialize>(calibration: Option<Calibration>, state: &S) -> String {
-    let (calibration, state) = (encode(&calibration.map(numbers_of)), encode(state));
+    let (calibration, state) = (encode(&calibration), encode(state));
     let body = format!("\"library\":\"{LIBRARY}\",\"calibration\":\"{calibration}\",\"state\":\"{state}\"}}");
     format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()))
 }
@@ -85,34 +83,15 @@ fn opened(version: u32, rest: &str) -> Option<Opened<'_>> {
     }
     let (library, rest) = body.strip_prefix("\"library\":\"")?.split_once("\",\"calibration\":\"")?;
     let (calibration, rest) = rest.split_once("\",\"state\":\"")?;
-    let calibration = match decode::<Option<[f64; NUMBERS]>>(calibration)? {
-        Some(numbers) => Some(calibration_of(&numbers)?),
-        None => None,
-    };
-    Some(Opened { calibration, version, library, state: rest.strip_suffix("\"}")? })
-}
-
-/// Numbers that a calibration is kept as.
-const NUMBERS: usize = 13;
-
-fn numbers_of(calibration: Calibration) -> [f64; NUMBERS] {
-    let (m, b) = (calibration.soft_iron(), calibration.hard_iron_ut());
-    let strength_ut = calibration.field_strength_ut();
-    [m.m11, m.m12, m.m13, m.m21, m.m22, m.m23, m.m31, m.m32, m.m33, b.x, b.y, b.z, strength_ut]
-}
-
-fn calibration_of(numbers: &[f64; NUMBERS]) -> Option<Calibration> {
-    let (m, b) = (Matrix3::from_row_slice(&numbers[..9]), Vector3::from_column_slice(&numbers[9..12]));
-    Calibration::new(m, b, numbers[12]).ok()
+    let state = rest.strip_suffix("\"}")?;
+    let is_ours = (version, library) == (SNAPSHOT_VERSION, LIBRARY) && !state.is_empty();
+    Some(Opened { calibration: decode(calibration)?, state: is_ours.then_some(state) })
 }
 
 impl Opened<'_> {
-    /// The state; none when another version or build of the library wrote it, or the calibration alone was kept.
+    /// The state, where there is one.
     pub fn state<S: DeserializeOwned>(&self) -> Result<Option<S>, SnapshotError> {
-        if (self.version, self.library) != (SNAPSHOT_VERSION, LIBRARY) || self.state.is_empty() {
-            return Ok(None);
-        }
-        decode(self.state).map(Some).ok_or(SnapshotError::Damaged)
+        self.state.map(|state| decode(state).ok_or(SnapshotError::Damaged)).transpose()
     }
 }
 
@@ -136,8 +115,7 @@ fn encode<S: Serialize>(value: &S) -> String {
 fn decode<S: DeserializeOwned>(digits: &str) -> Option<S> {
     let nibble = |digit: &u8| char::from(*digit).to_digit(16).map(|nibble| nibble as u8);
     let (pairs, []) = digits.as_bytes().as_chunks::<2>() else { return None };
-    let bytes: Option<Vec<u8>> = pairs.iter().map(|[high, low]| Some(nibble(high)? << 4 | nibble(low)?)).collect();
-    let bytes = bytes?;
+    let bytes = pairs.iter().map(|[high, low]| Some(nibble(high)? << 4 | nibble(low)?)).collect::<Option<Vec<u8>>>()?;
     let mut deserializer = Deserializer::from_flavor(Finite(Slice::new(&bytes)));
     let value = S::deserialize(&mut deserializer).ok()?;
     deserializer.finalize().ok()?.is_empty().then_some(value)

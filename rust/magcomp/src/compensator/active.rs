@@ -99,8 +99,8 @@ impl Active {
     /// The latest ellipsoid fit that was accepted.
     pub fn fit(&self) -> Option<&EllipsoidFit> {
         match self {
-            Self::Aided(_) | Self::Adaptive(_) => None,
             Self::Windowed(windowed) => windowed.fit(),
+            _ => None,
         }
     }
 
@@ -148,7 +148,7 @@ fn by_adaptive(adaptive: &mut Adaptive, sample: &MagneticSample, paired: &Paired
 }
 
 fn by_windowed(windowed: &mut Windowed, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
-    let step = windowed.push(sample.time_ns, &sample.field_ut, clerk);
+    let status = windowed.push(sample.time_ns, &sample.field_ut, clerk);
     let field_ut = windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
     let field_ut = field_ut.filter(|field| field.norm().is_finite());
     let covariance = windowed.fit().zip(field_ut).map(|(fit, field)| {
@@ -160,9 +160,9 @@ fn by_windowed(windowed: &mut Windowed, sample: &MagneticSample, paired: &Paired
         field_ut,
         field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2()),
         up: paired.up_m_s2,
-        sigma_t: step.sigma_t,
+        sigma_t: clerk.sigma_t(),
         direction_sigma_deg: windowed.fit().map(|fit| fit.direction_sigma_deg),
-        ..Answer::none(mode_without_gyroscope(paired), step.status)
+        ..Answer::none(mode_without_gyroscope(paired), status)
     }
 }
 

@@ -199,8 +199,7 @@ impl Point {
         let mut hessian = Matrix9::zeros();
         for j in 0..9 {
             for i in j..9 {
-                let value = q[(i, j)] * DIAGONAL[i] * DIAGONAL[j] + r[i] * half[j] + half[i] * r[j];
-                hessian[(i, j)] = value;
+                hessian[(i, j)] = q[(i, j)] * DIAGONAL[i] * DIAGONAL[j] + r[i] * half[j] + half[i] * r[j];
             }
         }
         hessian

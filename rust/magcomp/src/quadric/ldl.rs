@@ -43,7 +43,12 @@ impl<const N: usize> Ldl<N> {
     /// x with H x = g.
     #[inline]
     pub fn solve(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
-        let mut x = self.forward(g);
+        let mut x = *g;
+        for i in 0..N {
+            for k in 0..i {
+                x[i] -= self.columns[k][i] * x[k];
+            }
+        }
         for i in (0..N).rev() {
             let mut value = x[i] * self.inverse[i];
             for k in i + 1..N {
@@ -54,26 +59,11 @@ impl<const N: usize> Ldl<N> {
         x
     }
 
-    /// L^-1 g.
-    #[inline]
-    fn forward(&self, g: &SVector<f64, N>) -> SVector<f64, N> {
-        let mut x = *g;
-        for i in 0..N {
-            for k in 0..i {
-                x[i] -= self.columns[k][i] * x[k];
-            }
-        }
-        x
-    }
-
     /// H^-1 A.
     #[inline]
     pub fn solve_matrix(&self, a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
         let mut x = *a;
-        for mut column in x.column_iter_mut() {
-            let solved = self.solve(&column.clone_owned());
-            column.copy_from(&solved);
-        }
+        x.column_iter_mut().for_each(|mut column| column.copy_from(&self.solve(&column.clone_owned())));
         x
     }
 

@@ -13,38 +13,49 @@
 #[cfg(test)]
 mod tests;
 
-use super::exact::{ExactSum, ExactSums};
+use super::exact::ExactSums;
 use crate::sound::{LARGEST_COUNT, checked};
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Exponents of x, y, z for each entry of d.
-const EXPONENTS: [(usize, usize, usize); 10] =
-    [(2, 0, 0), (0, 2, 0), (0, 0, 2), (1, 1, 0), (1, 0, 1), (0, 1, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)];
+const EXPONENTS: [[usize; 3]; 10] =
+    [[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [1, 0, 1], [0, 1, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
 /// Factor of each entry of d.
 const FACTORS: [f64; 10] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0];
 /// Monomials x^i y^j z^k with 1 <= i + j + k <= 4.
 const MONOMIALS: usize = 34;
 
 /// Place of x^i y^j z^k in the list of monomials, which runs by degree, then falling power of x, then of y.
-const fn place(i: usize, j: usize, k: usize) -> usize {
+const fn place([i, j, k]: [usize; 3]) -> usize {
     let degree = i + j + k;
     let below = [0, 1, 4, 10, 20][degree]; // monomials of lower degree, the constant included
     let rest = degree - i;
     below + rest * (rest + 1) / 2 + k
 }
 
-/// Where each entry of S is found among the monomials (0 is the constant).
-const PLACES: [[usize; 10]; 10] = {
-    let mut places = [[0; 10]; 10];
-    let mut row = 0;
-    while row < 10 {
-        let mut column = 0;
-        while column < 10 {
-            let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
-            places[row][column] = place(a.0 + b.0, a.1 + b.1, a.2 + b.2);
-            column += 1;
+/// Where an entry of S is found among the monomials (0 is the constant); of (grad d)(grad d)^T the factor and the place of what
+/// each axis adds.
+type Entry = (usize, [(f64, usize); 3]);
+
+const PLACES: [[Entry; 10]; 10] = {
+    let mut places = [[(0, [(0.0, 0); 3]); 10]; 10];
+    let mut entry = 0;
+    while entry < 100 {
+        let (row, column) = (entry / 10, entry % 10);
+        let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
+        let both = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        places[row][column].0 = place(both);
+        let mut axis = 0;
+        while axis < 3 {
+            if a[axis] * b[axis] > 0 {
+                let mut derived = both;
+                derived[axis] -= 2;
+                let factor = FACTORS[row] * FACTORS[column] * (a[axis] * b[axis]) as f64;
+                places[row][column].1[axis] = (factor, place(derived));
+            }
+            axis += 1;
         }
-        row += 1;
+        entry += 1;
     }
     places
 };
@@ -59,12 +70,6 @@ pub struct Moments {
     /// Samples among them with a NaN or infinite component: while there are any, nothing can be fitted.
     not_finite: usize,
     sums: ExactSums<MONOMIALS>,
-}
-
-/// What one sample adds.
-pub(crate) struct Terms {
-    finite: bool,
-    parts: [(i64, i64); MONOMIALS],
 }
 
 checked!(Moments, |it| is_finite(&it.centre_ut)
@@ -87,9 +92,7 @@ impl Moments {
         let centre = points_ut.iter().sum::<Vector3<f64>>() / n;
         let spread = (points_ut.iter().map(|p| (p - centre).norm_squared()).sum::<f64>() / n).sqrt();
         let mut moments = Self::new(centre, if spread > 0.0 { spread } else { 1.0 });
-        for point in points_ut {
-            moments.add(point);
-        }
+        points_ut.iter().for_each(|point| moments.add(point));
         moments
     }
 
@@ -124,23 +127,11 @@ impl Moments {
     /// A sample enters the set: constant time.
     #[inline]
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
-        self.add_terms(&self.terms(raw_ut));
-    }
-
-    /// What a sample adds to this set, and to any other about the same centre.
-    pub(crate) fn terms(&self, raw_ut: &Vector3<f64>) -> Terms {
-        Terms { finite: is_finite(raw_ut), parts: self.monomials(raw_ut).map(ExactSum::split) }
-    }
-
-    /// The sample that these are of enters the set.
-    #[inline]
-    pub(crate) fn add_terms(&mut self, terms: &Terms) {
-        self.count += 1;
-        self.not_finite += usize::from(!terms.finite);
-        self.sums.add(terms.parts);
+        self.add_mean(raw_ut, 1);
     }
 
     /// The mean of `count` neighbouring samples enters the set in their place: constant time.
+    #[inline]
     pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
         self.count += count;
         self.not_finite += if is_finite(raw_ut) { 0 } else { count };
@@ -161,7 +152,7 @@ impl Moments {
     }
 
     /// Mean of the samples, in centred and scaled coordinates, and their covariance.
-    pub(crate) fn cloud(&self) -> (Vector3<f64>, nalgebra::Matrix3<f64>) {
+    pub(crate) fn cloud(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let [_, x, y, z, ..] = *self.means().first_chunk::<10>().expect("35 means");
         (Vector3::new(x, y, z), self.cloud_covariance_ut2() / (self.scale_ut * self.scale_ut))
     }
@@ -176,13 +167,13 @@ impl Moments {
         [
             x,
             y,
-            z, //
+            z,
             xx,
             xy,
             xz,
             yy,
             yz,
-            zz, //
+            zz,
             xxx,
             xx * y,
             xx * z,
@@ -192,7 +183,7 @@ impl Moments {
             yyy,
             yyz,
             yzz,
-            zzz, //
+            zzz,
             xx * xx,
             xxx * y,
             xxx * z,
@@ -202,7 +193,7 @@ impl Moments {
             x * yyy,
             x * yyz,
             x * yzz,
-            x * zzz, //
+            x * zzz,
             yy * yy,
             yyy * z,
             yy * zz,
@@ -223,56 +214,26 @@ impl Moments {
     #[must_use]
     pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
         let means = self.means();
-        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j]] * (FACTORS[i] * FACTORS[j]));
-        let [_, x, y, z, xx, xy, xz, yy, yz, zz] = *means.first_chunk::<10>().expect("35 means");
+        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].0] * (FACTORS[i] * FACTORS[j]));
+        // the Laplacian of d is 2 in the squares
+        let square = |i: usize, j: usize| if i < 3 { s[(j, 9)] } else { 0.0 };
         let mut n = SMatrix::<f64, 10, 10>::zeros();
-        // grad d: x^2 -> (2x,0,0), 2xy -> (2y,2x,0), 2xz -> (2z,0,2x), 2yz -> (0,2z,2y), x -> (1,0,0), ...
-        let entries = [
-            (0, 0, xx),
-            (1, 1, yy),
-            (2, 2, zz),
-            (3, 3, xx + yy),
-            (4, 4, xx + zz),
-            (5, 5, yy + zz),
-            (0, 3, xy),
-            (0, 4, xz),
-            (1, 3, xy),
-            (1, 5, yz),
-            (2, 4, xz),
-            (2, 5, yz),
-            (3, 4, yz),
-            (3, 5, xz),
-            (4, 5, xy),
-        ];
-        for (i, j, value) in entries {
-            n[(i, j)] = 4.0 * value;
-        }
-        for (i, j, value) in
-            [(0, 6, x), (1, 7, y), (2, 8, z), (3, 6, y), (3, 7, x), (4, 6, z), (4, 8, x), (5, 7, z), (5, 8, y)]
-        {
-            n[(i, j)] = 2.0 * value;
-        }
-        for i in 6..9 {
-            n[(i, i)] = 1.0;
-        }
-        n.fill_lower_triangle_with_upper_triangle();
-        let d = s.column(9).into_owned();
-        for i in 0..3 {
-            for j in 0..10 {
-                n[(i, j)] += d[j];
-                n[(j, i)] += d[j];
+        for i in 0..10 {
+            for j in i..10 {
+                let [x, y, z] = PLACES[i][j].1.map(|(factor, place)| factor * means[place]);
+                n[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }
+        n.fill_lower_triangle_with_upper_triangle();
         (s, n)
     }
 
     /// Covariance of the samples, uT^2: how thick the cloud is in each direction.
     #[must_use]
-    pub fn cloud_covariance_ut2(&self) -> nalgebra::Matrix3<f64> {
+    pub fn cloud_covariance_ut2(&self) -> Matrix3<f64> {
         let [_, x, y, z, xx, xy, xz, yy, yz, zz] = *self.means().first_chunk::<10>().expect("35 means");
         let mean = Vector3::new(x, y, z);
-        (nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) - mean * mean.transpose())
-            * (self.scale_ut * self.scale_ut)
+        (Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) - mean * mean.transpose()) * (self.scale_ut * self.scale_ut)
     }
 }
 

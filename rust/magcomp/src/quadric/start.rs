@@ -58,27 +58,16 @@ pub(crate) fn closed_form(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
 /// Linear least squares with trace A = 3, if it is an ellipsoid: p = p0 + B q, (B^T S B) q = -B^T S p0, where
 /// p0 = [1, 1, 1, 0, ...] and B takes q1, q2 to A11 - A33, A22 - A33 and the other seven to themselves.
 fn linear(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
-    let take = |row: usize, column: usize| match row {
-        0 => s[(0, column)] - s[(2, column)],
-        1 => s[(1, column)] - s[(2, column)],
-        _ => s[(row + 1, column)],
-    };
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    let mut right = SVector::<f64, 9>::zeros();
-    for row in 0..9 {
-        let last = take(row, 2);
-        right[row] = -(take(row, 0) + take(row, 1) + last);
-        normal[(row, 0)] = take(row, 0) - last;
-        if row > 0 {
-            normal[(row, 1)] = take(row, 1) - last;
-        }
-        for column in 2..=row {
-            normal[(row, column)] = take(row, column + 1);
-        }
-    }
-    let q = ldl::solve(&normal, &right)?;
+    let half = constrained(s);
+    let normal = constrained(&half.transpose()).transpose();
+    let q = ldl::solve(&normal, &-(half.column(0) + half.column(1) + half.column(2)))?;
     let p = [1.0 + q[0], 1.0 + q[1], 1.0 - q[0] - q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8]];
     Shape::from_quadric(&SVector::from(p))
+}
+
+/// B^T M.
+fn constrained<const C: usize>(m: &SMatrix<f64, 10, C>) -> SMatrix<f64, 9, C> {
+    SMatrix::from_fn(|i, j| if i < 2 { m[(i, j)] - m[(2, j)] } else { m[(i + 1, j)] })
 }
 
 /// Li and Griffiths with k = 4: the largest eigenvalue of C v = mu S_r v, S_r the scatter of the second-degree

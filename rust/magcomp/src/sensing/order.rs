@@ -1,8 +1,7 @@
 //! Events of several sensors in the order of their times. Systems deliver each sensor's events late or in batches.
 //!
 //! An event waits for every other sensor until that has delivered an event at or after its time. The sensors need not be known:
-//! one whose latest event, or else the beginning of the
-//! stream, is more than `STALE_S` older than the newest event of all is not waited for. Nothing waits for longer than `hold_s`,
+//! one whose latest event, or else the beginning of the stream, is more than `STALE_S` older than the newest event of all is not waited for. Nothing waits for longer than `hold_s`,
 //! counted in the time of the events: between its time and the newest of any sensor. At equal times the rotation rate is first,
 //! then `up`, then the magnetometer; events of one sensor with equal times keep the order they came in.
 //!

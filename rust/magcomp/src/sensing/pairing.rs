@@ -17,6 +17,7 @@ mod tests;
 use crate::sound::checked;
 use arrayvec::ArrayVec;
 use nalgebra::{UnitQuaternion, Vector3};
+use std::mem::take;
 
 /// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
 const RATE_EVENTS: usize = 16;
@@ -88,29 +89,13 @@ struct Event {
     value: Vector3<f64>,
 }
 
-/// Whether an event of this time may enter. Full storage lets its oldest go first, so an older one comes too late.
-fn admit<const N: usize>(events: &ArrayVec<Event, N>, time_ns: i64) -> Result<(), EventRejection> {
-    if events.iter().any(|event| event.time_ns == time_ns) {
-        return Err(EventRejection::Duplicate);
-    }
-    if events.is_full() && time_ns < events[0].time_ns {
-        return Err(EventRejection::Late);
-    }
-    Ok(())
-}
-
-/// An event that was admitted enters in the order of times, once there is room for it.
-fn insert<const N: usize>(events: &mut ArrayVec<Event, N>, event: Event) {
-    events.insert(events.partition_point(|other| other.time_ns < event.time_ns), event);
-}
-
 /// Whether events are in order and none is larger than any that is believed.
 fn are_sound(events: &[Event]) -> bool {
     events.is_sorted_by(|a, b| a.time_ns < b.time_ns) && events.iter().all(|event| event.value.amax() <= LARGEST_VALUE)
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct InertialPairing {
     rates: ArrayVec<Event, RATE_EVENTS>,
@@ -155,28 +140,6 @@ checked!(InertialPairing, |it| {
 });
 
 impl InertialPairing {
-    /// An empty buffer.
-    #[must_use]
-    pub fn new() -> Self {
-        Self {
-            rates: ArrayVec::new(),
-            ups: ArrayVec::new(),
-            anchor: None,
-            gathered_rad: Vector3::zeros(),
-            gathered_rad2: 0.0,
-            last_rate: None,
-            slope: None,
-            bend: None,
-            wander: 0.0,
-            bias_rad_s: Vector3::zeros(),
-            scale: Vector3::zeros(),
-            owed_rad: Vector3::zeros(),
-            broken: false,
-            last_up: None,
-            last_paired_ns: None,
-        }
-    }
-
     /// Whether the latest sample is one of this time.
     pub fn belongs_to(&self, latest_ns: Option<i64>) -> bool {
         self.last_paired_ns == latest_ns
@@ -187,17 +150,12 @@ impl InertialPairing {
     /// # Errors
     /// [`EventRejection`]; the event is then dropped and nothing has changed.
     pub fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: Vector3<f64>) -> Result<(), EventRejection> {
-        self.admit(time_ns, &rate_rad_s, MAX_RATE_RAD_S)?;
-        if self.anchor.is_some_and(|anchor| time_ns <= anchor.time_ns) {
-            return Err(EventRejection::Late);
-        }
-        admit(&self.rates, time_ns)?;
-        if self.rates.is_full() {
-            let oldest = self.rates.remove(0);
+        let taken_ns = self.anchor.map(|anchor| anchor.time_ns);
+        let event = Event { time_ns, value: rate_rad_s };
+        if let Some(oldest) = enter(&mut self.rates, event, MAX_RATE_RAD_S, taken_ns, self.last_paired_ns)? {
             self.bridge(&oldest);
             self.advance(oldest);
         }
-        insert(&mut self.rates, Event { time_ns, value: rate_rad_s });
         Ok(())
     }
 
@@ -206,28 +164,9 @@ impl InertialPairing {
     /// # Errors
     /// [`EventRejection`]; the event is then dropped and nothing has changed.
     pub fn push_up(&mut self, time_ns: i64, up_m_s2: Vector3<f64>) -> Result<(), EventRejection> {
-        self.admit(time_ns, &up_m_s2, MAX_UP_M_S2)?;
-        if self.last_up.is_some_and(|last| time_ns <= last.time_ns) {
-            return Err(EventRejection::Late);
-        }
-        admit(&self.ups, time_ns)?;
-        if self.ups.is_full() {
-            self.last_up = Some(self.ups.remove(0));
-        }
-        insert(&mut self.ups, Event { time_ns, value: up_m_s2 });
-        Ok(())
-    }
-
-    fn admit(&self, time_ns: i64, value: &Vector3<f64>, limit: f64) -> Result<(), EventRejection> {
-        if !value.iter().all(|v| v.is_finite()) {
-            return Err(EventRejection::NotFinite);
-        }
-        if value.amax() > limit {
-            return Err(EventRejection::OutOfRange);
-        }
-        if self.last_paired_ns.is_some_and(|paired| seconds(paired, time_ns) > MAX_LEAD_S) {
-            return Err(EventRejection::Ahead);
-        }
+        let taken_ns = self.last_up.map(|last| last.time_ns);
+        let event = Event { time_ns, value: up_m_s2 };
+        self.last_up = enter(&mut self.ups, event, MAX_UP_M_S2, taken_ns, self.last_paired_ns)?.or(self.last_up);
         Ok(())
     }
 
@@ -328,14 +267,9 @@ impl InertialPairing {
         let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
         let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
         let increment_rad = self.as_read(&turned_rad, span_s);
-        let (broken, variance_rad2) = (self.broken, self.gathered_rad2);
-        self.gathered_rad2 = 0.0;
+        let (broken, variance_rad2) = (take(&mut self.broken), take(&mut self.gathered_rad2));
         self.gathered_rad = Vector3::zeros();
-        self.owed_rad = owed_rad;
-        self.broken = false;
-        if broken {
-            self.owed_rad = Vector3::zeros();
-        }
+        self.owed_rad = if broken { Vector3::zeros() } else { owed_rad };
         (started && !broken).then_some(Rotation { increment_rad, rate_rad_s, variance_rad2 })
     }
 
@@ -370,6 +304,39 @@ impl InertialPairing {
         }
         (seconds(last.time_ns, time_ns) <= STALE_S).then_some(last.value)
     }
+}
+
+/// An event enters in the order of times, unless it is none that is believed (`limit`), is from another clock than the latest
+/// paired sample, or comes too late: after `taken_ns`, or after the oldest of a full storage. That oldest one makes room.
+fn enter<const N: usize>(
+    events: &mut ArrayVec<Event, N>,
+    event: Event,
+    limit: f64,
+    taken_ns: Option<i64>,
+    paired_ns: Option<i64>,
+) -> Result<Option<Event>, EventRejection> {
+    let Event { time_ns, value } = event;
+    if !value.iter().all(|v| v.is_finite()) {
+        return Err(EventRejection::NotFinite);
+    }
+    if value.amax() > limit {
+        return Err(EventRejection::OutOfRange);
+    }
+    if paired_ns.is_some_and(|paired| seconds(paired, time_ns) > MAX_LEAD_S) {
+        return Err(EventRejection::Ahead);
+    }
+    let place = events.partition_point(|other| other.time_ns < time_ns);
+    if taken_ns.is_some_and(|taken| time_ns <= taken)
+        || (events.is_full() && place == 0 && time_ns != events[0].time_ns)
+    {
+        return Err(EventRejection::Late);
+    }
+    if events.get(place).is_some_and(|other| other.time_ns == time_ns) {
+        return Err(EventRejection::Duplicate);
+    }
+    let oldest = events.is_full().then(|| events.remove(0));
+    events.insert(place - usize::from(oldest.is_some()), event);
+    Ok(oldest)
 }
 
 /// The rotation vector of `first` and then `next`, both in the frame of the device as it turns.

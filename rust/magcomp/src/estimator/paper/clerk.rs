@@ -37,7 +37,7 @@ pub(crate) struct Clerk {
 /// What is carried from sample to sample besides the samples themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Noted {
+pub(crate) struct Noted {
     calibration: Option<Calibration>,
     /// Directions are counted as seen through this.
     seen_through: Option<Calibration>,
@@ -45,31 +45,18 @@ struct Noted {
     sigma_t: Option<f64>,
 }
 
-/// The state as a snapshot holds it: moments and counts follow from the samples, exactly.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct ClerkState {
-    /// Oldest first.
-    slots: Vec<Slot>,
-    window: usize,
-    centre_ut: Vector3<f64>,
-    scale_ut: f64,
-    noted: Noted,
-}
+/// The state as a snapshot holds it: samples (oldest first), window, centre and scale of the moments (uT), and what is noted.
+/// Moments and counts follow from the samples, exactly.
+pub(crate) type ClerkState = (Vec<Slot>, usize, Vector3<f64>, f64, Noted);
 
 impl Clerk {
     /// For a validated config, a field strength (uT) where it is known, and a calibration to begin with. All memory is taken
     /// here.
     pub fn new(config: WindowedConfig, field_strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
-        Self {
-            config,
-            field_strength_ut,
-            kept: VecDeque::with_capacity(config.n_max),
-            window: 0,
-            moments: Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut)),
-            cells: Coverage::default(),
-            noted: Noted { calibration: initial, seen_through: initial, ..Noted::default() },
-        }
+        let moments = Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut));
+        let noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
+        let (kept, cells) = (VecDeque::with_capacity(config.n_max), Coverage::default());
+        Self { config, field_strength_ut, kept, window: 0, moments, cells, noted }
     }
 
     /// As new, in the memory that is there.
@@ -100,11 +87,6 @@ impl Clerk {
         self.enter(raw_ut);
         self.look_through(if asks { calibration() } else { None });
         asks
-    }
-
-    /// Forms (15), seen through the calibration noted last.
-    pub fn measure(&mut self) {
-        self.noted.sigma_t = self.variability().0;
     }
 
     /// From now on samples are seen through this, where there is one.
@@ -140,11 +122,12 @@ impl Clerk {
         self.kept.iter().rev().take(count)
     }
 
-    /// (15) over the latest N_min samples, seen through the calibration noted last; and the rms deviation of |h| there.
-    pub(super) fn variability(&self) -> (Option<f64>, f64) {
+    /// Forms (15), seen through the calibration noted last; returns the rms deviation of |h| from its strength there, relative.
+    pub fn measure(&mut self) -> f64 {
         let n = self.config.n_min;
         let Some(calibration) = self.noted.calibration.filter(|_| self.len() >= n) else {
-            return (None, 0.0);
+            self.noted.sigma_t = None;
+            return 0.0;
         };
         let mut squares = 0.0;
         let corrected = self.latest(n).map(|slot| {
@@ -152,8 +135,8 @@ impl Clerk {
             squares += (h.norm() / calibration.field_strength_ut() - 1.0).powi(2);
             h
         });
-        let sigma_t = uniformity(corrected, self.config.normalisation);
-        (Some(sigma_t), (squares / n as f64).sqrt())
+        self.noted.sigma_t = Some(uniformity(corrected, self.config.normalisation));
+        (squares / n as f64).sqrt()
     }
 
     /// The sample enters, in the window too.
@@ -235,31 +218,26 @@ impl Clerk {
     }
 
     pub fn state(&self) -> ClerkState {
-        ClerkState {
-            slots: self.kept.iter().copied().collect(),
-            window: self.window,
-            centre_ut: *self.moments.centre_ut(),
-            scale_ut: self.moments.scale_ut(),
-            noted: self.noted,
-        }
+        let slots = self.kept.iter().copied().collect();
+        (slots, self.window, *self.moments.centre_ut(), self.moments.scale_ut(), self.noted)
     }
 
     /// As new, then in a state of raw samples up to `range_ut`; None when the state does not belong to its config.
     pub fn resume(mut self, state: ClerkState, range_ut: f64) -> Option<Self> {
-        let fits = state.slots.len() <= self.config.n_max
-            && state.window <= state.slots.len()
-            && state.slots.iter().all(|slot| slot.raw_ut.amax() <= range_ut)
-            && state.centre_ut.amax() <= LARGEST_RAW_UT
-            && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&state.scale_ut)
-            && state.noted.since_recentred as u64 <= LARGEST_COUNT
-            && state.noted.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0);
+        let (slots, window, centre_ut, scale_ut, noted) = state;
+        let fits = slots.len() <= self.config.n_max
+            && window <= slots.len()
+            && slots.iter().all(|slot| slot.raw_ut.amax() <= range_ut)
+            && centre_ut.amax() <= LARGEST_RAW_UT
+            && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&scale_ut)
+            && noted.since_recentred as u64 <= LARGEST_COUNT
+            && noted.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0);
         if !fits {
             return None;
         }
-        self.noted = state.noted;
-        self.moments = Moments::new(state.centre_ut, state.scale_ut);
-        self.kept.extend(state.slots);
-        self.resize(state.window);
+        (self.noted, self.moments) = (noted, Moments::new(centre_ut, scale_ut));
+        self.kept.extend(slots);
+        self.resize(window);
         Some(self)
     }
 }
@@ -267,7 +245,7 @@ impl Clerk {
 /// A sample and the cell of the sphere its direction was counted in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Slot {
+pub(crate) struct Slot {
     raw_ut: Vector3<f64>,
     cell: Option<u8>,
 }

@@ -48,12 +48,6 @@ checked!(Windowed, |it| {
         && it.fit.is_none_or(|fit| is_covariance(&fit.covariance) && fit.residual_rms_ut >= 0.0)
 });
 
-/// What one sample led to.
-pub(crate) struct WindowedStep {
-    pub sigma_t: Option<f64>,
-    pub status: Status,
-}
-
 impl Windowed {
     /// With a calibration to begin with. `constant`: the first good fit is kept.
     pub fn new(constant: bool, initial: Option<Calibration>) -> Self {
@@ -73,14 +67,14 @@ impl Windowed {
         self.fit.as_ref()
     }
 
-    /// One step of fig. 3.
-    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> WindowedStep {
+    /// One step of fig. 3; (15) is the clerk's then.
+    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> Status {
         let WindowedConfig { n_min, n_max, sigma_th, .. } = *clerk.config();
         clerk.enter(raw_ut);
         self.since_change += 1;
         self.since_fit += 1;
-        let (sigma_t, spread) = clerk.variability();
-        let status = match sigma_t {
+        let spread = clerk.measure();
+        let status = match clerk.sigma_t() {
             _ if self.constant && self.calibration.is_some() => {
                 clerk.resize(clerk.window().min(n_min));
                 Status::Held(HoldReason::Constant)
@@ -100,45 +94,37 @@ impl Windowed {
         clerk.look_through(self.calibration);
         if spread <= SUSPECT_SPREAD {
             self.suspect_since_ns = None;
-            return WindowedStep { sigma_t, status };
+            return status;
         }
-        let since_ns = *self.suspect_since_ns.get_or_insert(time_ns);
-        WindowedStep { sigma_t, status: Status::Suspect { since_ns } }
+        Status::Suspect { since_ns: *self.suspect_since_ns.get_or_insert(time_ns) }
     }
 
     /// 4. (10) on the window.
     fn refit(&mut self, clerk: &mut Clerk) -> Status {
         // a window that does not fit now will hardly fit one sample later
         let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
-        if self.since_fit < wait {
-            return match (self.calibration, self.refused) {
-                (None, _) => self.collecting(clerk),
-                (_, None) => Status::Tracking,
-                (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
-            };
+        if self.since_fit >= wait {
+            self.since_fit = 0;
+            match clerk.moments().fit_from(self.calibration.as_ref(), &clerk.fit_options()) {
+                Ok(fit) if self.constant && !settled(&fit, clerk) => {}
+                Ok(fit) => {
+                    (self.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
+                    clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
+                }
+                Err(error) => {
+                    self.refused = Some(error);
+                    if matches!(error, FitError::Inconsistent { .. }) {
+                        // something changed inside the window: only its latest samples may still agree
+                        self.since_change = clerk.config().n_min;
+                        clerk.resize(self.since_change);
+                    }
+                }
+            }
         }
-        self.since_fit = 0;
-        match clerk.moments().fit_from(self.calibration.as_ref(), &clerk.fit_options()) {
-            Ok(fit) if !self.constant || settled(&fit, clerk) => {
-                self.calibration = Some(fit.calibration);
-                self.fit = Some(fit);
-                self.refused = None;
-                clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
-                Status::Tracking
-            }
-            Ok(_) => self.collecting(clerk),
-            Err(error) => {
-                self.refused = Some(error);
-                if matches!(error, FitError::Inconsistent { .. }) {
-                    // something changed inside the window: only its latest samples may still agree
-                    self.since_change = clerk.config().n_min;
-                    clerk.resize(self.since_change);
-                }
-                match self.calibration {
-                    Some(_) => Status::Held(HoldReason::FitRefused(error)),
-                    None => self.collecting(clerk),
-                }
-            }
+        match (self.calibration, self.refused) {
+            (None, _) => self.collecting(clerk),
+            (_, None) => Status::Tracking,
+            (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
         }
     }
 

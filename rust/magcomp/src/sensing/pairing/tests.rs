@@ -21,7 +21,7 @@ fn turned(from_s: f64, to_s: f64) -> UnitQuaternion<f64> {
 /// Feeds gyroscope events of one rate and magnetometer samples of another, `late_ns` late; the product of all increments
 /// must be the whole rotation.
 fn total_error(gyro_ns: i64, magnetometer_ns: i64, late_ns: i64, jitter_ns: i64) -> f64 {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     let (mut next_gyro, mut product) = (0, UnitQuaternion::identity());
     let mut first = None;
     let mut last = 0;
@@ -61,7 +61,7 @@ fn no_rotation_is_lost_at_any_pair_of_rates() {
 
 #[test]
 fn a_constant_rate_is_exact_even_when_events_come_late() {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     let w = Vector3::new(0.3, -0.2, 0.1);
     pairing.push_rotation_rate(0, w).unwrap();
     pairing.pair(5 * MS);
@@ -77,7 +77,7 @@ fn a_constant_rate_is_exact_even_when_events_come_late() {
 
 #[test]
 fn bad_events_are_refused_by_name_and_change_nothing() {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     for k in 0..10 {
         pairing.push_rotation_rate(k * 10 * MS, Vector3::new(0.1, 0.0, 0.0)).unwrap();
         pairing.push_up(k * 10 * MS, Vector3::new(0.0, 0.0, 9.8)).unwrap();
@@ -108,7 +108,7 @@ fn bad_events_are_refused_by_name_and_change_nothing() {
 #[test]
 fn events_out_of_order_find_their_place() {
     let run = |order: &[i64]| {
-        let mut pairing = InertialPairing::new();
+        let mut pairing = InertialPairing::default();
         pairing.push_rotation_rate(0, rate(0.0)).unwrap();
         pairing.push_up(0, rate(0.0)).unwrap();
         pairing.pair(5 * MS);
@@ -123,7 +123,7 @@ fn events_out_of_order_find_their_place() {
 
 #[test]
 fn a_gap_breaks_the_chain_once_and_absence_is_told() {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     let w = Vector3::new(0.0, 0.0, 1.0);
     let mut told = Vec::new();
     for k in 0..400 {
@@ -147,7 +147,7 @@ fn a_gap_breaks_the_chain_once_and_absence_is_told() {
 
 #[test]
 fn a_flood_of_events_is_folded_and_nothing_is_lost() {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     pairing.push_rotation_rate(0, rate(0.0)).unwrap();
     pairing.pair(0);
     for k in 1..=1_000 {
@@ -159,7 +159,7 @@ fn a_flood_of_events_is_folded_and_nothing_is_lost() {
 
 #[test]
 fn a_batch_of_events_ahead_of_its_samples_is_spread_over_them() {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     let (mut product, mut truth) = (UnitQuaternion::identity(), UnitQuaternion::identity());
     let (mut count, mut worst) = (0, 0.0_f64);
     for batch in 0..20 {
@@ -183,7 +183,7 @@ fn a_batch_of_events_ahead_of_its_samples_is_spread_over_them() {
 fn a_pause_of_the_magnetometer_is_bridged_by_a_gyroscope_with_errors() {
     let (bias, scale) = (Vector3::new(0.05, -0.08, 0.02), Vector3::new(0.01, -0.02, 0.015));
     let reading = |t_s: f64| (rate(t_s) + bias).component_div(&scale.map(|s| 1.0 - s));
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     pairing.assume(bias, scale);
     pairing.push_rotation_rate(0, reading(0.0)).unwrap();
     pairing.pair(0);
@@ -198,7 +198,7 @@ fn a_pause_of_the_magnetometer_is_bridged_by_a_gyroscope_with_errors() {
 
 /// Mean of what is reported per sample, over the q T^3 / 12 of a rate that wanders with density q.
 fn reported_share(period_ns: i64, mut rate: impl FnMut() -> Vector3<f64>, density: f64) -> f64 {
-    let mut pairing = InertialPairing::new();
+    let mut pairing = InertialPairing::default();
     let (count, mut sum) = (4_000, 0.0);
     for k in 0..count {
         pairing.push_rotation_rate(k * period_ns, rate()).unwrap();
