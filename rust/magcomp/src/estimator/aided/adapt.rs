@@ -29,17 +29,8 @@ use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
+use super::step::Known;
 use super::tuning::Tuning;
-
-/// One step of the chain from sample to sample.
-pub(crate) struct Increment {
-    pub(crate) offset_ut: Vector3<f64>,
-    pub(crate) soft_iron: Matrix3<f64>,
-    /// R of `propagate`.
-    pub(crate) turn: Matrix3<f64>,
-    pub(crate) angle_rad: f64,
-    pub(crate) dt_s: f64,
-}
 
 /// Noise levels, learned.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,8 +131,16 @@ impl Adaptation {
     }
 
     /// One sample, with the step from the one before.
-    pub(crate) fn step(&mut self, raw_ut: &Vector3<f64>, increment: &Increment, tuning: &Tuning) {
-        let Increment { offset_ut, soft_iron, turn, angle_rad, dt_s } = increment;
+    pub(crate) fn step(
+        &mut self,
+        raw_ut: &Vector3<f64>,
+        known: &Known,
+        turn: &Matrix3<f64>,
+        angle_rad: f64,
+        dt_s: f64,
+        tuning: &Tuning,
+    ) {
+        let Known { offset_ut, soft_iron, .. } = known;
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();

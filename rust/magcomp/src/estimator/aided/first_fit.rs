@@ -20,11 +20,10 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Groups, Mean};
-use super::propagate::ProcessNoise;
 use super::state::{
     BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron,
 };
-use super::step::Step;
+use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::heading::across_ut2;
@@ -152,9 +151,16 @@ impl FirstFit {
         self.field() == Vector3::zeros()
     }
 
-    /// b and M as they are now believed, to tell noise from the device's motion.
-    pub(super) fn calibration(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        (self.x.fixed_rows::<3>(OFFSET).into_owned(), soft_iron(self.x.as_slice()))
+    /// What is believed now, to tell noise from the device's motion.
+    pub(super) fn known(&self) -> Known {
+        let (bias_rad_s, scale) = self.gyroscope();
+        Known {
+            offset_ut: self.x.fixed_rows::<3>(OFFSET).into_owned(),
+            soft_iron: soft_iron(self.x.as_slice()),
+            bias_rad_s,
+            bias_sd_rad_s: self.bias_variance.sqrt(),
+            scale,
+        }
     }
 
     /// The calibration that was given, while it is believed.
@@ -171,11 +177,6 @@ impl FirstFit {
         }
     }
 
-    /// Standard deviation of the gyroscope's bias as far as rest has shown it, rad/s.
-    pub(super) fn bias_sd(&self) -> f64 {
-        self.bias_variance.sqrt()
-    }
-
     /// At rest the rate is the bias.
     pub(super) fn rest(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
         let gain = self.bias_variance / (self.bias_variance + variance);
@@ -187,13 +188,13 @@ impl FirstFit {
         }
     }
 
-    /// The device turned: by the gyroscope's `increment_rad`, and its field by `turn`, from which the gyroscope's errors are taken.
-    pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, turn: &Matrix3<f64>, dt_s: f64, noise: &ProcessNoise) {
-        self.groups.turn(increment_rad, dt_s);
+    /// The device turned.
+    pub(super) fn turn(&mut self, step: &Step<'_>) {
+        self.groups.turn(step.increment_rad, step.dt_s);
         if let Some(answer) = &mut self.answer {
-            answer.propagate(increment_rad, dt_s, noise);
+            answer.propagate(step.increment_rad, step.dt_s, step.noise);
         }
-        let h = turn * self.field();
+        let h = step.turn * self.field();
         self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
     }
 

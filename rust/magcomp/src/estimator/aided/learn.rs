@@ -6,16 +6,15 @@
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
 //! ```
-//! Source: docs/METHOD.md.
+//! Source: docs/METHOD-AIDED.md.
 
 use nalgebra::Vector3;
 
-use super::adapt::Increment;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, DELAY, FIELD, Gaussian, LOCAL, OFFSET};
-use super::step::Step;
+use super::state::{DELAY, FIELD, Gaussian, LOCAL, OFFSET};
+use super::step::{Known, Step};
 use super::watch::{Former, Watch};
 use super::{Aided, AidedOutput, propagate};
 use crate::reading::{Event, EventKind, Missing, SensorMode, Status};
@@ -30,120 +29,83 @@ impl Aided {
         up: Option<Vector3<f64>>,
         dt_s: f64,
     ) -> AidedOutput {
-        let Some(mut filter) = self.filter.take() else {
-            return self.collect(time_ns, raw_ut, rotation, up, dt_s);
+        let known = self.filter.as_ref().map_or_else(|| self.first.known(), Known::of);
+        let turned_rad = rotation.increment_rad - known.scale * rotation.increment_rad - known.bias_rad_s * dt_s;
+        let (turn, _) = propagate::turn(&turned_rad);
+        let angle_rad = turned_rad.norm();
+        self.motion.step(&rotation.rate_rad_s, &known, dt_s, &self.tuning);
+        self.motion.carry_up(&turn, up, known.bias_sd_rad_s, dt_s, &self.tuning);
+        self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, &self.tuning);
+        self.mode = match up {
+            Some(_) => SensorMode::GyroscopeAndGravity,
+            None => SensorMode::GyroscopeOnly,
         };
-        let bias_sd = filter.block(BIAS, BIAS).diagonal().max().sqrt();
-        if dt_s > self.tuning.gap_s {
-            self.drift(&mut filter, dt_s);
-        }
-        self.motion.step(&rotation.rate_rad_s, &filter.vector(BIAS), bias_sd, dt_s, &self.tuning);
-        let noise = self.process_noise(rotation.variance_rad2);
-        let (offset_ut, soft_iron) = (filter.vector(OFFSET), filter.soft_iron());
-        let angle_rad = (rotation.increment_rad - filter.vector(BIAS) * dt_s).norm();
-        let turn = filter.propagate(&rotation.increment_rad, dt_s, &noise);
-        self.displaced_ut = (turn * self.displaced_ut.cast()).cast();
-        self.displaced_s += dt_s as f32;
-        let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
-        self.adaptation.step(raw_ut, &increment, &self.tuning);
-        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
-        self.name_mode(up.is_some());
         if self.adaptation.useless {
-            self.filter = Some(filter);
             return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
         }
-        let step = self.step(time_ns, raw_ut, rotation, &noise, angle_rad, dt_s);
-        self.learn(&step, &mut filter);
+        let noise = self.process_noise(rotation.variance_rad2);
+        let step = Step {
+            time_ns,
+            raw_ut,
+            rate_rad_s: &rotation.rate_rad_s,
+            increment_rad: &rotation.increment_rad,
+            turn,
+            angle_rad,
+            dt_s,
+            noise: &noise,
+            sigma_ut: self.adaptation.sigma_ut(),
+            resting: self.motion.at_rest(),
+            motion: self.motion.amount(&self.tuning),
+        };
+        match self.filter.take() {
+            Some(filter) => self.follow(&step, filter),
+            None => self.collect(&step),
+        }
+    }
+
+    /// One sample from the first calibration on.
+    fn follow(&mut self, step: &Step<'_>, mut filter: Gaussian) -> AidedOutput {
+        if step.dt_s > self.tuning.gap_s {
+            self.drift(&mut filter, step.dt_s);
+        }
+        self.displaced_ut = (step.turn * self.displaced_ut.cast()).cast();
+        self.displaced_s += step.dt_s as f32;
+        filter.propagate(step.increment_rad, step.dt_s, step.noise);
+        self.learn(step, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
             filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
         if !filter.is_finite() {
             self.begin(None);
-            return self.blank(time_ns, Status::Collecting(Missing::Rotation));
+            return self.blank(step.time_ns, Status::Collecting(Missing::Rotation));
         }
-        let output = self.published(time_ns, raw_ut, rotation, &filter);
+        let output = self.published(step, &filter);
         self.filter = Some(filter);
         output
     }
 
     /// One sample of a start.
-    fn collect(
-        &mut self,
-        time_ns: i64,
-        raw_ut: &Vector3<f64>,
-        rotation: &Rotation,
-        up: Option<Vector3<f64>>,
-        dt_s: f64,
-    ) -> AidedOutput {
-        let (bias_rad_s, scale) = self.first.gyroscope();
-        let bias_sd = self.first.bias_sd();
-        self.motion.step(&rotation.rate_rad_s, &bias_rad_s, bias_sd, dt_s, &self.tuning);
-        let turned = rotation.increment_rad - scale * rotation.increment_rad - bias_rad_s * dt_s;
-        let (turn, _) = propagate::turn(&turned);
-        let (offset_ut, soft_iron) = self.first.calibration();
-        let angle_rad = turned.norm();
-        let increment = Increment { offset_ut, soft_iron, turn, angle_rad, dt_s };
-        self.adaptation.step(raw_ut, &increment, &self.tuning);
-        self.motion.carry_up(&turn, up, bias_sd, dt_s, &self.tuning);
-        self.name_mode(up.is_some());
-        if self.adaptation.useless {
-            return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
-        }
-        let noise = self.process_noise(rotation.variance_rad2);
-        self.first.turn(&rotation.increment_rad, &turn, dt_s, &noise);
+    fn collect(&mut self, step: &Step<'_>) -> AidedOutput {
+        self.first.turn(step);
         if self.motion.rest_s > self.tuning.memory_s {
-            self.first.rest(&rotation.rate_rad_s, self.rest_variance(dt_s));
+            self.first.rest(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
-        if !self.motion.at_rest() || (self.first.given().is_some() && self.first.is_blind()) {
-            let step = self.step(time_ns, raw_ut, rotation, &noise, angle_rad, dt_s);
-            self.first.add(&step, self.motion.up.as_ref(), &self.tuning);
+        if !step.resting || (self.first.given().is_some() && self.first.is_blind()) {
+            self.first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
         self.filter = self.first.take();
         if !self.first.is_blind() {
             self.lost_strength_ut = None;
         }
         match self.filter.as_ref().or(self.first.answer.as_ref()) {
-            Some(filter) => self.published(time_ns, raw_ut, rotation, filter),
-            None => self.blank(time_ns, Status::Collecting(self.first.missing())),
-        }
-    }
-
-    /// What the estimator needs to know of one sample.
-    fn step<'a>(
-        &self,
-        time_ns: i64,
-        raw_ut: &'a Vector3<f64>,
-        rotation: &'a Rotation,
-        noise: &'a ProcessNoise,
-        angle_rad: f64,
-        dt_s: f64,
-    ) -> Step<'a> {
-        Step {
-            time_ns,
-            raw_ut,
-            rate_rad_s: &rotation.rate_rad_s,
-            increment_rad: &rotation.increment_rad,
-            angle_rad,
-            dt_s,
-            noise,
-            sigma_ut: self.adaptation.sigma_ut(),
-            resting: self.motion.at_rest(),
-            motion: self.motion.amount(&self.tuning),
+            Some(filter) => self.published(step, filter),
+            None => self.blank(step.time_ns, Status::Collecting(self.first.missing())),
         }
     }
 
     /// Variance of a rate at rest about the bias, (rad/s)^2.
     fn rest_variance(&self, dt_s: f64) -> f64 {
         (self.tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0)).powi(2)
-    }
-
-    fn name_mode(&mut self, has_up: bool) {
-        self.mode = match (self.adaptation.useless, has_up) {
-            (false, true) => SensorMode::GyroscopeAndGravity,
-            (false, false) => SensorMode::GyroscopeOnly,
-            (true, true) => SensorMode::GravityOnly,
-            (true, false) => SensorMode::MagnetometerOnly,
-        };
     }
 
     /// The magnetometer's part of one sample.

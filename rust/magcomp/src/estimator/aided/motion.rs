@@ -24,6 +24,7 @@ use crate::sensing::tilt::GRAVITY_M_S2;
 use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
+use super::step::Known;
 use super::tuning::Tuning;
 
 /// Longer than any T, s.
@@ -97,8 +98,9 @@ impl Motion {
         self.rest_s > 0.0
     }
 
-    /// One sample: `rate` as the gyroscope reads it, `bias` and its standard deviation as the filter has them.
-    pub(crate) fn step(&mut self, rate: &Vector3<f64>, bias: &Vector3<f64>, bias_sd: f64, dt_s: f64, tuning: &Tuning) {
+    /// One sample: `rate` as the gyroscope reads it.
+    pub(crate) fn step(&mut self, rate: &Vector3<f64>, known: &Known, dt_s: f64, tuning: &Tuning) {
+        let (bias, bias_sd) = (known.bias_rad_s, known.bias_sd_rad_s);
         let now = (rate - bias).norm();
         let gain = 1.0 - (-dt_s / tuning.memory_s).exp();
         self.rate_rad_s += gain * (now - self.rate_rad_s);

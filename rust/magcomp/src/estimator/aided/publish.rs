@@ -5,10 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::events::Phase;
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
+use super::step::Step;
 use super::strength::impossible_field;
 use super::{Aided, AidedOutput};
 use crate::reading::{HoldReason, Missing, Status};
-use crate::sensing::pairing::Rotation;
 
 /// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
@@ -30,19 +30,13 @@ impl Aided {
         }
     }
 
-    pub(super) fn published(
-        &self,
-        time_ns: i64,
-        raw_ut: &Vector3<f64>,
-        rotation: &Rotation,
-        filter: &Gaussian,
-    ) -> AidedOutput {
-        let mut output = self.blank(time_ns, self.status(filter));
+    pub(super) fn published(&self, step: &Step<'_>, filter: &Gaussian) -> AidedOutput {
+        let mut output = self.blank(step.time_ns, self.status(filter));
         output.up = self.motion.up;
         output.tilt_rad2 = Some(self.motion.tilt_rad2(&self.tuning));
         let Some(w) = filter.soft_iron().try_inverse() else { return output };
-        let rate = filter.true_rate(&rotation.rate_rad_s);
-        let still = w * (raw_ut - filter.vector(OFFSET));
+        let rate = filter.true_rate(step.rate_rad_s);
+        let still = w * (step.raw_ut - filter.vector(OFFSET));
         let delay_s = filter.x[DELAY];
         let c = still - rate.cross(&still) * delay_s.max(0.0);
         let m = filter.vector(FIELD);

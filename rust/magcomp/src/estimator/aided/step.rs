@@ -1,8 +1,9 @@
 //! One sample with a rotation, as the parts of the estimator share it.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
+use super::state::{BIAS, Gaussian, OFFSET};
 
 /// A sample, the turn before it, and what is known of noise and motion then.
 pub(crate) struct Step<'a> {
@@ -10,10 +11,35 @@ pub(crate) struct Step<'a> {
     pub(crate) raw_ut: &'a Vector3<f64>,
     pub(crate) rate_rad_s: &'a Vector3<f64>,
     pub(crate) increment_rad: &'a Vector3<f64>,
+    /// Turns the field from the sample before to this one, with what is known of the gyroscope's errors.
+    pub(crate) turn: Matrix3<f64>,
+    /// Its angle.
     pub(crate) angle_rad: f64,
     pub(crate) dt_s: f64,
     pub(crate) noise: &'a ProcessNoise,
     pub(crate) sigma_ut: f64,
     pub(crate) resting: bool,
     pub(crate) motion: f64,
+}
+
+/// What is known of calibration and gyroscope before a sample.
+pub(crate) struct Known {
+    pub(crate) offset_ut: Vector3<f64>,
+    pub(crate) soft_iron: Matrix3<f64>,
+    pub(crate) bias_rad_s: Vector3<f64>,
+    /// Standard deviation of the bias about the worst axis, rad/s.
+    pub(crate) bias_sd_rad_s: f64,
+    pub(crate) scale: Matrix3<f64>,
+}
+
+impl Known {
+    pub(crate) fn of(filter: &Gaussian) -> Self {
+        Self {
+            offset_ut: filter.vector(OFFSET),
+            soft_iron: filter.soft_iron(),
+            bias_rad_s: filter.vector(BIAS),
+            bias_sd_rad_s: filter.block(BIAS, BIAS).diagonal().max().sqrt(),
+            scale: filter.scale(),
+        }
+    }
 }
