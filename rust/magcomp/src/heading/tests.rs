@@ -8,13 +8,36 @@ fn sigma_is_the_slope_of_the_heading() {
     let (axis, rotation) = (ReferenceAxis::TopEdge, ScreenRotation::Deg0);
     let sigma = |field, tilt_deg| heading_sigma_deg(&field, &Vector3::z(), axis, rotation, &covariance, tilt_deg);
     let plain = sigma(Vector3::new(0.0, 20.0, -40.0), 0.0).expect("horizontal enough");
-    assert!((plain - (1.0_f64 / 20.0).atan().to_degrees()).abs() < 1e-12);
+    // and a part of 20 uT whose length is known to 2 uT, by 3 (2/20)^2 / 2 more
+    let across = (1.0 + 3.0 * 4.0 / 400.0_f64).sqrt();
+    assert!((plain - across.atan2(20.0).to_degrees()).abs() < 1e-12);
     // a tilt of 1 deg brings 1 deg of the vertical part into the horizon
     let tilted = sigma(Vector3::new(0.0, 20.0, -40.0), 1.0).expect("horizontal enough");
     let tilt = 40.0 * 1.0_f64.to_radians();
-    assert!((tilted - (1.0 + tilt * tilt).sqrt().atan2(20.0).to_degrees()).abs() < 1e-6);
+    assert!((tilted - across.hypot(tilt).atan2(20.0).to_degrees()).abs() < 1e-6);
     assert_eq!(sigma(Vector3::new(0.0, 0.3, -40.0), 0.0), Some(180.0));
     assert_eq!(sigma(Vector3::new(0.0, 0.0, -40.0), 0.0), None);
+}
+
+#[test]
+fn a_horizontal_part_of_unknown_length_is_turned_by_more() {
+    // (east, north) = (0, 20) uT, 1 uT across and up to 8 uT along, by their quantiles
+    for along_ut in [0.5, 2.0, 5.0, 8.0] {
+        let mut squares = 0.0;
+        for k in 0..20_000 {
+            let radius = (-2.0 * ((f64::from(k) + 0.5) / 20_000.0).ln()).sqrt();
+            let angle = f64::from(k) * 2.399_963;
+            let field = Vector3::new(radius * angle.cos(), 20.0 + along_ut * radius * angle.sin(), -40.0);
+            squares += field.x.atan2(field.y).to_degrees().powi(2);
+        }
+        let covariance = Matrix3::from_diagonal(&Vector3::new(1.0, along_ut * along_ut, 0.0));
+        let (field, axis) = (Vector3::new(0.0, 20.0, -40.0), ReferenceAxis::TopEdge);
+        let sigma = heading_sigma_deg(&field, &Vector3::z(), axis, ScreenRotation::Deg0, &covariance, 0.0).unwrap();
+        let seen = (squares / 20_000.0_f64).sqrt();
+        // the expansion ends after its second term, and the tail in which north changes its sign is beyond it
+        let most = if along_ut < 6.0 { 1.1 } else { 4.0 };
+        assert!((0.95..most).contains(&(seen / sigma)), "{along_ut} uT: {sigma}, seen {seen}");
+    }
 }
 
 #[test]

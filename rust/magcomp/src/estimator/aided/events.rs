@@ -10,7 +10,7 @@
 //! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
 //! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
 //! (a ramp, or a field that keeps changing): it wins once it holds. As soon as the calibration in force before the last step fits,
-//! `device` starts from it. Source: docs/METHOD.md; starting at the onset instead of at the declaration, holding the calibration
+//! `device` starts from it. Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration
 //! while undecided and the recall are new.
 
 use crate::sound::checked;

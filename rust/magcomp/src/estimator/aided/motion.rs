@@ -18,7 +18,7 @@
 //! ```text
 //! T = max(5 s, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = L T_0 / T + D^2 T^2
 //! ```
-//! Source: docs/METHOD.md; the rule for large bias and sigma_tilt are new.
+//! Source: docs/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
 use crate::sensing::tilt::GRAVITY_M_S2;
 use crate::sound::checked;

@@ -4,7 +4,7 @@
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
 //! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.1 s)
 //! ```
-//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD.md;
+//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD-AIDED.md;
 //! the recall is new.
 
 use crate::sound::{checked, is_covariance};
