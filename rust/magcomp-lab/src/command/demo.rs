@@ -174,11 +174,12 @@ fn recording_table(shown: &[Shown]) -> Table {
         ]);
     }
     table.note(
-        "spread: standard deviation over mean of the total field; heading: against the optical reference, up to one",
+        "Spread: standard deviation over mean of the total field. c: the corrected sample; f: the field that the gyroscope carries. \
+         Headings are judged by the optical reference, up to one constant. The first 20 s do not count.",
     );
     table.note(
-        "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; windowed: the paper's; adaptive: magnetometer alone;",
+        "constant: one calibration, kept. windowed: the paper's method. adaptive: the magnetometer alone. aided: with gyroscope and \
+         gravity. Each is judged on the samples that it answered, raw on those of the first method.",
     );
-    table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
 }

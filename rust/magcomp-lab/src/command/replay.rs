@@ -204,7 +204,7 @@ impl Replay {
         let recording = name_of(source.path());
         let mut table = summary(&recording, &name, &judgement);
         if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
-            table.note(&format!("no row was answered; the last one says: {}", last.reading.status));
+            table.note(&format!("No row was answered. The last one says: {}.", last.reading.status));
         }
         let mut tables: Vec<Table> = session.iter().map(Summary::table).collect();
         tables.push(table);

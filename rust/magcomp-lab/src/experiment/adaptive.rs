@@ -204,9 +204,9 @@ impl AdaptiveResult {
                 number(honesty.nees.map(|[_, all]| all), 2),
             ]);
         }
-        table.note("share of heading errors within their own sigmas (68 and 95 where honest), and mean square error of b, and of all parameters, in their covariance (1)");
+        table.note("Sigma: share of the heading errors within one and two of their own sigmas; 68 and 95 % are right. In their covariance: mean square error of b, and of all parameters; 1 is right.");
         table.note(&format!(
-            "device steps declared before the change: {} in all runs; after it: {:.2} a run, the first {} samples late; suspected or disturbed before: {:.3} % of samples",
+            "The method declared {} device steps before the change in all runs, and {:.2} a run after it, the first {} samples late. Before the change {:.3} % of the samples were suspect or disturbed.",
             self.false_alarms,
             self.declared,
             self.delay_samples.map_or_else(|| "-".to_owned(), |delay| delay.to_string()),

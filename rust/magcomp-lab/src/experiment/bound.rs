@@ -194,10 +194,10 @@ impl BoundResult {
             table.row(cells);
         }
         let (low, high) = self.corrected_range();
-        table.note(&format!("P = {} samples averaged at each orientation", self.averaged));
-        table.note("(10): the paper's residual as written. corrected: divided by its own gradient.");
-        table.note("diag: M_xx M_yy M_zz; off: M_xy M_xz M_yz; bound: root of the mean bound, |h| = 1.");
-        table.note(&format!("corrected residual, all cells: {low:.3} to {high:.3}"));
+        table.note(&format!("P = {} samples are averaged at each orientation.", self.averaged));
+        table.note("(10): the paper's residual as written. Corrected: the residual divided by its own gradient.");
+        table.note("Diag: M_xx, M_yy, M_zz. Off: M_xy, M_xz, M_yz. Bound: root of the mean bound, where |h| = 1.");
+        table.note(&format!("The cells of the corrected residual go from {low:.3} to {high:.3}."));
         table
     }
 

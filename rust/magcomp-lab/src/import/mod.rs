@@ -111,7 +111,8 @@ fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
     let document = Document { path: input.to_owned(), text };
     let header = Sheet::new(&document).header;
-    Ok([b"PK".as_slice(), columnar::PARQUET, ros::MCAP].iter().any(|form| document.text.starts_with(form))
+    Ok([b"PK".as_slice(), ros::MCAP].iter().any(|form| document.text.starts_with(form))
+        || columnar::is_columnar(&document.text)
         || logger(std::slice::from_ref(&document)).is_some()
         || !header.iter().any(|name| name == "t_s") && !header.is_empty())
 }
