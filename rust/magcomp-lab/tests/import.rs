@@ -283,6 +283,42 @@ fn a_wrong_unit_is_told_with_the_option_that_mends_it() {
 }
 
 #[test]
+fn a_recordings_own_units_and_marks_are_looked_at_too() {
+    let rows = |row: &dyn Fn(u32) -> String| (0..50).map(row).collect::<String>();
+    let cases = [
+        (rows(&|k| format!("{},20,{},-40\n", 10 * k, k % 5)), "column 1 (t_s)", "--units t=ms"),
+        (rows(&|k| format!("{},20000,{},-40000\n", f64::from(k) / 100.0, k % 5)), "column 2 (mx)", "--units m=nT"),
+    ];
+    for (text, place, hint) in cases {
+        let folder = folder(&[("r.csv", &format!("t_s,mx,my,mz\n{text}"))]);
+        let path = folder.path().join("r.csv");
+        let (code, out, error) = run(&["replay", path.to_str().unwrap()]);
+        assert!(code == 1 && out.is_empty() && error.contains(place) && error.trim_end().ends_with(hint), "{error}");
+        let option = hint.split_once(' ').unwrap().1;
+        assert_eq!(run(&["replay", path.to_str().unwrap(), "--units", option]).0, 0);
+    }
+    let nanoseconds = folder(&[("r.csv", "t_s,mx,my,mz\n1700000000000000000,20,3,-40\n")]);
+    let (code, _, error) = run(&["replay", nanoseconds.path().join("r.csv").to_str().unwrap()]);
+    let place =
+        "r.csv: line 2, column 1 (t_s): expected a time in seconds; name another unit by --units t=ms, us or ns";
+    assert!(code == 1 && error.contains(place), "{error}");
+    // semicolons and decimal commas under a recording's own names
+    let german = rows(&|k| format!("{};20;{};-40,5\n", f64::from(k) / 100.0, k % 5)).replace('.', ",");
+    let folder = self::folder(&[("g.csv", &format!("t_s;mx;my;mz\n{german}"))]);
+    let (code, out, error) = run(&["replay", folder.path().join("g.csv").to_str().unwrap()]);
+    assert!(code == 0 && out.contains("plain CSV session"), "{error}");
+    // decimal commas between commas make rows longer than the header
+    let (folder, columns) = (self::folder(&[("c.csv", "t,mx,my,mz\n0,01,20,5,3,-40\n")]), ["--columns", "t=t"]);
+    let error = refused(&[&folder.path().join("c.csv")], &columns);
+    let place = "c.csv: line 2, column 5: expected 4 cells as in the header; a decimal comma needs semicolons or tabs";
+    assert!(error.contains(place) && error.ends_with("found 6 cells\n"), "{error}");
+    // which of two columns of a name?
+    let folder = self::folder(&[("d.csv", "t,mx,mx,my,mz\n0,20,20,3,-40\n")]);
+    let error = refused(&[&folder.path().join("d.csv")], &columns);
+    assert!(error.contains("d.csv: line 1: expected column 'mx' once"), "{error}");
+}
+
+#[test]
 fn what_is_no_text_and_two_sessions_at_once_are_refused() {
     let folder = folder(&[("Magnetometer.csv", RAW)]);
     let again = self::folder(&[("Magnetometer.csv", RAW)]);
@@ -438,6 +474,17 @@ fn the_systems_field_is_judged_beside_ours_and_the_calibration_is_read_again() {
     let calibration: Calibration = serde_json::from_str(&text).unwrap();
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(value["covariance"].as_array().unwrap().len(), 9);
+    // the names are those of the file that Kotlin's and Swift's tests read, and its numbers those that they expect
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/vectors/calibration.json");
+    let committed = fs::read_to_string(committed).unwrap();
+    let names = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&value), names(&serde_json::from_str(&committed).unwrap()));
+    let read: Calibration = serde_json::from_str(&committed).unwrap();
+    let (m, b) = (read.soft_iron(), read.hard_iron_ut());
+    assert_eq!([m.m11, m.m22, m.m33], [1.0074739066651197, 0.9949408198854466, 0.9975852116805589]);
+    assert_eq!([m.m12, m.m13, m.m23], [0.0010278183785302803, 0.0033559853288960234, -0.0005891320979764632]);
+    assert_eq!([b.x, b.y, b.z], [0.4434981867517305, 0.07810767384555047, -0.2777318011715177]);
+    assert_eq!(read.field_strength_ut(), 44.62375335464398);
     let truth = session.truth.last().unwrap().hard_iron_ut;
     let sigma = value["covariance"][0][0].as_f64().unwrap().sqrt();
     assert!(

@@ -28,7 +28,7 @@ const FIELD_UT: f64 = 40.0;
 #[derive(Clone, Debug)]
 pub struct BoundOptions {
     /// True parameters.
-    pub set: ParameterSet,
+    pub truth: Parameters,
     /// Runs for every N and SNR. The ratio's own error is about 1 / sqrt(6 runs).
     pub runs: usize,
     /// Samples P that are averaged at each orientation.
@@ -44,7 +44,7 @@ pub struct BoundOptions {
 impl Default for BoundOptions {
     fn default() -> Self {
         Self {
-            set: ParameterSet::Ref,
+            truth: ParameterSet::Ref.parameters(),
             runs: 400,
             averaged: 1,
             seed: 1,
@@ -100,7 +100,7 @@ pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
 }
 
 fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64)) -> Result<BoundRow, LabError> {
-    let truth = options.set.parameters();
+    let truth = options.truth;
     let noise = Noise::SnrDb(snr_db).sigma_ut(1.0);
     let averaged = options.averaged as f64;
     // the same orientations and noise for every SNR: columns differ by the SNR alone

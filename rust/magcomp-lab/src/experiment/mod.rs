@@ -15,6 +15,7 @@ pub mod nees;
 pub mod sensitivity;
 pub mod situation;
 pub mod step;
+mod step_course;
 mod step_score;
 mod step_view;
 

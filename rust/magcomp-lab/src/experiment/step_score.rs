@@ -8,6 +8,7 @@
 //!   any estimator.
 
 use super::Spread;
+use super::step_course::Course;
 use crate::parameters::{NAMES, Parameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::Truth;
@@ -73,16 +74,14 @@ pub struct NormalisationResult {
     pub after: Peaks,
     /// The same without the sensor's noise: the calibration's own error.
     pub after_clean: Peaks,
-    /// The first run, for the figures.
+    /// All runs over time, for the figures.
     #[serde(skip)]
-    pub trace: Trace,
+    pub course: Course,
 }
 
 /// One run, sample by sample.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Estimated parameters after each sample; of the first run only.
-    pub estimated: Vec<[f64; 9]>,
     /// True parameters at each sample; of the first run only.
     pub truth: Vec<[f64; 9]>,
     /// (azimuth, elevation) error of the method, degrees; azimuth NaN near the poles.
@@ -92,9 +91,9 @@ pub struct Trace {
     /// As `method_deg`, with the constant-field parameters kept.
     pub kept_deg: Vec<(f64, f64)>,
     /// Relative errors of the parameters at each sample.
-    relative: Vec<[f32; 9]>,
-    sigma_t: Vec<f64>,
-    window: Vec<f64>,
+    pub(super) relative: Vec<[f32; 9]>,
+    pub(super) sigma_t: Vec<f64>,
+    pub(super) window: Vec<f64>,
 }
 
 impl Trace {
@@ -111,7 +110,6 @@ impl Trace {
         let hard_iron = truth.hard_iron_ut / FIELD_UT;
         let true_theta = Parameters { soft_iron: truth.soft_iron, hard_iron }.theta();
         self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / true_theta[i].abs()) as f32));
-        self.estimated.push(estimated);
         self.truth.push(true_theta);
         self.method_deg.push(angle_errors_deg(&calibration.correct(&sample.field_ut), &truth.field_ut));
         self.clean_deg.push(angle_errors_deg(&calibration.correct(&truth.clean_ut), &truth.field_ut));
@@ -157,7 +155,7 @@ impl Score {
     /// One more run.
     pub fn add(&mut self, mut run: Trace) {
         if !self.runs.is_empty() {
-            (run.estimated, run.truth) = (Vec::new(), Vec::new());
+            run.truth = Vec::new();
         }
         self.runs.push(run);
     }
@@ -182,7 +180,7 @@ impl Score {
             during: self.peaks(|run| &run.method_deg[BEFORE..end]),
             after: self.peaks(|run| &run.method_deg[end..]),
             after_clean: self.peaks(|run| &run.clean_deg[end..]),
-            trace: self.runs.into_iter().next().unwrap_or_default(),
+            course: Course::of(&self.runs),
         }
     }
 

@@ -34,6 +34,9 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a file that tell what it is.
 const START: u64 = 4096;
+/// Rows of a recording that tell its units: at least, and at most.
+const FEWEST: usize = 20;
+const LOOKED_AT: usize = 5000;
 /// What is accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
 
@@ -85,7 +88,9 @@ pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Opti
     if let [input] = inputs
         && !is_session(input, options)?
     {
-        return Ok((Source::open(input)?, None));
+        let mut source = Source::open(input)?;
+        plausible::check(&beginning(&mut source)?)?;
+        return Ok((source, None));
     }
     let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
     let failed = || LabError::write(Path::new("a temporary file"));
@@ -94,6 +99,32 @@ pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Opti
     let summary = import(inputs, options, |write| write(&mut out).map_err(failed()))?;
     out.flush().map_err(failed())?;
     Ok((Source::of(&inputs[0], copy)?, Some(summary)))
+}
+
+/// The first rows of a recording, to look at its units; none of a recording that is too short to tell.
+fn beginning(source: &mut Source) -> Result<Session, LabError> {
+    let mut session = Session::default();
+    if source.extent().rows < FEWEST {
+        return Ok(session);
+    }
+    let rows = source.rows()?;
+    let [time, raw, up, rate, system] = ["t_s", "mx", "ax", "gx", "sys_mx"].map(|name| rows.first_place(name));
+    for row in rows.take(LOOKED_AT) {
+        let row = row?;
+        session.raw.add(row.time_ns, row.field_ut, || [time.clone(), raw.clone()]);
+        for event in row.inertial() {
+            if let Some(value) = event.up_m_s2 {
+                session.up.add(event.time_ns, value, || [time.clone(), up.clone()]);
+            }
+            if let Some(value) = event.rate_rad_s {
+                session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()]);
+            }
+        }
+        if let Some(value) = row.system_ut {
+            session.system.add(row.time_ns, value, || [time.clone(), system.clone()]);
+        }
+    }
+    Ok(session)
 }
 
 /// Whether it must be imported; what can be read only once is a recording.
@@ -110,10 +141,13 @@ fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     // a cut gzip shows itself when it is read whole
     let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
     let document = Document { path: input.to_owned(), text };
-    let header = Sheet::new(&document).header;
+    let sheet = Sheet::new(&document);
+    let header = &sheet.header;
     Ok([b"PK".as_slice(), ros::MCAP].iter().any(|form| document.text.starts_with(form))
         || columnar::is_columnar(&document.text)
         || logger(std::slice::from_ref(&document)).is_some()
+        // a recording's own form has commas between cells, plain CSV may have others
+        || sheet.has_decimal_commas()
         || !header.iter().any(|name| name == "t_s") && !header.is_empty())
 }
 

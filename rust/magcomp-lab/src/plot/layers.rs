@@ -34,7 +34,7 @@ pub struct Layers {
     pub lanes: Vec<&'static str>,
     /// What is in the lanes.
     pub spans: Vec<Span>,
-    /// Moments and their names: vertical lines.
+    /// Moments and their names, which may be empty: vertical lines.
     pub marks: Vec<(f64, String)>,
 }
 
@@ -71,6 +71,9 @@ impl Layers {
         }
         for (x, name) in &self.marks {
             chart.draw_series([PathElement::new(vec![(*x, low), (*x, high)], INK.stroke_width(1))])?;
+            if name.is_empty() {
+                continue;
+            }
             let text = ("sans-serif", 12).into_font().color(&INK);
             chart.draw_series([Text::new(format!(" {name}"), (*x, high), text)])?;
         }

@@ -100,7 +100,8 @@ impl Panel {
             .margin_top(TITLE_ROW)
             .margin_right(18)
             .x_label_area_size(if self.x_label.is_empty() { 22 } else { 38 })
-            .y_label_area_size(if self.y_label.is_empty() && !lanes { 44 } else { 58 })
+            // one for all, so that the axes of panels below each other line up
+            .y_label_area_size(58)
             .build_cartesian_2d(x_low..x_high, y_low..y_high)?;
         chart
             .configure_mesh()

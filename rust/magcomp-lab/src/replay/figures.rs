@@ -23,7 +23,8 @@ const LANES: [(&str, Colour); 6] = [
     ("held", Colour::Blue),
     ("collecting", Colour::Grey),
 ];
-/// Shown of the heading error: this many times the two sigmas that most readings stay below, degrees at least and at most.
+/// Shown of the heading error: this many times the two sigmas that half of the readings stay below, degrees at least and at most.
+/// Of the total field: this many times what most corrected samples stay below.
 const ROOM: f64 = 2.0;
 const LEAST_DEG: f64 = 5.0;
 const MOST_DEG: f64 = 60.0;
@@ -245,7 +246,7 @@ impl Figures {
                     series("compensated", Colour::Blue, self.corrected_error.points()),
                 ],
             ));
-            let range = (ROOM * self.two_sigma.at(900).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
+            let range = (ROOM * self.two_sigma.at(500).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
             panels.push(Panel {
                 y_range: Some((-range, range)),
                 layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
@@ -286,6 +287,10 @@ impl Figures {
         });
         let start_ns = self.extent.start_ns;
         let mark = |event: &Event| ((event.since_ns - start_ns) as f64 / 1e9, format!("{:?}", event.kind));
+        // the moments of the events in every panel; the lowest names them
+        for panel in &mut panels {
+            panel.layers.marks = self.events.iter().map(|event| (mark(event).0, String::new())).collect();
+        }
         panels.push(Panel {
             layers: Layers {
                 lanes: LANES.map(|(name, _)| name).to_vec(),
@@ -297,13 +302,22 @@ impl Figures {
         });
         let error = match self.extent.first_reference {
             Some(_) => {
-                " heading errors against the reference, the lower with the band of two sigmas that was given with it;"
+                " heading errors against the reference, up to one constant, the lower with the band of two sigmas that was given \
+                 with it;"
+            }
+            None => "",
+        };
+        let band = match self.extent.first_reference {
+            Some(_) => {
+                " The heading's band also allows for errors that few references show: an uneven place, axes of the sensors that \
+                 differ, an accelerometer that leans. A steep field multiplies them, and at rest they do not average out, so the \
+                 band stays wide where the line is still."
             }
             None => "",
         };
         let caption = format!(
             "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
-             true b, where it is known); status and events, each at the time since when it holds."
+             true b, where it is known); status. Vertical lines: events, each at the time since when it holds.{band}"
         );
         show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
