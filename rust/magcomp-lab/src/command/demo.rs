@@ -15,7 +15,7 @@ use magcomp::{Config, Method, ReferenceAxis};
 use serde::Serialize;
 use std::path::Path;
 
-/// The recordings shown, which the program carries within it, and what happens in them.
+/// The recordings shown, which are part of the program, and their stories.
 const RECORDINGS: [(&str, &[u8], &str); 2] = [
     (
         "broad_34_attached_magnet_3cm.csv.gz",
@@ -41,7 +41,7 @@ const AIDED_RUNS: usize = 10;
 /// Where the report is written when no other folder is named, below the current one.
 const FOLDER: &str = "magcomp-report";
 
-/// Show what it does: real recordings compensated, then the steps: aided, and the paper's.
+/// Show compensated recordings, then the step experiments: with the gyroscope, then the paper's.
 ///
 /// The report is written into magcomp-report below the current folder, or where --report says. The recordings are part of the
 /// program.

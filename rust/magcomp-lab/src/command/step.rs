@@ -32,7 +32,7 @@ pub(super) struct Step {
     // of figs. 4 and 5, as all that follows up to --sigma-th
     #[command(flatten)]
     truth: TrueParameters,
-    /// Figs. 4 and 5: what the fits minimise; corrected when not given
+    /// Figs. 4 and 5: the residual that the fits minimise; corrected when not given
     #[arg(long, value_enum)]
     residual: Option<ResidualChoice>,
     /// Figs. 4 and 5: all nine parameters step by this factor; 1.5 when not given
@@ -50,7 +50,7 @@ pub(super) struct Step {
     /// Figs. 4 and 5: threshold of sigma_T; 0.1 when not given
     #[arg(long, value_name = "SIGMA_T", value_parser = |text: &str| between(text, 0.0, 10.0))]
     sigma_th: Option<f64>,
-    /// Tumble, pedestrian: what changes; parameters for tumble and offset for pedestrian when not given
+    /// Tumble, pedestrian: the change; parameters for tumble and offset for pedestrian when not given
     #[arg(long, value_enum)]
     change: Option<PhoneChange>,
     /// Tumble, pedestrian: samples per second of every sensor; 100 when not given

@@ -25,7 +25,7 @@ const PERIOD_NAMES: [&str; 4] = ["before", "0 to 100", "100 to 1000", "later"];
 /// Readings before this many samples do not count: collecting.
 const WARM_UP: usize = 500;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct AdaptiveOptions {
     /// The scenario.
@@ -51,7 +51,7 @@ pub struct Honesty {
     pub nees: Option<[f64; 2]>,
 }
 
-/// What came out.
+/// The result.
 #[derive(Clone, Debug, Serialize)]
 pub struct AdaptiveResult {
     /// The scenario.
@@ -66,7 +66,7 @@ pub struct AdaptiveResult {
     pub honesty: Vec<Honesty>,
     /// Device steps declared before the change, in all runs.
     pub false_alarms: usize,
-    /// Share of the samples before the change on which a change was suspected or a disturbance told.
+    /// Share of the samples before the change whose status was suspect or disturbed.
     pub suspected_before: f64,
     /// Device steps declared after the change, mean over runs.
     pub declared: f64,

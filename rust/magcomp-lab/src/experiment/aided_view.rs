@@ -45,7 +45,7 @@ impl AidedResult {
         table
     }
 
-    /// The line for every method and, where something changes at once, what the aided method made of that.
+    /// The line for every method and, where something changes at once, the aided method's reaction to it.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         std::iter::once(self.table()).chain(self.change_table()).collect()

@@ -24,7 +24,7 @@ pub const SNR_DB: [f64; 3] = [30.0, 35.0, 40.0];
 /// Field of the simulation, uT; the ratios do not depend on it.
 const FIELD_UT: f64 = 40.0;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct BoundOptions {
     /// True parameters.

@@ -21,7 +21,7 @@ const DRAWN: [(&str, Colour); 11] = [
     ("vqf-ours", Colour::Purple),
     ("fusion", Colour::Red),
 ];
-/// What the methods of a table were given.
+/// The sensors that the methods of a table were given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Given {
     /// The magnetometer alone.
@@ -31,7 +31,7 @@ pub enum Given {
 }
 
 impl Given {
-    /// What is judged.
+    /// The error that is judged.
     fn error(self) -> &'static str {
         match self {
             Self::Magnetometer => "direction error",

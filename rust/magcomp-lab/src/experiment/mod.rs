@@ -22,8 +22,8 @@ mod step_view;
 use magcomp::{Config, HeadingConfig, Method};
 use serde::Serialize;
 
-/// The config of every run: the default, but that headings are judged by the true attitude, so that sigma must not count what `up`
-/// may lean.
+/// The config of every run: the default, but with a tilt sigma of 0. Headings are judged by the true attitude here, so sigma
+/// must not count the tilt of `up`.
 #[must_use]
 pub fn config(method: Method) -> Config {
     let heading = HeadingConfig { tilt_sigma_deg: 0.0, ..HeadingConfig::default() };

@@ -62,7 +62,7 @@ impl From<NormalisationChoice> for Normalisation {
     }
 }
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct StepOptions {
     /// Parameters before the step.
@@ -71,7 +71,7 @@ pub struct StepOptions {
     pub motion: Motion,
     /// Signal-to-noise ratio, dB.
     pub snr_db: f64,
-    /// What the fits minimise.
+    /// The residual that the fits minimise.
     pub residual: ResidualChoice,
     /// All nine parameters step by this factor.
     pub factor: f64,

@@ -1,4 +1,4 @@
-//! What is read off the runs of the step experiment.
+//! Figures of the runs of the step experiment.
 //!
 //! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step;
 //! * transient: samples after the step until the rms over runs of that error stays below 5 % for good;

@@ -60,7 +60,7 @@ impl Document {
     }
 }
 
-/// What a file of another form is, by its first bytes, and what to do.
+/// Names the form of a file that is no text, by its first bytes, and says what the user can do.
 fn not_text(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"MATLAB") {
         "a MATLAB file is not read; in MATLAB, writetimetable(MagneticField, \"MagneticField.csv\") makes a CSV of each sensor"

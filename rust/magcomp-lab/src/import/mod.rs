@@ -1,7 +1,8 @@
 //! Sessions that phone loggers recorded, made into recordings: each sensor keeps its own times and rates, nothing is resampled.
 //!
-//! Made after the loggers' documentation and tried on files written by hand after it; of Sensor Logger also on an iPhone's real
-//! session. No real file of the others was at hand.
+//! The readers follow the loggers' documentation and were tried on files written by hand after it; that of Sensor Logger
+//! also on an iPhone's real session. Parquet, Arrow and ROS 2 were tried on files that other people's writers made
+//! (`tests/sessions/make.py`). No real file of the other loggers was at hand.
 
 mod columnar;
 mod document;
@@ -32,12 +33,12 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a file that tell what it is.
+/// Bytes at the beginning of a file that show its form.
 const START: u64 = 4096;
 /// Rows of a recording that tell its units: at least, and at most.
 const FEWEST: usize = 20;
 const LOOKED_AT: usize = 5000;
-/// What is accepted, for messages.
+/// The loggers that are accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
 
 /// How plain CSV and Parquet are read; the loggers' own files need none of it.
@@ -57,14 +58,14 @@ pub struct ImportOptions {
     pub topics: Vec<String>,
 }
 
-/// What a session held.
+/// The content of a session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The logger, or plain CSV.
     pub logger: &'static str,
     /// Its sensors.
     pub sensors: Vec<Sensor>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -83,7 +84,7 @@ impl Summary {
     }
 }
 
-/// A recording to replay, and what the session held that it was made from; none where the input is a recording already.
+/// A recording to replay, and the content of the session that it was made from; none where the input is a recording already.
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Option<Summary>), LabError> {
     if let [input] = inputs
         && !is_session(input, options)?
@@ -127,7 +128,7 @@ fn beginning(source: &mut Source) -> Result<Session, LabError> {
     Ok(session)
 }
 
-/// Whether it must be imported; what can be read only once is a recording.
+/// Whether the input must be imported. A pipe, which can be read only once, is taken for a recording.
 fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     let kind = std::fs::metadata(input).map_err(LabError::read(input))?;
     if kind.is_dir() || *options != ImportOptions::default() {

@@ -1,4 +1,4 @@
-//! What lies behind the lines of a panel: a band about a line, lanes of coloured spans, marks at moments.
+//! The layers of a panel behind its lines: bands, lanes of coloured spans, marks at moments.
 
 use super::colour::{Colour, INK};
 use plotters::coord::types::RangedCoordf64;
@@ -32,7 +32,7 @@ pub struct Layers {
     pub bands: Vec<(Colour, Band)>,
     /// Names of lanes, from the bottom; y then counts lanes.
     pub lanes: Vec<&'static str>,
-    /// What is in the lanes.
+    /// The spans in the lanes.
     pub spans: Vec<Span>,
     /// Moments and their names, which may be empty: vertical lines.
     pub marks: Vec<(f64, String)>,

@@ -24,7 +24,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens `path` and checks every row. What can be read only once, such as a pipe, is copied to an unnamed temporary file.
+    /// Opens `path` and checks every row. A pipe, which can be read only once, is copied to an unnamed temporary file.
     ///
     /// # Errors
     /// [`LabError::Recording`] for a file of another form, [`LabError::Empty`] for one without rows, [`LabError::Read`] when
@@ -181,7 +181,7 @@ fn unreadable(path: &Path, error: csv::Error) -> LabError {
     LabError::Read { path: path.to_owned(), source }
 }
 
-/// One line: what each sensor said at its time, where it said anything.
+/// One line: the values of the sensors that have an event at its time.
 struct Line {
     time_s: f64,
     time_ns: i64,

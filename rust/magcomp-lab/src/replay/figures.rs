@@ -24,13 +24,13 @@ const LANES: [(&str, Colour); 6] = [
     ("collecting", Colour::Grey),
 ];
 /// Shown of the heading error: this many times the two sigmas that half of the readings stay below, degrees at least and at most.
-/// Of the total field: this many times what most corrected samples stay below.
+/// Of the total field: this many times the length that most corrected samples stay below.
 const ROOM: f64 = 2.0;
 const LEAST_DEG: f64 = 5.0;
 const MOST_DEG: f64 = 60.0;
-/// Least difference of total fields that is told, uT.
+/// Resolution of total fields, uT.
 const FIELD_STEP_UT: f64 = 0.001;
-/// Least difference of sigmas that is told, degrees.
+/// Resolution of sigmas, degrees.
 const SIGMA_STEP_DEG: f64 = 0.001;
 
 /// Pixels across a picture: the band has about one point a pixel, and spans of a lane that are less apart are drawn as one.
@@ -69,8 +69,8 @@ pub struct Figures {
     events: Vec<Event>,
 }
 
-/// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is told by its difference
-/// from another one, so that the lowest and the highest are those of one turn.
+/// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
+/// difference from another one, so that the lowest and the highest are those of one turn.
 #[derive(Clone, Debug)]
 struct ErrorLine {
     azimuths: Circle,
@@ -128,7 +128,7 @@ impl Figures {
         }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let Step { reading, calibration, sigma, .. } = step;
         self.sphere.add(row, step);
@@ -146,7 +146,7 @@ impl Figures {
         self.heading_error.add(time_s, azimuth(reading.filtered_field_ut.or(reading.field_ut)));
         let two_sigma = reading.heading.and_then(|heading| Some(2.0 * heading.heading_sigma_deg?));
         two_sigma.iter().for_each(|sigma| self.two_sigma.add(*sigma));
-        // what carries the heading goes through the noise of the samples: no more than one point a pixel is needed
+        // the heading's line runs within the noise of the samples: one point a pixel is enough
         let sampled = self.rows.is_multiple_of(self.extent.rows.div_ceil(PIXELS).max(1));
         if sampled {
             let sigma = two_sigma.unwrap_or(f64::NAN);
@@ -197,7 +197,7 @@ impl Figures {
         }
     }
 
-    /// Adds what a number cannot show; `recording` is its name.
+    /// Adds the pictures to a report; `recording` is the recording's name.
     ///
     /// # Errors
     /// [`LabError::Plot`].
@@ -237,7 +237,7 @@ impl Figures {
             ),
         ];
         if self.extent.first_reference.is_some() {
-            // everything's heading error, then that of what carries the heading, closer, with its band
+            // the heading errors of raw and corrected samples, then that of the published heading, closer, with its band
             panels.push(panel(
                 "heading error against the reference",
                 "deg",

@@ -30,7 +30,7 @@ pub(super) struct Sample {
 /// A stretch of time between two decided changes.
 #[derive(Clone, Debug)]
 pub(super) struct Epoch<'a> {
-    /// What began it; none for the first.
+    /// The event that began the stretch; none for the first.
     pub event: Option<Event>,
     /// From when to when, s after the first row.
     pub span_s: (f64, f64),
@@ -51,7 +51,7 @@ pub struct Sphere {
     course: Course,
 }
 
-/// What the page shows over time; as many of each as there are samples.
+/// The page's data over time; as many of each as there are samples.
 #[derive(Clone, Debug, Default, Serialize)]
 struct Course {
     heading: Vec<Option<f64>>,
@@ -75,7 +75,7 @@ impl Sphere {
         }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let Step { reading, calibration, .. } = step;
         if let Some(event) = reading.event.filter(|event| self.events.last() != Some(event)) {
@@ -120,7 +120,7 @@ impl Sphere {
         epochs.collect()
     }
 
-    /// The page that turns and scrubs; `recording` is what it is called.
+    /// The interactive page; `recording` is the recording's name.
     pub(super) fn page(&self, recording: &str) -> String {
         PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
     }
