@@ -94,7 +94,12 @@ impl Step {
     pub fn run(self) -> Result<(), LabError> {
         let adaptive = self.method == Some(StepMethod::Adaptive);
         let of_figures = [
-            ("--set, --soft-iron, --hard-iron, --scale, --axes, --offset", self.truth != TrueParameters::default()),
+            ("--set", self.truth.set.is_some()),
+            ("--soft-iron", self.truth.soft_iron.is_some()),
+            ("--hard-iron", self.truth.hard_iron.is_some()),
+            ("--scale", self.truth.scale.is_some()),
+            ("--axes", self.truth.axes.is_some()),
+            ("--offset", self.truth.offset.is_some()),
             ("--residual", self.residual.is_some()),
             ("--factor", self.factor.is_some()),
             ("--normalisation", self.normalisation.is_some()),

@@ -1,6 +1,6 @@
 //! All runs of the step experiment over time: what figs. 4 and 5 draw.
 
-use super::step_score::{BEFORE, Trace};
+use super::step_score::{BEFORE, Trace, size};
 use crate::plot::Band;
 
 /// Samples between two points of fig. 4.
@@ -36,7 +36,7 @@ impl Course {
         for (k, truth) in first.truth.iter().enumerate().step_by(POINT) {
             for (i, truth) in truth.iter().enumerate() {
                 values.clear();
-                values.extend(runs.iter().map(|run| truth + f64::from(run.relative[k][i]) * truth.abs()));
+                values.extend(runs.iter().map(|run| truth + f64::from(run.relative[k][i]) * size(*truth)));
                 values.sort_by(f64::total_cmp);
                 let at = |percent: usize| values[(values.len() * percent / 100).min(values.len() - 1)];
                 let x = k as f64;

@@ -1,6 +1,7 @@
 //! Figures of the runs of the step experiment.
 //!
-//! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step;
+//! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step; relative to |h| where |true| is
+//!   below 0.001;
 //! * transient: samples after the step until the rms over runs of that error stays below 5 % for good;
 //! * steady state: its rms over the last 1000 samples;
 //! * azimuth phi = atan2(h_y, h_x) and elevation theta = acos(h_z / |h|) of eq. (12) to (14), of the corrected sample
@@ -26,6 +27,8 @@ pub const AFTER: usize = 4000;
 pub const STEADY: usize = 1000;
 /// A parameter has settled below this relative error.
 const SETTLED: f64 = 0.05;
+/// Parameters below this have no relative error, field strengths.
+const NEGLIGIBLE: f64 = 1e-3;
 /// sin(theta) from which azimuth errors count.
 const OFF_THE_POLES: f64 = 0.5;
 /// Resamplings of the runs for the spread of a transient.
@@ -109,7 +112,7 @@ impl Trace {
         let estimated = Parameters::of(calibration).theta();
         let hard_iron = truth.hard_iron_ut / FIELD_UT;
         let true_theta = Parameters { soft_iron: truth.soft_iron, hard_iron }.theta();
-        self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / true_theta[i].abs()) as f32));
+        self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / size(true_theta[i])) as f32));
         self.truth.push(true_theta);
         self.method_deg.push(angle_errors_deg(&calibration.correct(&sample.field_ut), &truth.field_ut));
         self.clean_deg.push(angle_errors_deg(&calibration.correct(&truth.clean_ut), &truth.field_ut));
@@ -122,6 +125,11 @@ impl Trace {
     fn relative(&self, after: usize, parameter: usize) -> f64 {
         f64::from(self.relative[BEFORE + after][parameter])
     }
+}
+
+/// The size that an error of a parameter is relative to.
+pub(super) fn size(true_value: f64) -> f64 {
+    if true_value.abs() < NEGLIGIBLE { 1.0 } else { true_value.abs() }
 }
 
 /// (azimuth, elevation) of `found` less that of `truth`, degrees.

@@ -50,7 +50,8 @@ impl StepResult {
         summary("window N", &|result| (result.window.text(0), String::new()));
         table.note(
             "Transient: samples after the step until the rms over the runs of the relative error stays below 5 % for good, +- over \
-             resampled runs. Steady error: rms over the last 1000 samples, mean +- spread over the runs.",
+             resampled runs. Steady error: rms over the last 1000 samples, mean +- spread over the runs. \
+             The error of a parameter below 0.001 is relative to |h|.",
         );
         table.note("The paper (fig. 4): transient about 700 samples, steady error about 20 % for b and M_yx.");
         table
