@@ -41,13 +41,13 @@ const LOOKED_AT: usize = 5000;
 /// The loggers that are accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
 
-/// How plain CSV and Parquet are read; the loggers' own files need none of it.
+/// How plain CSV, Parquet and Arrow are read; the loggers' own files need none of it.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 pub struct ImportOptions {
-    /// Plain CSV and Parquet: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
+    /// Plain CSV, Parquet, Arrow: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
     #[arg(long, value_name = "t=NAME,mx=NAME,...")]
     pub columns: Option<ColumnNames>,
-    /// Plain CSV, Parquet, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
+    /// Plain CSV, Parquet, Arrow, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
     #[arg(long, value_name = "t=ns,m=uT,...")]
     pub units: Option<Units>,
     /// Which of the file's axes point right, up along the screen, and out of it

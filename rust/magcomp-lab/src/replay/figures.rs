@@ -3,6 +3,7 @@
 
 use super::circle::{Circle, off_deg};
 use super::judge::azimuth_deg;
+use super::marks::marks;
 use super::player::Step;
 use super::sizes::Sizes;
 use super::sphere::Sphere;
@@ -285,17 +286,16 @@ impl Figures {
         let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
             spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
         });
-        let start_ns = self.extent.start_ns;
-        let mark = |event: &Event| ((event.since_ns - start_ns) as f64 / 1e9, format!("{:?}", event.kind));
+        let marks = marks(&self.events, self.extent.start_ns);
         // the moments of the events in every panel; the lowest names them
         for panel in &mut panels {
-            panel.layers.marks = self.events.iter().map(|event| (mark(event).0, String::new())).collect();
+            panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();
         }
         panels.push(Panel {
             layers: Layers {
                 lanes: LANES.map(|(name, _)| name).to_vec(),
                 spans: spans.collect(),
-                marks: self.events.iter().map(mark).collect(),
+                marks,
                 ..Layers::default()
             },
             ..panel("status, and events since when", "", Vec::new())
@@ -317,7 +317,7 @@ impl Figures {
         };
         let caption = format!(
             "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
-             true b, where it is known); status. Vertical lines: events, each at the time since when it holds.{band}"
+             true b, where it is known); status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
         );
         show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);

@@ -1,6 +1,7 @@
 //! The sphere: raw samples lie on an ellipsoid h_m = M h + b, corrected ones on a sphere of radius |h|. Samples are thinned as they
 //! come, so that memory does not grow with a recording.
 
+use super::marks::marks;
 use super::player::Step;
 use crate::recording::{Extent, Row};
 use magcomp::nalgebra::Vector3;
@@ -156,11 +157,7 @@ impl Sphere {
             m: std::array::from_fn(|i| rounded(calibration.soft_iron()[(i / 3, i % 3)], 1e5)),
             f: rounded(calibration.field_strength_ut(), 1000.0),
         };
-        let start_ns = self.extent.start_ns;
-        let mark = |event: &Event| Mark {
-            t: rounded((event.since_ns - start_ns) as f64 / 1e9, 1000.0),
-            kind: format!("{:?}", event.kind),
-        };
+        let marks = marks(&self.events, self.extent.start_ns).into_iter();
         let data = Data {
             title: recording,
             t: self.samples.iter().map(|sample| rounded(sample.time_s, 1000.0)).collect(),
@@ -168,7 +165,7 @@ impl Sphere {
             fixed: self.samples.iter().map(|sample| sample.corrected.as_ref().map(tenths)).collect(),
             fit: self.samples.iter().map(|sample| sample.calibration).collect(),
             fits: self.calibrations.iter().map(fit).collect(),
-            marks: self.events.iter().map(mark).collect(),
+            marks: marks.map(|(t, kind)| Mark { t: rounded(t, 1000.0), kind }).collect(),
             course: &self.course,
         };
         serde_json::to_string(&data).expect("numbers and names are JSON")
