@@ -270,11 +270,8 @@ impl Columns {
 
         let time_s = number(self.time)?;
         if !(-LARGEST_TIME_S..LARGEST_TIME_S).contains(&time_s) {
-            return Err(wrong(
-                Some(self.time),
-                "a time in seconds; name another unit by --units t=ms, us or ns".to_owned(),
-                time_s.to_string(),
-            ));
+            let hint = if time_s.is_finite() { "; name another unit by --units t=ms, us or ns" } else { "" };
+            return Err(wrong(Some(self.time), format!("a time in seconds{hint}"), time_s.to_string()));
         }
         let time_ns = time_ns(time_s);
         if let Some((before_s, _)) = before.filter(|(_, before_ns)| time_ns <= *before_ns) {
