@@ -817,10 +817,10 @@ fileprivate func FfiConverterTypeConstantField_lower(_ value: ConstantField) -> 
 package protocol NativeCompensatorProtocol: AnyObject, Sendable {
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
-     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
-     * changed then.
+     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     * `hardIronSigmaUt` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * first readings are as unsure as that. Fails with `MagcompError.calibration` when the numbers are no calibration and with
+     * `Config` when the standard deviation is out of range; nothing has changed then.
      */
     func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
 
@@ -851,9 +851,10 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func fit() throws  -> EllipsoidFit?
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
-     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+     * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
+     * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
+     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
+     * the number of such samples.
      */
     func push(sample: MagneticSample) throws  -> Reading
 
@@ -868,22 +869,22 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func pushUp(sample: UpSample) throws
 
     /**
-     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-     * `Panicked`.
+     * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+     * compensator usable again after `MagcompError.panicked`.
      */
     func reset() throws
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
+     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+     * frame may differ), else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
      * changed then.
      */
     func restore(snapshot: String) throws  -> Restored
 
     /**
-     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`;
-     * nothing has changed then.
+     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
+     * `SnapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then.
      */
     func restoreCalibration(snapshot: String) throws
 
@@ -904,8 +905,8 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func snapshot() throws  -> String
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restoreCalibration`; none when there
-     * is none.
+     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+     * `restoreCalibration`. None without a calibration.
      */
     func snapshotCalibration() throws  -> String?
 
@@ -979,10 +980,10 @@ public convenience init(config: Config)throws  {
 
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hardIronSigmaUt` is
-     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `MagcompError.calibration` when it is none and with `MagcompError.config` when the standard deviation is out of range; nothing has
-     * changed then.
+     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     * `hardIronSigmaUt` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * first readings are as unsure as that. Fails with `MagcompError.calibration` when the numbers are no calibration and with
+     * `Config` when the standard deviation is out of range; nothing has changed then.
      */
 public func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1056,9 +1057,10 @@ public func fit()throws  -> EllipsoidFit?  {
 }
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
-     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+     * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
+     * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
+     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
+     * the number of such samples.
      */
 public func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1095,8 +1097,8 @@ public func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverter
 }
 
     /**
-     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-     * `Panicked`.
+     * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+     * compensator usable again after `MagcompError.panicked`.
      */
 public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1107,8 +1109,8 @@ public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_
 }
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
+     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+     * frame may differ), else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
      * changed then.
      */
 public func restore(snapshot: String)throws  -> Restored  {
@@ -1122,9 +1124,9 @@ public func restore(snapshot: String)throws  -> Restored  {
 }
 
     /**
-     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`;
-     * nothing has changed then.
+     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
+     * `SnapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then.
      */
 public func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1172,8 +1174,8 @@ public func snapshot()throws  -> String  {
 }
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restoreCalibration`; none when there
-     * is none.
+     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+     * `restoreCalibration`. None without a calibration.
      */
 public func snapshotCalibration()throws  -> String?  {
     return try  FfiConverterOptionString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1414,7 +1416,7 @@ fileprivate func FfiConverterTypeCalibration_lower(_ value: Calibration) -> Rust
 
 
 /**
- * Everything a compensator can be told. A setting left out is the library's default; `defaultConfig()` shows them all.
+ * All settings of a compensator. A setting left out has the library's default; `defaultConfig()` shows them all.
  */
 public struct Config: Equatable, Hashable, Codable {
     /**
@@ -1431,8 +1433,9 @@ public struct Config: Equatable, Hashable, Codable {
      */
     public var initialSigmaUt: Double?
     /**
-     * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-     * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
+     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
+     * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
+     * microtesla per axis. Default true.
      */
     public var useReportedHardIron: Bool?
     /**
@@ -1473,8 +1476,9 @@ public struct Config: Equatable, Hashable, Codable {
          * first headings less sure, and learning faster.
          */initialSigmaUt: Double? = nil,
         /**
-         * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-         * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
+         * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
+         * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
+         * microtesla per axis. Default true.
          */useReportedHardIron: Bool? = nil,
         /**
          * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
@@ -1844,7 +1848,7 @@ fileprivate func FfiConverterTypeFieldEvent_lower(_ value: FieldEvent) -> RustBu
  */
 public struct FitOptions: Equatable, Hashable, Codable {
     /**
-     * What is squared and summed. Default `Corrected`.
+     * The residual that a fit squares and sums. Default `Corrected`.
      */
     public var residual: Residual?
     /**
@@ -1865,7 +1869,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
      */
     public var maxDirectionSigmaDeg: Double?
     /**
-     * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
+     * Least white noise, microtesla per axis, 0 to 1000, for which the direction error is predicted. Default 5.
      */
     public var noiseFloorUt: Double?
     /**
@@ -1886,7 +1890,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
     // declare one manually.
     public init(
         /**
-         * What is squared and summed. Default `Corrected`.
+         * The residual that a fit squares and sums. Default `Corrected`.
          */residual: Residual? = nil,
         /**
          * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
@@ -1902,7 +1906,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
          * Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
          */maxDirectionSigmaDeg: Double? = nil,
         /**
-         * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
+         * Least white noise, microtesla per axis, 0 to 1000, for which the direction error is predicted. Default 5.
          */noiseFloorUt: Double? = nil,
         /**
          * Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
@@ -2072,7 +2076,7 @@ fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticFiel
 
 
 /**
- * A heading and what belongs to it. All angles in degrees.
+ * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
 public struct Heading: Equatable, Hashable, Codable {
     /**
@@ -2412,7 +2416,7 @@ fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -
 
 
 /**
- * The answer to one magnetometer sample. What is not known is none, never NaN.
+ * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
 public struct Reading: Equatable, Hashable, Codable {
     /**
@@ -2462,8 +2466,8 @@ public struct Reading: Equatable, Hashable, Codable {
      */
     public var directionSigmaDeg: Double?
     /**
-     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-     * something open, also where `sigmaT` does not show it. Adaptive method only.
+     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
+     * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
      */
     public var worstSigmaDeg: Double?
     /**
@@ -2471,8 +2475,9 @@ public struct Reading: Equatable, Hashable, Codable {
      */
     public var modelOrder: ModelOrder?
     /**
-     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
-     * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
+     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
+     * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
+     * changed.
      */
     public var reportedHardIronJumpUt: Double?
     /**
@@ -2527,15 +2532,16 @@ public struct Reading: Equatable, Hashable, Codable {
          * is not known.
          */directionSigmaDeg: Double?,
         /**
-         * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-         * something open, also where `sigmaT` does not show it. Adaptive method only.
+         * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
+         * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
          */worstSigmaDeg: Double?,
         /**
          * Which parameters the latest change set free. Adaptive method only.
          */modelOrder: ModelOrder?,
         /**
-         * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
-         * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
+         * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
+         * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
+         * changed.
          */reportedHardIronJumpUt: Double?,
         /**
          * The sensors the estimator runs on.
@@ -2985,13 +2991,13 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
      */
     public var normalisation: Normalisation?
     /**
-     * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
-     * however far its samples lie from one ellipsoid.
+     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
+     * is fitted however far its samples lie from one ellipsoid.
      */
     public var residual: Residual?
     /**
-     * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
-     * where the residual is small.
+     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
+     * coverage where the residual is small.
      */
     public var noiseFloorUt: Double?
 
@@ -3011,12 +3017,12 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
          * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
          */normalisation: Normalisation? = nil,
         /**
-         * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
-         * however far its samples lie from one ellipsoid.
+         * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
+         * is fitted however far its samples lie from one ellipsoid.
          */residual: Residual? = nil,
         /**
-         * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
-         * where the residual is small.
+         * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
+         * coverage where the residual is small.
          */noiseFloorUt: Double? = nil) {
         self.nMin = nMin
         self.nMax = nMax
@@ -3195,7 +3201,7 @@ fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReaso
 public enum CompensationMethod: Equatable, Hashable, Codable {
 
     /**
-     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
+     * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
      */
     case auto
     /**
@@ -3203,15 +3209,15 @@ public enum CompensationMethod: Equatable, Hashable, Codable {
      */
     case aided
     /**
-     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     * Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
      */
     case adaptive
     /**
-     * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
+     * The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
      */
     case windowed
     /**
-     * Its first step alone: one fit of the first well spread samples, then kept.
+     * The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
      */
     case constant
 
@@ -3312,7 +3318,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
      */
     case tracking
     /**
-     * Something changed; not yet decided what.
+     * Something changed; it is not yet decided whether the device or the place.
      */
     case suspect(
         /**
@@ -3336,7 +3342,8 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
          */sinceNs: Int64
     )
     /**
-     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
+     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
+     * clock (see `push`).
      */
     case rejected(
         /**
@@ -3866,7 +3873,7 @@ public enum HoldReason: Equatable, Hashable, Codable {
          */problem: FitProblem
     )
     /**
-     * The method is a constant calibration: by choice it does not follow changes.
+     * The method keeps one calibration: by choice it does not follow changes.
      */
     case constant
     /**
@@ -4015,7 +4022,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
          */problem: FitProblem
     )
     /**
-     * A calibration is none.
+     * The numbers are no calibration.
      */
     case calibration(
         /**
@@ -4023,7 +4030,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
          */why: String
     )
     /**
-     * A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
+     * A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
      */
     case snapshotDamaged
     /**
@@ -4312,7 +4319,7 @@ fileprivate func FfiConverterTypeMagcompLogLevel_lower(_ value: MagcompLogLevel)
 public enum ModelOrder: Equatable, Hashable, Codable {
 
     /**
-     * None: they are what they were.
+     * None: all nine stay.
      */
     case nothing
     /**
@@ -4476,7 +4483,7 @@ fileprivate func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> 
 
 
 /**
- * Which axis of the device the heading is that of.
+ * The axis of the device whose heading is reported.
  */
 
 public enum ReferenceAxis: Equatable, Hashable, Codable {
@@ -4734,7 +4741,7 @@ fileprivate func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> Ru
 
 
 /**
- * What is squared and summed by a fit.
+ * The residual that a fit squares and sums.
  */
 
 public enum Residual: Equatable, Hashable, Codable {
@@ -5743,7 +5750,7 @@ package func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
 /**
  * The corrected field, microtesla, of a raw sample (microtesla), by a calibration.
  *
- * Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
+ * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
  */
 package func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3  {
     return try  FfiConverterTypeVector3_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -5809,7 +5816,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_func_attitude() != 58912) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_func_correct() != 13713) {
+    if (uniffi_magcomp_ffi_checksum_func_correct() != 54430) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_heading() != 27775) {
@@ -5818,7 +5825,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_func_true_heading_deg() != 22358) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_adopt() != 43325) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_adopt() != 42302) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_calibration() != 6080) {
@@ -5836,7 +5843,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 44924) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 4282) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 40295) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 34691) {
@@ -5845,13 +5852,13 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_up() != 62246) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 38613) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 1317) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 15248) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 65144) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 48411) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 5125) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() != 6198) {
@@ -5863,7 +5870,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot() != 48416) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() != 15625) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() != 23358) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 32779) {

@@ -2,7 +2,8 @@
 
 import Foundation
 
-// What is `package` in the generated bindings, as Swift has it: global functions would stand in every app's namespace.
+// The generated bindings' global functions are `package`, because they would stand in every app's namespace. Here they
+// become members.
 
 extension MagcompError: LocalizedError {
     /// The error in a sentence that says what to do.

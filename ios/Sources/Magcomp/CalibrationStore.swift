@@ -1,16 +1,17 @@
 import Foundation
 
-/// Where a calibration is kept from one launch to the next. The text carries its own version and checksum: a store need
-/// not look into it, and an old or damaged one is passed over as if there were none.
+/// Where a calibration is kept from one launch to the next. A store need not look into the text, which carries its own
+/// version and checksum: the library ignores an old or damaged text.
 public protocol CalibrationStore: Sendable {
-    /// What was saved last, or nil.
+    /// The text that was saved last, or nil.
     func load() -> String?
 
-    /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`, then
-    /// when the calibration has changed and 10 s have passed since the save before, and at the end of the readings; and on the
-    /// thread that calls ``Compass/save()``. Changed means hard iron or soft iron: the field strength follows the noise of a
-    /// device at rest, and is kept with them. Never called when ``load()`` or the save before has kept the same, nor twice at
-    /// once. Readings wait for it, and it must not call the compass.
+    /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`,
+    /// then when the calibration has changed and 10 s have passed since the save before, and at the end of the
+    /// readings; and on the thread that calls ``Compass/save()``. A change of hard iron or soft iron counts. A change
+    /// of the field strength alone does not, because it follows the noise of a device at rest. Never called when
+    /// ``load()`` or the save before has kept the same, nor twice at once. Readings wait for it, and it must not call
+    /// the compass.
     func save(_ snapshot: String)
 
     /// Keeps nothing from now on, until it is told to save: called by ``Compass/reset()``.

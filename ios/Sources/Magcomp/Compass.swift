@@ -1,7 +1,7 @@
 /// A compass from a phone's own sensors: `for try await reading in Compass().readings() { ... }`.
 ///
-/// However many iterate its readings, there is one estimator, and sensors run once, while anybody iterates. What was learned
-/// stays as long as the compass lives: a screen that comes back has its heading at once.
+/// All iterations of its readings share one estimator and one run of the sensors, which lasts while anybody iterates.
+/// The compass keeps the learned calibration as long as it lives, so a screen that comes back has its heading at once.
 public final class Compass: Sendable {
     private let readers: Readers
     private let estimation: Estimation
@@ -9,9 +9,10 @@ public final class Compass: Sendable {
 
     /// - Parameters:
     ///   - source: where events come from
-    ///   - config: what was left out is the library's default, that of ``Compensator``: among them the heading's axis `.auto`,
-    ///     which does not flip when the phone is raised, and `useReportedHardIron`: iOS's own hard iron is the first calibration
-    ///     where there is no other and the source delivers its field, so that the first reading has a heading, with a wide sigma
+    ///   - config: a field left out has the library's default, as in ``Compensator``. Two defaults serve a compass: the
+    ///     heading's axis is `.auto`, which does not flip when the phone is raised; and `useReportedHardIron` makes
+    ///     iOS's own hard iron the first calibration where there is no other and the source delivers iOS's field, so
+    ///     that the first reading has a heading, with a wide sigma
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     public init(source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil) {
         let frames = Locked(
@@ -31,15 +32,15 @@ public final class Compass: Sendable {
     }
     #endif
 
-    /// The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. With a
-    /// declination out of range readings end with `MagcompError.config`.
+    /// The frame of the headings. It may be set at any time from any thread, for instance when the screen has turned. A
+    /// declination out of range ends the readings with `MagcompError.config`.
     public var frame: HeadingFrame {
         get { frames.value }
         set { frames.value = newValue }
     }
 
-    /// One reading for every magnetometer sample, as long as it is iterated. Iterators get the same readings, each from when
-    /// it began.
+    /// One reading for every magnetometer sample, as long as somebody iterates. All iterators get the same readings,
+    /// each from its own beginning on.
     ///
     /// - Parameter capacity: readings kept for a slow iterator, at least 1; the oldest is dropped and counted, but for a source
     ///   that can wait, as a ``RecordingSource`` can
@@ -47,10 +48,10 @@ public final class Compass: Sendable {
         CompensatedReadings { [readers] in readers.place(capacity: capacity) }
     }
 
-    /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where iOS may
-    /// end it without a word.
+    /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where
+    /// iOS may end the app without warning.
     public func save() { estimation.save() }
 
-    /// Forgets what was learned, in the store too; iterations go on with a first calibration.
+    /// Forgets the learned calibration, in the store too; iterations go on with a first calibration.
     public func reset() { estimation.reset() }
 }

@@ -2,8 +2,9 @@ import Observation
 
 /// What a compass screen shows, for SwiftUI: `.task { await model.run() }`. For iOS 15 and 16 there is ``CompassObject``.
 ///
-/// Every run begins with nothing shown; one that ends with an error leaves nothing but the error's text in ``status``. A value
-/// changes only to another one, and at most as often as a screen is drawn, so a view is drawn anew only for what it shows.
+/// Every run begins with nothing shown. A run that ends with an error leaves only the error's text in ``status``. A
+/// value is set only when it differs, and at most as often as a screen is drawn, so a view is drawn anew only for the
+/// values it shows.
 @available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
 @MainActor @Observable
 public final class CompassModel {
@@ -51,7 +52,7 @@ public final class CompassModel {
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }
 
-    /// Forgets what was learned, in the store too.
+    /// Forgets the learned calibration, in the store too.
     public func reset() { compass.reset() }
 
     private func show(_ state: CompassState) {

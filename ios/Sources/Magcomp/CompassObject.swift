@@ -29,7 +29,7 @@ public final class CompassObject: ObservableObject {
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }
 
-    /// Forgets what was learned, in the store too.
+    /// Forgets the learned calibration, in the store too.
     public func reset() { compass.reset() }
 }
 #endif

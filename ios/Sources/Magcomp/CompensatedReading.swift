@@ -33,7 +33,7 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
 }
 
 extension Reading {
-    /// For previews and tests: what is not given is not known.
+    /// For previews and tests. A value that is not given is unknown.
     ///
     /// - Parameters:
     ///   - timeNs: time of the sample, nanoseconds

@@ -37,7 +37,7 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     /// iterator.
     ///
     /// - Parameters:
-    ///   - config: what was left out is the library's default
+    ///   - config: a field left out has the library's default
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     ///   - capacity: readings kept for a slow iterator, at least 1
     ///   - frame: the heading frame in force at each moment; nil: the config's

@@ -5,23 +5,23 @@ import MagcompFFI
 /// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.closed`. After a defect of
 /// the library calls throw `MagcompError.panicked` until ``reset()``.
 public final class Compensator: Sendable {
-    /// What it was made with; what was left out is the library's default, as in ``Compass`` (`Config.defaults` shows all).
+    /// The config it was made with. A field left out has the library's default, as in ``Compass`` (`Config.defaults` shows all).
     public let config: Config
     private let native: NativeCompensator
     // a number, not a pointer: that of a closed object finds nothing
     private let handle: Int64
 
-    /// - Throws: `MagcompError.config` when a field of the config is out of range, `MagcompError.calibration` when its
-    ///   first calibration is none
+    /// - Throws: `MagcompError.config` when a field of the config is out of range, `MagcompError.calibration` when
+    ///   `Config.initial` is no calibration
     public init(config: Config = Config()) throws {
         self.config = config
         native = try NativeCompensator(config: config)
         handle = native.fastHandle()
     }
 
-    /// A raw magnetometer event and its answer. A sample that can't be used comes back with status `.rejected` and changes
-    /// nothing; but 50 in a row whose time follows that of one another, and not that of the latest, are from another clock: the
-    /// calibration stays then, and all else begins anew.
+    /// A raw magnetometer event and its answer. A sample that cannot be used comes back with status `.rejected` and
+    /// changes nothing. After 50 such samples in a row whose times follow one another but not the latest used sample,
+    /// the compensator assumes another clock: it keeps the calibration and begins anew with everything else.
     public func push(_ sample: MagneticSample) throws -> Reading {
         let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
         let unknown = Double.nan
@@ -76,8 +76,8 @@ public final class Compensator: Sendable {
     ///   - calibration: hard iron, soft iron and field strength
     ///   - hardIronSigmaUt: one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
     ///     readings are as unsure as that
-    /// - Throws: `MagcompError.calibration` when it is none, `MagcompError.config` when the standard deviation is out of range;
-    ///   nothing has changed then
+    /// - Throws: `MagcompError.calibration` when the numbers are no calibration, `MagcompError.config` when the
+    ///   standard deviation is out of range; nothing has changed then
     public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {
         try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)
     }
@@ -92,26 +92,26 @@ public final class Compensator: Sendable {
     /// Which directions were seen, for guidance.
     public func coverage() throws -> Coverage { try native.coverage() }
 
-    /// Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-    /// `MagcompError.panicked`.
+    /// Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+    /// compensator usable again after `MagcompError.panicked`.
     public func reset() throws { try native.reset() }
 
     /// The whole state as text with a version and a checksum, to be kept and restored.
     public func snapshot() throws -> String { try native.snapshot() }
 
-    /// The calibration in force alone, as such a text of a few hundred characters, for ``restoreCalibration(_:)``; nil when
-    /// there is none.
+    /// The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+    /// ``restoreCalibration(_:)``. Nil without a calibration.
     public func snapshotCalibration() throws -> String? { try native.snapshotCalibration() }
 
-    /// Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
-    /// of the library, else its calibration alone.
+    /// Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+    /// frame may differ), else its calibration alone.
     ///
     /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
     @discardableResult
     public func restore(_ snapshot: String) throws -> Restored { try native.restore(snapshot: snapshot) }
 
-    /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of an
-    /// app, or of the phone, whose sensor clock begins at 0 again.
+    /// Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+    /// next launch of an app, or for a phone that was restarted and whose sensor clock begins at 0 again.
     ///
     /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
     public func restoreCalibration(_ snapshot: String) throws { try native.restoreCalibration(snapshot: snapshot) }

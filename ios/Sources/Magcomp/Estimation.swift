@@ -73,7 +73,7 @@ final class Estimation: @unchecked Sendable {
     /// Saves what the store does not keep already.
     func save() { lock.withLock { _ = saveChanged() } }
 
-    /// Forgets what was learned, in the store too.
+    /// Forgets the learned calibration, in the store too.
     func reset() {
         lock.withLock {
             forget()

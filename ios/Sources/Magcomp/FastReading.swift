@@ -1,6 +1,6 @@
 import MagcompFFI
 
-// What the C path answers, as the records uniffi makes. Cases are counted in the order of their declaration in
+// Converts the answers of the C path to the records that uniffi makes. Cases are counted in the order of their declaration in
 // rust/magcomp-ffi/src/c.rs; a test compares every one with what uniffi says.
 
 extension Reading {

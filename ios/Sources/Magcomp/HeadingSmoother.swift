@@ -1,19 +1,19 @@
 import Foundation
 
-/// Smooths headings for a rose on a screen: of what is left between shown and found, half goes in every half-life, the shorter
-/// way round, y += (1 - 2^(-dt / halfLife)) wrap(x - y).
+/// Smooths headings for a rose on a screen. In every half-life the shown heading makes half of its way to the given
+/// one, the shorter way round: y += (1 - 2^(-dt / halfLife)) wrap(x - y).
 ///
-/// What is shown lags by about 1.4 half-lives in a steady turn; sigma says nothing of that.
+/// In a steady turn the shown heading lags by about 1.4 half-lives; the heading's sigma does not count this lag.
 public struct HeadingSmoother: Equatable, Sendable {
     /// Seconds in which half of a difference goes.
     public let halfLifeS: Double
     private var latest: (headingDeg: Double, timeNs: Int64)?
 
-    /// - Parameter halfLifeS: seconds; 0 or what is no number smooths nothing
+    /// - Parameter halfLifeS: seconds; 0 or NaN smooths nothing
     public init(halfLifeS: Double) { self.halfLifeS = halfLifeS }
 
-    /// The smoothed heading, degrees, 0 to 360; the first is the one given, and so is one whose time is not after the latest,
-    /// as when a clock began anew.
+    /// The smoothed heading, degrees, 0 to 360. The first heading is returned as it is; so is one whose time is not
+    /// after the latest, as when a clock began anew.
     public mutating func push(_ headingDeg: Double, timeNs: Int64) -> Double {
         var shown = headingDeg
         if let latest, timeNs > latest.timeNs, halfLifeS > 0 {

@@ -4,7 +4,7 @@ import Foundation
 final class Readers: Sendable {
     typealias Numbered = (number: Int, answer: CompensatedReading)
 
-    /// What a reader gets, and where it says what it has taken.
+    /// A reader's readings, and the counter of those it has taken.
     struct Place {
         let readings: AsyncThrowingStream<Numbered, any Error>
         let taken: Taken

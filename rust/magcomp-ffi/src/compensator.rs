@@ -62,9 +62,10 @@ impl Compensator {
         Ok(Arc::new(Self { config, use_reported_hard_iron, running: Guarded::new(running), handle: OnceLock::new() }))
     }
 
-    /// A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
-    /// a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-    /// stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+    /// A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
+    /// After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
+    /// assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
+    /// the number of such samples.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
         self.push_for(sample, |reading, jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,
@@ -101,10 +102,10 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.calibration().map(Into::into)))
     }
 
-    /// From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
-    /// one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-    /// that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
-    /// changed then.
+    /// From now on this calibration is in force, until something better is learned. The stream goes on.
+    /// `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+    /// first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
+    /// `Config` when the standard deviation is out of range; nothing has changed then.
     pub fn adopt(&self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), MagcompError> {
         self.running.with(|running| Ok(running.core.adopt(calibration.try_into()?, hard_iron_sigma_ut)?))
     }
@@ -125,8 +126,8 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.coverage().into()))
     }
 
-    /// Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-    /// `Panicked`.
+    /// Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+    /// compensator usable again after `Panicked`.
     pub fn reset(&self) -> Result<(), MagcompError> {
         self.running.replace(|| Running::new(&self.config))
     }
@@ -136,14 +137,14 @@ impl Compensator {
         self.running.with(|running| Ok(running.core.snapshot()))
     }
 
-    /// The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
-    /// is none.
+    /// The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+    /// `restore_calibration`. None without a calibration.
     pub fn snapshot_calibration(&self) -> Result<Option<String>, MagcompError> {
         self.running.with(|running| Ok(running.core.snapshot_calibration()))
     }
 
-    /// Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-    /// build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+    /// Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+    /// frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
     /// changed then.
     pub fn restore(&self, snapshot: String) -> Result<Restored, MagcompError> {
         let restored = self.running.with(|running| {
@@ -157,9 +158,9 @@ impl Compensator {
         })
     }
 
-    /// Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-    /// an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
-    /// nothing has changed then.
+    /// Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+    /// next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
+    /// `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
     pub fn restore_calibration(&self, snapshot: String) -> Result<(), MagcompError> {
         self.running.with(|running| {
             running.core.restore_calibration(&snapshot)?;

@@ -7,19 +7,19 @@ use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Method {
-    /// Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
+    /// Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
     Auto,
     /// The same as `Auto`.
     Aided,
-    /// The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+    /// Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
     Adaptive,
-    /// The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
+    /// The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
     Windowed,
-    /// Its first step alone: one fit of the first well spread samples, then kept.
+    /// The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
     Constant,
 }
 
-/// Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
+/// All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
@@ -32,8 +32,9 @@ pub struct Config {
     /// first headings less sure, and learning faster.
     #[uniffi(default = None)]
     pub initial_sigma_ut: Option<f64>,
-    /// Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-    /// there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
+    /// Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
+    /// when there is no other. There are then readings from the first sample on, with a standard deviation of 13
+    /// microtesla per axis. Default true.
     #[uniffi(default = None)]
     pub use_reported_hard_iron: Option<bool>,
     /// Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
@@ -56,7 +57,7 @@ pub struct Config {
     pub windowed: Option<WindowedConfig>,
 }
 
-/// What is squared and summed by a fit.
+/// The residual that a fit squares and sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Residual {
     /// Eq. (10) of the paper as written.
@@ -68,7 +69,7 @@ pub enum Residual {
 /// What a fit accepts and how it iterates. A field left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct FitOptions {
-    /// What is squared and summed. Default `Corrected`.
+    /// The residual that a fit squares and sums. Default `Corrected`.
     #[uniffi(default = None)]
     pub residual: Option<Residual>,
     /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
@@ -84,7 +85,7 @@ pub struct FitOptions {
     /// Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
     #[uniffi(default = None)]
     pub max_direction_sigma_deg: Option<f64>,
-    /// White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
+    /// Least white noise, microtesla per axis, 0 to 1000, for which the direction error is predicted. Default 5.
     #[uniffi(default = None)]
     pub noise_floor_ut: Option<f64>,
     /// Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
@@ -123,12 +124,12 @@ pub struct WindowedConfig {
     /// How the standard deviations in sigma_T are normalised. Default `HalfRange`.
     #[uniffi(default = None)]
     pub normalisation: Option<Normalisation>,
-    /// What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
-    /// however far its samples lie from one ellipsoid.
+    /// The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
+    /// is fitted however far its samples lie from one ellipsoid.
     #[uniffi(default = None)]
     pub residual: Option<Residual>,
-    /// White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
-    /// where the residual is small.
+    /// Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
+    /// coverage where the residual is small.
     #[uniffi(default = None)]
     pub noise_floor_ut: Option<f64>,
 }

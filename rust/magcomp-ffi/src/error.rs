@@ -29,12 +29,12 @@ pub enum MagcompError {
         /// What the samples lack.
         problem: FitProblem,
     },
-    /// A calibration is none.
+    /// The numbers are no calibration.
     Calibration {
         /// Why, in a sentence.
         why: String,
     },
-    /// A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
+    /// A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
     SnapshotDamaged,
     /// A snapshot was written by a newer version of this library. Update it or start without the snapshot.
     SnapshotNewer {

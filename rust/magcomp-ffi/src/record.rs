@@ -78,7 +78,7 @@ impl From<UpSample> for magcomp::UpSample {
     }
 }
 
-/// A heading and what belongs to it. All angles in degrees.
+/// A heading with its sigma and the inclination of the field. All angles are in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct Heading {
     /// Clockwise from magnetic north, 0 to 360 degrees.
@@ -122,7 +122,7 @@ impl From<magcomp::Attitude> for Attitude {
     }
 }
 
-/// Which axis of the device the heading is that of.
+/// The axis of the device whose heading is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum ReferenceAxis {
     /// Top edge of the screen.
@@ -158,7 +158,7 @@ pub struct HeadingFrame {
     pub declination_deg: Option<f64>,
 }
 
-/// The answer to one magnetometer sample. What is not known is none, never NaN.
+/// The answer to one magnetometer sample. A value that is not known is none, never NaN.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct Reading {
     /// Time of the sample, nanoseconds.
@@ -185,13 +185,14 @@ pub struct Reading {
     /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
     /// is not known.
     pub direction_sigma_deg: Option<f64>,
-    /// The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-    /// something open, also where `sigma_t` does not show it. Adaptive method only.
+    /// The same for the one combination of parameters that is known worst, degrees. It is large where the directions
+    /// seen do not determine the parameters, also where `sigma_t` does not show that. Adaptive method only.
     pub worst_sigma_deg: Option<f64>,
     /// Which parameters the latest change set free. Adaptive method only.
     pub model_order: Option<ModelOrder>,
-    /// By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
-    /// not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
+    /// By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
+    /// not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
+    /// changed.
     pub reported_hard_iron_jump_ut: Option<f64>,
     /// The sensors the estimator runs on.
     pub mode: SensorMode,
@@ -370,7 +371,7 @@ impl From<&magcomp::Coverage> for Coverage {
 
 /// The corrected field, microtesla, of a raw sample (microtesla), by a calibration.
 ///
-/// Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
+/// Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
 #[uniffi::export]
 pub fn correct(calibration: Calibration, raw_ut: Vector3) -> Result<Vector3, MagcompError> {
     let calibration: magcomp::Calibration = calibration.try_into()?;

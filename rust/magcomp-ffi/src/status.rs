@@ -12,7 +12,7 @@ pub enum Status {
     },
     /// Calibrated, and following changes.
     Tracking,
-    /// Something changed; not yet decided what.
+    /// Something changed; it is not yet decided whether the device or the place.
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,
@@ -27,7 +27,8 @@ pub enum Status {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
-    /// This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
+    /// This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
+    /// clock (see `push`).
     Rejected {
         /// Why it was not used.
         reason: RejectReason,
@@ -65,7 +66,7 @@ pub enum HoldReason {
         /// What it lacks.
         problem: FitProblem,
     },
-    /// The method is a constant calibration: by choice it does not follow changes.
+    /// The method keeps one calibration: by choice it does not follow changes.
     Constant,
     /// The device lies still.
     AtRest,
@@ -146,7 +147,7 @@ pub enum SensorMode {
 /// Which of the nine parameters a change set free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum ModelOrder {
-    /// None: they are what they were.
+    /// None: all nine stay.
     Nothing,
     /// Hard iron alone.
     HardIron,

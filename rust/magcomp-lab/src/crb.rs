@@ -4,7 +4,7 @@
 //! Sample n is Gaussian with covariance s^2 I about the mean of eq. (8), mu_n = M u_n + b. The direction u_n is not
 //! known: two angles nu_n per sample are unknown too (nuisance). The Fisher information of a Gaussian mean is
 //!     I = J^T J / s^2,   J = [d mu / d theta, d mu / d nu].
-//! nu_n enters sample n alone, so it is eliminated sample by sample (Schur complement): what is left is
+//! nu_n enters sample n alone, so it is eliminated sample by sample (Schur complement). There remains
 //!     I_theta = sum_n  A_n^T (1 - P_n) A_n / s^2,   A_n = d mu_n / d theta (3 x 9),
 //! with P_n the projection on the plane that the angles reach, spanned by M t for all t perpendicular to u_n.
 //! The normal of that plane is q = M^-T u, since q.(M t) = u.t = 0; hence 1 - P_n = q q^T / |q|^2, and

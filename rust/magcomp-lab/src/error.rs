@@ -1,4 +1,4 @@
-//! What can go wrong with an input or a run: one line each, that says where and what was expected.
+//! Errors of an input or a run. Each is one line that names the place and the form that was expected there.
 
 use std::fmt;
 use std::io;
@@ -19,6 +19,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: line {}", self.path.display(), self.line)?;
         match &self.column {
+            Some((number, name)) if name.is_empty() => write!(f, ", column {number}"),
             Some((number, name)) => write!(f, ", column {number} ({name})"),
             None => Ok(()),
         }
@@ -33,7 +34,7 @@ pub enum LabError {
     Recording {
         /// Where.
         place: Place,
-        /// What should have been there.
+        /// The content that was expected there.
         expected: String,
         /// What was.
         found: String,
@@ -43,7 +44,7 @@ pub enum LabError {
     Empty {
         /// The file.
         path: PathBuf,
-        /// What it has instead.
+        /// The content that the file has instead.
         what: &'static str,
     },
     /// A file could not be read.
@@ -54,7 +55,7 @@ pub enum LabError {
         /// Why.
         source: io::Error,
     },
-    /// A file could not be written; what was there before is untouched.
+    /// A file could not be written; a file that was there before is untouched.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
         /// The file.
@@ -100,7 +101,7 @@ impl LabError {
         move |source| Self::Write { path, source }
     }
 
-    /// Whether whoever read our output went away: no failure of ours.
+    /// Whether the reader of our output has closed it, which is no failure.
     #[must_use]
     pub fn is_broken_pipe(&self) -> bool {
         matches!(self, Self::Stdout(source) | Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)

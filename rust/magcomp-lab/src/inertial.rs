@@ -21,7 +21,8 @@ pub struct InertialSensor {
     pub bias: Vector3<f64>,
     /// Reading over truth, per axis.
     pub scale: Vector3<f64>,
-    /// What each axis reads of the truth besides, rows first: cross-axis and scale errors of one device; zero for true axes.
+    /// Cross-axis and scale errors of one device, rows first: the share of each true component that an axis reads besides
+    /// its own. Zero for a sensor without such errors.
     pub skew: Matrix3<f64>,
     /// How much later than its truth an event is stamped, s; may be negative.
     pub delay_s: f64,

@@ -1,8 +1,9 @@
 //! The lab of magcomp: simulator, Cramer-Rao bound, the paper's experiments, recordings, plots, and the command
 //! `magcomp`, which is a thin shell over these modules.
 //!
-//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual streams; `crb` and
-//! `simulate` feed `experiment`; `import` makes loggers' sessions into a `recording`, which feeds `replay`; `table`, `plot` and `report` show what came out.
+//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual
+//! streams; `crb` and `simulate` feed `experiment`; `import` makes loggers' sessions into a `recording`, which feeds
+//! `replay`; `table`, `plot` and `report` show the results.
 
 pub mod baseline;
 pub mod command;

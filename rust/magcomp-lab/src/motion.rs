@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 const GRID_S: f64 = 1e-3;
 /// Body rate of hand-held tumbling and of the planar motion, rad/s rms over all axes.
 const TUMBLE_RAD_S: f64 = 1.0;
-/// Correlation time of what wanders, s: a hand changes its motion about once a second.
+/// Correlation time of a wandering motion, s: a hand changes its motion about once a second.
 const WANDER_S: f64 = 1.0;
 /// Swing of pitch and roll of a pedestrian, degrees; the gait's sway on top keeps both within 20.
 const SWING_DEG: f64 = 17.0;

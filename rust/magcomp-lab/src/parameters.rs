@@ -1,8 +1,10 @@
 //! The nine parameters of h_m = M h + b (eq. 8) in the paper's units, |h| = 1, and the named sets of the experiments.
 
-use clap::ValueEnum;
-use magcomp::Calibration;
+use crate::error::LabError;
+use clap::{Args, ValueEnum};
 use magcomp::nalgebra::{Matrix3, Vector3};
+use magcomp::{Calibration, Disturbance, FactoryErrors};
+use std::str::FromStr;
 
 /// Names of the parameters, in the order of [`Parameters::theta`].
 pub const NAMES: [&str; 9] = ["M_xx", "M_yy", "M_zz", "M_xy", "M_xz", "M_yz", "b_x", "b_y", "b_z"];
@@ -82,9 +84,135 @@ impl ParameterSet {
     }
 }
 
+/// The true parameters of a simulation: a named set, or own ones, where |h| = 1. With S, C and b_0 the sensor itself errs too:
+/// M = S C A and b = S C b_m + b_0, brought to the symmetric M of the same ellipsoid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Args)]
+pub struct TrueParameters {
+    /// True parameters: a named set
+    #[arg(long, value_enum)]
+    pub set: Option<ParameterSet>,
+    /// Own soft iron instead of the set's: M, or A where --scale or --axes is given
+    #[arg(long, value_name = "XX,YY,ZZ,XY,XZ,YZ", allow_hyphen_values = true)]
+    pub soft_iron: Option<Numbers<6>>,
+    /// Own hard iron instead of the set's, field strengths: b, or b_m where --scale, --axes or --offset is given
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub hard_iron: Option<Numbers<3>>,
+    /// Scale factors S of the sensor
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub scale: Option<Numbers<3>>,
+    /// Attitudes e_x, e_y, e_z of the sensing axes; C is the inverse of the matrix whose columns they are
+    #[arg(long, value_name = "EX,EX,EX,EY,...", allow_hyphen_values = true)]
+    pub axes: Option<Numbers<9>>,
+    /// Offsets b_0 of the bridges, field strengths
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub offset: Option<Numbers<3>>,
+}
+
+impl TrueParameters {
+    /// Whether some are the user's own numbers.
+    #[must_use]
+    pub fn are_own(&self) -> bool {
+        self.soft_iron.is_some() || self.hard_iron.is_some() || self.has_factory_errors()
+    }
+
+    fn has_factory_errors(&self) -> bool {
+        self.scale.is_some() || self.axes.is_some() || self.offset.is_some()
+    }
+
+    /// Their name, for titles.
+    #[must_use]
+    pub fn name(&self, usual: ParameterSet) -> String {
+        let set = self.set.unwrap_or(usual).to_possible_value();
+        let set = set.map_or_else(String::new, |value| value.get_name().to_uppercase());
+        if self.are_own() { "own parameters".to_owned() } else { format!("set {set}") }
+    }
+
+    /// The parameters; of `usual` where none are given.
+    ///
+    /// # Errors
+    /// [`LabError::Usage`] when own numbers are no calibration.
+    pub fn parameters(&self, usual: ParameterSet) -> Result<Parameters, LabError> {
+        let Parameters { mut soft_iron, mut hard_iron } = self.set.unwrap_or(usual).parameters();
+        if !self.are_own() {
+            return Ok(Parameters { soft_iron, hard_iron });
+        }
+        if let Some(Numbers([xx, yy, zz, xy, xz, yz])) = self.soft_iron {
+            soft_iron = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        }
+        if let Some(b) = self.hard_iron {
+            hard_iron = b.vector();
+        }
+        let composed = || {
+            let factory = FactoryErrors {
+                scale: self.scale.map_or(Vector3::repeat(1.0), |scale| scale.vector()),
+                axes: self.axes.map_or(Matrix3::identity(), |axes| Matrix3::from_column_slice(&axes.0)),
+                offset_ut: self.offset.map_or(Vector3::zeros(), |offset| offset.vector()),
+            };
+            let (m, b) = factory.compose(&Disturbance { soft_iron, hard_iron_ut: hard_iron })?;
+            // the strength of the field is the unit here
+            Calibration::from_any(m, b, 1.0)
+        };
+        let (calibration, _) = composed().map_err(|why| LabError::Usage(format!("the true parameters: {why}")))?;
+        Ok(Parameters::of(&calibration))
+    }
+}
+
+/// Numbers separated by commas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbers<const N: usize>(pub [f64; N]);
+
+impl Numbers<3> {
+    /// As a vector.
+    #[must_use]
+    pub fn vector(self) -> Vector3<f64> {
+        Vector3::from(self.0)
+    }
+}
+
+impl<const N: usize> FromStr for Numbers<N> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let values: Option<Vec<f64>> =
+            text.split(',').map(|v| v.trim().parse().ok().filter(|v: &f64| v.is_finite())).collect();
+        let values = values.and_then(|values| values.try_into().ok());
+        values.map(Self).ok_or_else(|| format!("expected {N} numbers separated by commas"))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn own_parameters_are_composed_as_the_paper_says() {
+        let usual = |own: TrueParameters| own.parameters(ParameterSet::Ref);
+        assert_eq!(usual(TrueParameters::default()).unwrap(), ParameterSet::Ref.parameters());
+        let own = TrueParameters {
+            soft_iron: Some("1.2,0.9,1,0.1,0,0".parse().unwrap()),
+            hard_iron: Some("1,2,3".parse().unwrap()),
+            ..TrueParameters::default()
+        };
+        let found = usual(own).unwrap().theta();
+        for (found, expected) in found.iter().zip([1.2, 0.9, 1.0, 0.1, 0.0, 0.0, 1.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        // S = 2 I and axes turned by 90 degrees about z: C turns b_m back, b = 2 C b_m + b_0, and M is 2 I
+        let factory = TrueParameters {
+            soft_iron: Some("1,1,1,0,0,0".parse().unwrap()),
+            scale: Some("2,2,2".parse().unwrap()),
+            axes: Some("0,1,0,-1,0,0,0,0,1".parse().unwrap()),
+            offset: Some("0,0,0.5".parse().unwrap()),
+            ..own
+        };
+        let found = usual(factory).unwrap().theta();
+        for (found, expected) in found.iter().zip([2.0, 2.0, 2.0, 0.0, 0.0, 0.0, 4.0, -2.0, 6.5]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        let flat = TrueParameters { axes: Some("1,0,0,0,1,0,1,1,0".parse().unwrap()), ..factory };
+        assert!(matches!(usual(flat), Err(LabError::Usage(_))));
+        assert!("1,2".parse::<Numbers<3>>().is_err() && "1,2,nan".parse::<Numbers<3>>().is_err());
+    }
 
     #[test]
     fn theta_goes_there_and_back() {

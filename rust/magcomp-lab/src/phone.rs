@@ -20,7 +20,7 @@ const DIP_DEG: f64 = 60.0;
 pub const DURATION_S: f64 = 60.0;
 /// When it changes, s.
 pub const CHANGE_S: f64 = 30.0;
-/// What a walker's magnet or cover adds to b, uT.
+/// Hard iron that a walker's magnet or cover adds, uT.
 const OFFSET_STEP_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
 /// A change of the place: its size, uT ...
 const PLACE_UT: f64 = 20.0;
@@ -48,7 +48,7 @@ pub enum PhoneChange {
     Drift,
 }
 
-/// A phone, its sensors and what happens to it.
+/// A phone, its sensors and the change that it goes through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phone {
     /// Names the random numbers.

@@ -6,7 +6,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
-/// What the numbers are for; each purpose has its own stream of the generator.
+/// The purpose of random numbers. Each purpose has its own stream of the generator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// Attitudes and body rates.
@@ -23,7 +23,7 @@ pub enum Purpose {
     ConstantField = 6,
     /// Resampling of runs.
     Bootstrap = 7,
-    /// Parameters of a phone and the directions of what happens to it.
+    /// Parameters of a phone, and the directions of the changes that it goes through.
     Parameters = 8,
 }
 

@@ -12,6 +12,8 @@ pub struct Report {
     title: String,
     lead: String,
     body: String,
+    /// Tables so far.
+    tables: usize,
     /// Files beside the page: name and content.
     figures: Vec<(String, String)>,
 }
@@ -22,7 +24,7 @@ impl Report {
     /// A page with a title and a first paragraph.
     #[must_use]
     pub fn new(title: &str, lead: &str) -> Self {
-        Self { title: title.to_owned(), lead: lead.to_owned(), body: String::new(), figures: Vec::new() }
+        Self { title: title.to_owned(), lead: lead.to_owned(), body: String::new(), tables: 0, figures: Vec::new() }
     }
 
     /// Begins a section.
@@ -32,20 +34,24 @@ impl Report {
 
     /// Adds a table.
     pub fn table(&mut self, table: &Table) {
+        self.tables += 1;
+        let number = self.tables;
         let cells = |tag: &str, cells: &[String]| -> String {
             cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
         };
         let _ = write!(
             self.body,
-            "<figure class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n",
+            "<figure class=\"table\"><p class=\"title\" id=\"table{number}\">{}</p>\n\
+             <div class=\"{}\"><table aria-labelledby=\"table{number}\">\n<thead><tr>{}</tr></thead>\n<tbody>\n",
             escape(&table.title),
+            setting(table),
             cells("th", &table.columns)
         );
         for row in &table.rows {
             let _ = writeln!(self.body, "<tr>{}</tr>", cells("td", row));
         }
         let notes: String = table.notes.iter().map(|note| format!("<p>{}</p>", escape(note))).collect();
-        let _ = writeln!(self.body, "</tbody></table><figcaption>{notes}</figcaption></figure>");
+        let _ = writeln!(self.body, "</tbody></table></div><figcaption>{notes}</figcaption></figure>");
     }
 
     /// Adds a picture, written as `name`.svg beside the page.
@@ -93,6 +99,22 @@ impl Report {
     }
 }
 
+/// How a table is set: its class. A page of 1200 pixels has room for about 110 characters, a column's padding being worth 2.5.
+fn setting(table: &Table) -> &'static str {
+    let cell = |column: usize| {
+        // headers are broken between words and behind hyphens
+        let header = table.columns[column].split_inclusive([' ', '-']).map(|word| word.trim().chars().count());
+        let cells = table.rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        header.chain(cells).max().unwrap_or(0)
+    };
+    let characters: f64 = (0..table.columns.len()).map(|column| cell(column) as f64 + 2.5).sum();
+    match characters {
+        ..110.0 => "scroll",
+        ..140.0 => "scroll wide",
+        _ => "scroll wider",
+    }
+}
+
 /// The command as it was typed, the program by its name alone.
 fn command_line() -> String {
     let arguments = std::env::args().skip(1).map(|argument| {
@@ -123,6 +145,9 @@ mod tests {
         report.figure("picture", "<svg></svg>".to_owned(), "what it shows");
         let page = report.write(&folder.path().join("deep/er")).unwrap();
         let html = std::fs::read_to_string(&page).unwrap();
+        let mut wide = Table::new("wide", &["column"; 12]);
+        wide.row(vec!["0.123456".to_owned(); 12]);
+        assert_eq!([setting(&Table::new("table", &["a", "b"])), setting(&wide)], ["scroll", "scroll wide"]);
         assert!(html.contains("<h1>A &amp; B</h1>") && html.contains("picture.svg") && html.contains("what it shows"));
         assert_eq!(std::fs::read_to_string(page.with_file_name("picture.svg")).unwrap(), "<svg></svg>");
     }

@@ -6,7 +6,7 @@
 use crate::parameters::Parameters;
 use magcomp::nalgebra::Vector3;
 
-/// What can lie between two values.
+/// Values between which a schedule can interpolate.
 pub trait Between: Copy {
     /// `self` at share 0, `to` at share 1, linear between.
     #[must_use]

@@ -1,7 +1,7 @@
 //! The simulator: h_m = M h + b + w (eq. 8 with white noise), the truth kept beside every sample.
 //!
 //! A scenario and its seed name a stream bit for bit. M, b, the place's field and the motion change on their own
-//! schedules, so that a change of the device and one of the place can be told apart by whoever looks at the truth.
+//! schedules, so that the truth shows whether the device or the place has changed.
 
 use crate::inertial::InertialSensor;
 use crate::motion::{Motion, Trajectory};
@@ -73,7 +73,7 @@ pub fn world_field_ut(strength_ut: f64, dip_deg: f64) -> Vector3<f64> {
     Vector3::new(0.0, north, -down) * strength_ut
 }
 
-/// What was really there when a magnetometer sample was taken.
+/// The truth at the time of a magnetometer sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
     /// The place's field in the device frame, h, uT.
@@ -93,13 +93,13 @@ pub struct Truth {
 /// A stream and its truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
-    /// What the magnetometer delivered.
+    /// Samples of the magnetometer.
     pub magnetic: Vec<MagneticSample>,
     /// The truth behind each of them.
     pub truth: Vec<Truth>,
-    /// What the gyroscope delivered; empty without one.
+    /// Events of the gyroscope; empty without one.
     pub rotation_rates: Vec<RotationRateSample>,
-    /// What the accelerometer delivered; empty without one.
+    /// Events of the accelerometer; empty without one.
     pub ups: Vec<UpSample>,
 }
 

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// Longest line of a note on the terminal, characters.
+const NOTE: usize = 120;
+
 /// A heading, column names, rows of cells. The first column is aligned left, the others right.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
@@ -11,7 +14,7 @@ pub struct Table {
     pub columns: Vec<String>,
     /// Rows, each with one cell for every column.
     pub rows: Vec<Vec<String>>,
-    /// Lines below the table: what the numbers mean.
+    /// Paragraphs below the table: what the numbers mean. They are wrapped where they are shown.
     pub notes: Vec<String>,
 }
 
@@ -31,7 +34,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// One more line below.
+    /// One more paragraph below.
     pub fn note(&mut self, text: &str) {
         self.notes.push(text.to_owned());
     }
@@ -74,8 +77,23 @@ impl fmt::Display for Table {
                 writeln!(f, "  {}", "-".repeat(widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1)))?;
             }
         }
-        self.notes.iter().try_for_each(|note| writeln!(f, "  {note}"))
+        self.notes.iter().flat_map(|note| wrapped(note)).try_for_each(|line| writeln!(f, "  {line}"))
     }
+}
+
+/// A text in lines of at most [`NOTE`] characters, broken between words.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last_mut().expect("there is a line");
+        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > NOTE {
+            lines.push(word.to_owned());
+        } else {
+            *last += if last.is_empty() { "" } else { " " };
+            *last += word;
+        }
+    }
+    lines
 }
 
 /// A number with `digits` after the point; a dash where there is none.
@@ -97,6 +115,10 @@ mod tests {
         let expected =
             "Title\n  name        uT\n  --------------\n  a          1.2\n  long name    -\n  what it means\n";
         assert_eq!(table.to_string(), expected);
+        let words = "word ".repeat(50);
+        let lines = wrapped(&words);
+        assert!(lines.len() == 3 && lines.iter().all(|line| line.len() <= NOTE), "{lines:?}");
+        assert_eq!(lines.join(" "), words.trim());
         table.row(vec!["best".into(), "*0.5".into()]);
         let expected =
             "Title\n\n| name | uT |\n|---|---|\n| a | 1.2 |\n| long name | - |\n| best | **0.5** |\n\nwhat it means\n";

@@ -82,7 +82,8 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
             }
             let mean = sum / count as f64;
             println!("{motion:?}, {snr_db} dB: NEES of b per axis {mean:.2}");
-            assert!((0.3..3.0).contains(&mean), "{motion:?}, {snr_db} dB: NEES of b per axis {mean}");
+            // the filter allows for a walk of b, which this device has not: its sigma is up to twice too wide
+            assert!((0.2..1.6).contains(&mean), "{motion:?}, {snr_db} dB: NEES of b per axis {mean}");
         }
     }
 }
@@ -97,7 +98,7 @@ fn errors_are_as_large_as_their_sigmas_say() {
             for method in result.methods.iter().filter(|method| method.name.starts_with("aided")) {
                 let [one, two] = method.within_sigma.unwrap();
                 println!("{motion:?}, {snr_db} dB, {}: {one:.2}, {two:.2}", method.name);
-                let most = if method.name.ends_with('c') { (0.74, 0.99) } else { (1.0, 1.0) };
+                let most = if method.name.ends_with('c') { (0.76, 0.99) } else { (1.0, 1.0) };
                 assert!((0.62..=most.0).contains(&one), "{motion:?}, {snr_db} dB, {}: {one}", method.name);
                 assert!((0.90..=most.1).contains(&two), "{motion:?}, {snr_db} dB, {}: {two}", method.name);
             }

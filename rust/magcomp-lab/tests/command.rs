@@ -109,9 +109,9 @@ fn what_is_missing_is_said_when_no_row_is_answered() {
     fs::write(&input, "t_s,mx,my,mz\n0,1,2,9999\n").unwrap();
     let (code, table, _) = run(&["replay", text(&input)]);
     assert_eq!(code, 0);
-    assert!(table.contains("the last one says: rejected: field component 9999.0 uT"), "{table}");
+    assert!(table.contains("The last one says: rejected: field component 9999.0 uT"), "{table}");
     let (_, table, _) = run(&["replay", text(&simulated(folder.path(), "12"))]);
-    assert!(!table.contains("the last one says"), "{table}");
+    assert!(!table.contains("The last one says"), "{table}");
 }
 
 #[test]
@@ -345,6 +345,45 @@ fn the_papers_numbers_can_be_chosen() {
     let usual = rows(&[]);
     assert!(usual != rows(&["--residual", "algebraic"]) && usual != rows(&["--normalisation", "even-sphere"]));
     assert!(usual == rows(&["--residual", "corrected", "--normalisation", "half-range"]));
+}
+
+#[test]
+fn own_parameters_take_the_place_of_the_sets() {
+    let steady = |options: &[&str]| {
+        let (code, json, error) =
+            run(&[&["step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
+        assert_eq!((code, error.as_str()), (0, ""));
+        serde_json::from_str::<serde_json::Value>(&json).unwrap()
+    };
+    // the set `ref` in own numbers is the set `ref`, up to rounding
+    let own = ["--soft-iron", "1.05,0.95,1,0.06,-0.05,0.08", "--hard-iron=0.3,-0.2,1.32"];
+    let (set, own) = (steady(&[]), steady(&own));
+    assert!(set["scenario"].as_str().unwrap().contains("set REF") && own["scenario"].as_str().unwrap().contains("own"));
+    let error = |value: &serde_json::Value| {
+        value["normalisations"][0]["parameters"][0]["steady_percent"]["mean"].as_f64().unwrap()
+    };
+    assert!((error(&set) - error(&own)).abs() < 1e-6, "{} {}", error(&set), error(&own));
+    // a scale of 1.3 along x stretches the raw field there, and only there
+    let folder = tempfile::tempdir().unwrap();
+    let widest = |options: &[&str]| {
+        let path = folder.path().join("s.csv");
+        let arguments =
+            ["simulate", text(&path), "--seconds", "60", "--hard-iron", "0,0,0", "--soft-iron", "1,1,1,0,0,0"];
+        assert_eq!(run(&[&arguments, options].concat()).0, 0);
+        let written = fs::read_to_string(path).unwrap();
+        let row = |line: &str| [1, 2].map(|k| line.split(',').nth(k).unwrap().parse::<f64>().unwrap().abs());
+        written.lines().skip(1).map(row).fold([0.0_f64; 2], |most, v| [most[0].max(v[0]), most[1].max(v[1])])
+    };
+    let (even, scaled) = (widest(&[]), widest(&["--scale", "1.3,1,1"]));
+    assert!(
+        (scaled[0] / even[0] - 1.3).abs() < 0.02 && (scaled[1] / even[1] - 1.0).abs() < 0.02,
+        "{even:?} {scaled:?}"
+    );
+    // three axes in one plane measure no field; own parameters belong to figs. 4 and 5
+    let (code, _, error) = run(&["crb", "--axes", "1,0,0,0,1,0,1,1,0"]);
+    assert!(code == 2 && error.contains("the true parameters: "), "{error}");
+    let (code, _, error) = run(&["step", "--motion", "tumble", "--offset", "0,0,1"]);
+    assert!(code == 2 && error.starts_with("magcomp: --offset: no such choice"), "{error}");
 }
 
 #[test]

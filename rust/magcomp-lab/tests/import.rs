@@ -283,6 +283,42 @@ fn a_wrong_unit_is_told_with_the_option_that_mends_it() {
 }
 
 #[test]
+fn a_recordings_own_units_and_marks_are_looked_at_too() {
+    let rows = |row: &dyn Fn(u32) -> String| (0..50).map(row).collect::<String>();
+    let cases = [
+        (rows(&|k| format!("{},20,{},-40\n", 10 * k, k % 5)), "column 1 (t_s)", "--units t=ms"),
+        (rows(&|k| format!("{},20000,{},-40000\n", f64::from(k) / 100.0, k % 5)), "column 2 (mx)", "--units m=nT"),
+    ];
+    for (text, place, hint) in cases {
+        let folder = folder(&[("r.csv", &format!("t_s,mx,my,mz\n{text}"))]);
+        let path = folder.path().join("r.csv");
+        let (code, out, error) = run(&["replay", path.to_str().unwrap()]);
+        assert!(code == 1 && out.is_empty() && error.contains(place) && error.trim_end().ends_with(hint), "{error}");
+        let option = hint.split_once(' ').unwrap().1;
+        assert_eq!(run(&["replay", path.to_str().unwrap(), "--units", option]).0, 0);
+    }
+    let nanoseconds = folder(&[("r.csv", "t_s,mx,my,mz\n1700000000000000000,20,3,-40\n")]);
+    let (code, _, error) = run(&["replay", nanoseconds.path().join("r.csv").to_str().unwrap()]);
+    let place =
+        "r.csv: line 2, column 1 (t_s): expected a time in seconds; name another unit by --units t=ms, us or ns";
+    assert!(code == 1 && error.contains(place), "{error}");
+    // semicolons and decimal commas under a recording's own names
+    let german = rows(&|k| format!("{};20;{};-40,5\n", f64::from(k) / 100.0, k % 5)).replace('.', ",");
+    let folder = self::folder(&[("g.csv", &format!("t_s;mx;my;mz\n{german}"))]);
+    let (code, out, error) = run(&["replay", folder.path().join("g.csv").to_str().unwrap()]);
+    assert!(code == 0 && out.contains("plain CSV session"), "{error}");
+    // decimal commas between commas make rows longer than the header
+    let (folder, columns) = (self::folder(&[("c.csv", "t,mx,my,mz\n0,01,20,5,3,-40\n")]), ["--columns", "t=t"]);
+    let error = refused(&[&folder.path().join("c.csv")], &columns);
+    let place = "c.csv: line 2, column 5: expected 4 cells as in the header; a decimal comma needs semicolons or tabs";
+    assert!(error.contains(place) && error.ends_with("found 6 cells\n"), "{error}");
+    // which of two columns of a name?
+    let folder = self::folder(&[("d.csv", "t,mx,mx,my,mz\n0,20,20,3,-40\n")]);
+    let error = refused(&[&folder.path().join("d.csv")], &columns);
+    assert!(error.contains("d.csv: line 1: expected column 'mx' once"), "{error}");
+}
+
+#[test]
 fn what_is_no_text_and_two_sessions_at_once_are_refused() {
     let folder = folder(&[("Magnetometer.csv", RAW)]);
     let again = self::folder(&[("Magnetometer.csv", RAW)]);
@@ -438,6 +474,17 @@ fn the_systems_field_is_judged_beside_ours_and_the_calibration_is_read_again() {
     let calibration: Calibration = serde_json::from_str(&text).unwrap();
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(value["covariance"].as_array().unwrap().len(), 9);
+    // the names are those of the file that Kotlin's and Swift's tests read, and its numbers those that they expect
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/vectors/calibration.json");
+    let committed = fs::read_to_string(committed).unwrap();
+    let names = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&value), names(&serde_json::from_str(&committed).unwrap()));
+    let read: Calibration = serde_json::from_str(&committed).unwrap();
+    let (m, b) = (read.soft_iron(), read.hard_iron_ut());
+    assert_eq!([m.m11, m.m22, m.m33], [1.0074739066651197, 0.9949408198854466, 0.9975852116805589]);
+    assert_eq!([m.m12, m.m13, m.m23], [0.0010278183785302803, 0.0033559853288960234, -0.0005891320979764632]);
+    assert_eq!([b.x, b.y, b.z], [0.4434981867517305, 0.07810767384555047, -0.2777318011715177]);
+    assert_eq!(read.field_strength_ut(), 44.62375335464398);
     let truth = session.truth.last().unwrap().hard_iron_ut;
     let sigma = value["covariance"][0][0].as_f64().unwrap().sqrt();
     assert!(
@@ -510,31 +557,42 @@ fn a_bag_of_ros_2() {
     assert!(refused(&[&database], &[]).contains("`ros2 bag convert` makes an mcap file of it"));
 }
 
+const TABLE: [&str; 2] = ["--columns", "t=time,mx=bx,my=by,mz=bz,gx=rate_x,gy=rate_y,gz=rate_z"];
+const TABLE_READ: &str = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n\
+                          0.000000000,20.5,-5,-40,,,,0.125,0.25,0.5\n\
+                          0.010000000,21.5,-5.5,-41,,,,0.125,0.25,0.5\n\
+                          0.020000000,,,,,,,0.125,0.25,0.5\n\
+                          0.030000000,22.5,-6,-42,,,,0.125,0.25,0.5\n";
+
 #[test]
-fn a_table_in_parquet() {
-    let columns = ["--columns", "t=time,mx=bx,my=by,mz=bz,gx=rate_x,gy=rate_y,gz=rate_z"];
-    let expected = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n\
-                    0.000000000,20.5,-5,-40,,,,0.125,0.25,0.5\n\
-                    0.010000000,21.5,-5.5,-41,,,,0.125,0.25,0.5\n\
-                    0.020000000,,,,,,,0.125,0.25,0.5\n\
-                    0.030000000,22.5,-6,-42,,,,0.125,0.25,0.5\n";
-    let whole_numbers = [columns.as_slice(), &["--units", "t=ns"]].concat();
-    assert_eq!(imported(&[&session("table.parquet")], &whole_numbers), expected);
-    assert_eq!(imported(&[&session("table_timestamps.parquet")], &columns), expected);
-    // the unit, the column and the form are named
-    let error = refused(&[&session("table.parquet")], &columns);
-    assert!(
-        error.contains("table.parquet as CSV: line 2, column 1 (time)") && error.contains("--units t=s, ms, us or ns"),
-        "{error}"
-    );
-    let note = ["--columns", "t=time,mx=note,my=by,mz=bz", "--units", "t=ns"];
-    let error = refused(&[&session("table.parquet")], &note);
-    assert!(error.contains("table.parquet as CSV: line 2, column 8 (note): expected a number, found 'a'"), "{error}");
+fn a_table_in_parquet_or_arrow() {
+    let whole_numbers = [TABLE.as_slice(), &["--units", "t=ns"]].concat();
+    for name in ["table.parquet", "table_numbers.feather"] {
+        assert_eq!(imported(&[&session(name)], &whole_numbers), TABLE_READ, "{name}");
+        // the unit, the column and the form are named
+        let error = refused(&[&session(name)], &TABLE);
+        assert!(
+            error.contains(&format!("{name} as CSV: line 2, column 1 (time)"))
+                && error.contains("--units t=s, ms, us or ns"),
+            "{error}"
+        );
+        let note = ["--columns", "t=time,mx=note,my=by,mz=bz", "--units", "t=ns"];
+        let error = refused(&[&session(name)], &note);
+        let place = format!("{name} as CSV: line 2, column 8 (note): expected a number, found 'a'");
+        assert!(error.contains(&place), "{error}");
+    }
+    for name in ["table_timestamps.parquet", "table_nanoseconds.parquet", "table.feather", "table.arrow"] {
+        assert_eq!(imported(&[&session(name)], &TABLE), TABLE_READ, "{name}");
+        let (code, text, error) = run(&[&["replay", session(name).to_str().unwrap()], TABLE.as_slice()].concat());
+        assert!(code == 0 && text.contains("answered"), "{name}: {error}");
+    }
     let folder = folder(&[]);
-    let cut = folder.path().join("cut.parquet");
-    fs::write(&cut, &fs::read(session("table.parquet")).unwrap()[..200]).unwrap();
-    assert!(refused(&[&cut], &columns).contains("cut.parquet: cannot be read: "));
-    let arrow = folder.path().join("table.arrow");
-    fs::write(&arrow, b"ARROW1\0\0").unwrap();
-    assert!(refused(&[&arrow], &columns).contains("pandas.read_feather(IN).to_parquet(OUT)"));
+    for name in ["table.parquet", "table.feather", "table.arrow"] {
+        let cut = folder.path().join(name);
+        fs::write(&cut, &fs::read(session(name)).unwrap()[..200]).unwrap();
+        assert!(refused(&[&cut], &TABLE).contains(&format!("{name}: cannot be read: ")), "{name}");
+    }
+    let old = folder.path().join("old.feather");
+    fs::write(&old, b"FEA1\0\0").unwrap();
+    assert!(refused(&[&old], &TABLE).contains("pandas.read_feather(IN).to_feather(OUT)"));
 }

@@ -68,9 +68,9 @@ fn rms_deg(answers: &[(Reading, Option<f64>)]) -> f64 {
     (squares / answers.len() as f64).sqrt()
 }
 
-/// Mean sigma of the heading, degrees; every one of them must have one.
+/// Mean sigma of the attitude, which does not depend on how steep an axis is, degrees; every one of them must have one.
 fn sigma_deg(answers: &[(Reading, Option<f64>)]) -> f64 {
-    let sigmas = answers.iter().map(|(reading, _)| reading.heading.unwrap().heading_sigma_deg.unwrap());
+    let sigmas = answers.iter().map(|(reading, _)| reading.attitude.unwrap().sigma_deg.unwrap());
     sigmas.sum::<f64>() / answers.len() as f64
 }
 
@@ -110,7 +110,7 @@ fn after_a_gap_sigma_has_grown_and_motion_mends_it() {
         let answers = run(&stream);
         let before = sigma_deg(within(&answers, 28.0, 30.0));
         // the first samples may come before there is a rotation or gravity again: no sigma then, within a tenth of a second
-        let sigma = |(reading, _): &(Reading, Option<f64>)| reading.heading?.heading_sigma_deg;
+        let sigma = |(reading, _): &(Reading, Option<f64>)| reading.attitude?.sigma_deg;
         let first = within(&answers, 34.0, 34.1).iter().find_map(sigma).unwrap();
         assert!(first > before, "seed {seed}: {first} deg after the gap, {before} before");
         let (after, rms) = (sigma_deg(within(&answers, 38.0, 40.0)), rms_deg(within(&answers, 38.0, 60.0)));

@@ -9,7 +9,7 @@
 //! ```
 //! The sum of the three variances is the same in every frame.
 
-use crate::heading::{VERTICAL, angle_sigma_deg, unit};
+use crate::heading::{VERTICAL, across_ut2, angle_sigma_deg, unit};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
@@ -55,9 +55,8 @@ pub fn attitude_sigma_deg(
     unit(field_ut)?.cross(&up).try_normalize(VERTICAL)?;
     let east = field_ut.cross(&up);
     let horizontal = east.norm();
-    let across = east / horizontal;
     let tilt = tilt_sigma_deg.to_radians();
-    let variance = (covariance_ut2 * across).dot(&across) + (field_ut.dot(&up) * tilt).powi(2);
+    let variance = across_ut2(field_ut, &up, covariance_ut2)? + (field_ut.dot(&up) * tilt).powi(2);
     let about_up_deg = angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)?;
     let sigma = about_up_deg.hypot(tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)

@@ -970,7 +970,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_func_attitude() and 0xFFFF) != 58912) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_func_correct() and 0xFFFF) != 13713) {
+    if ((lib.uniffi_magcomp_ffi_checksum_func_correct() and 0xFFFF) != 54430) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_heading() and 0xFFFF) != 27775) {
@@ -979,7 +979,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_func_true_heading_deg() and 0xFFFF) != 22358) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt() and 0xFFFF) != 43325) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt() and 0xFFFF) != 42302) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_calibration() and 0xFFFF) != 6080) {
@@ -997,7 +997,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 44924) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 4282) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 40295) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 34691) {
@@ -1006,13 +1006,13 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_up() and 0xFFFF) != 62246) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 38613) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 1317) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 15248) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 65144) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 48411) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 5125) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() and 0xFFFF) != 6198) {
@@ -1024,7 +1024,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot() and 0xFFFF) != 48416) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() and 0xFFFF) != 15625) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() and 0xFFFF) != 23358) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 32779) {
@@ -1459,10 +1459,10 @@ internal object FfiConverterString: FfiConverter<String, RustBuffer.ByValue> {
 internal interface NativeCompensatorInterface {
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
-     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
-     * changed then.
+     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     * `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
+     * `Config` when the standard deviation is out of range; nothing has changed then.
      */
     fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
 
@@ -1493,9 +1493,10 @@ internal interface NativeCompensatorInterface {
     fun `fit`(): Fit?
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
-     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+     * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
+     * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
+     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
+     * the number of such samples.
      */
     fun `push`(`sample`: MagneticSample): Reading
 
@@ -1510,22 +1511,22 @@ internal interface NativeCompensatorInterface {
     fun `pushUp`(`sample`: UpSample)
 
     /**
-     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-     * `Panicked`.
+     * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+     * compensator usable again after `Panicked`.
      */
     fun `reset`()
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+     * frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
     fun `restore`(`snapshot`: kotlin.String): Restored
 
     /**
-     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
-     * nothing has changed then.
+     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
+     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
      */
     fun `restoreCalibration`(`snapshot`: kotlin.String)
 
@@ -1546,8 +1547,8 @@ internal interface NativeCompensatorInterface {
     fun `snapshot`(): kotlin.String
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
-     * is none.
+     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+     * `restore_calibration`. None without a calibration.
      */
     fun `snapshotCalibration`(): kotlin.String?
 
@@ -1672,10 +1673,10 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on. `hard_iron_sigma_ut` is
-     * one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first readings are as unsure as
-     * that. Fails with `Calibration` when it is none and with `Config` when the standard deviation is out of range; nothing has
-     * changed then.
+     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     * `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
+     * `Config` when the standard deviation is out of range; nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
         =
@@ -1778,9 +1779,10 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * A raw magnetometer event. A sample that can't be used comes back with status `Rejected` and changes nothing; but 50 in
-     * a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-     * stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+     * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
+     * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
+     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
+     * the number of such samples.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
             return FfiConverterTypeReading.lift(
@@ -1832,8 +1834,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-     * `Panicked`.
+     * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+     * compensator usable again after `Panicked`.
      */
     @Throws(MagcompException::class)override fun `reset`()
         =
@@ -1849,8 +1851,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's frame aside, and by the same
-     * build of the library, else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
+     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
+     * frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
      * changed then.
      */
     @Throws(MagcompException::class)override fun `restore`(`snapshot`: kotlin.String): Restored {
@@ -1869,9 +1871,9 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of
-     * an app, or of the device, whose sensor clock begins at 0 again. Fails with `SnapshotDamaged` or `SnapshotNewer`;
-     * nothing has changed then.
+     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
+     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
+     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `restoreCalibration`(`snapshot`: kotlin.String)
         =
@@ -1938,8 +1940,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for `restore_calibration`; none when there
-     * is none.
+     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+     * `restore_calibration`. None without a calibration.
      */
     @Throws(MagcompException::class)override fun `snapshotCalibration`(): kotlin.String? {
             return FfiConverterOptionalString.lift(
@@ -2514,7 +2516,7 @@ internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration>
 
 
 /**
- * Everything a compensator can be told. A setting left out is the library's default; `default_config()` shows them all.
+ * All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
  */
 data class Config (
     /**
@@ -2534,8 +2536,9 @@ data class Config (
     val `initialSigmaUt`: kotlin.Double? = null
     ,
     /**
-     * Whether the operating system's own hard-iron estimate, where samples carry one, is the first calibration when
-     * there is no other: readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
+     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
+     * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
+     * microtesla per axis. Default true.
      */
     val `useReportedHardIron`: kotlin.Boolean? = null
     ,
@@ -2823,7 +2826,7 @@ internal object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
  */
 data class FitOptions (
     /**
-     * What is squared and summed. Default `Corrected`.
+     * The residual that a fit squares and sums. Default `Corrected`.
      */
     val `residual`: Residual? = null
     ,
@@ -2849,7 +2852,7 @@ data class FitOptions (
     val `maxDirectionSigmaDeg`: kotlin.Double? = null
     ,
     /**
-     * White noise, microtesla per axis, 0 to 1000, that the direction error is predicted for at the least. Default 5.
+     * Least white noise, microtesla per axis, 0 to 1000, for which the direction error is predicted. Default 5.
      */
     val `noiseFloorUt`: kotlin.Double? = null
     ,
@@ -2987,7 +2990,7 @@ internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<Geomagn
 
 
 /**
- * A heading and what belongs to it. All angles in degrees.
+ * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
 data class Heading (
     /**
@@ -3225,7 +3228,7 @@ internal object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticS
 
 
 /**
- * The answer to one magnetometer sample. What is not known is none, never NaN.
+ * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
 data class Reading (
     /**
@@ -3286,8 +3289,8 @@ data class Reading (
     val `directionSigmaDeg`: kotlin.Double?
     ,
     /**
-     * The same for the one combination of parameters that is known worst, degrees: large where the directions seen leave
-     * something open, also where `sigma_t` does not show it. Adaptive method only.
+     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
+     * seen do not determine the parameters, also where `sigma_t` does not show that. Adaptive method only.
      */
     val `worstSigmaDeg`: kotlin.Double?
     ,
@@ -3297,8 +3300,9 @@ data class Reading (
     val `modelOrder`: ModelOrder?
     ,
     /**
-     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla; none when it did
-     * not, or is not reported. After a jump the operating system has recalibrated: the raw field has not changed.
+     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
+     * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
+     * changed.
      */
     val `reportedHardIronJumpUt`: kotlin.Double?
     ,
@@ -3648,14 +3652,14 @@ data class WindowedConfig (
     val `normalisation`: Normalisation? = null
     ,
     /**
-     * What is squared and summed. Default `Corrected`. With `Algebraic` the paper is followed as written: a window is fitted
-     * however far its samples lie from one ellipsoid.
+     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
+     * is fitted however far its samples lie from one ellipsoid.
      */
     val `residual`: Residual? = null
     ,
     /**
-     * White noise, microtesla per axis, 0 to 1000, that a fit is judged by at the least. Default 5; smaller accepts poorer coverage
-     * where the residual is small.
+     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
+     * coverage where the residual is small.
      */
     val `noiseFloorUt`: kotlin.Double? = null
 
@@ -4113,7 +4117,7 @@ sealed class HoldReason {
     }
 
     /**
-     * The method is a constant calibration: by choice it does not follow changes.
+     * The method keeps one calibration: by choice it does not follow changes.
      */
     object Constant : HoldReason()
 
@@ -4370,7 +4374,7 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * A calibration is none.
+     * The numbers are no calibration.
      */
     class Calibration(
 
@@ -4384,7 +4388,7 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * A snapshot is not whole, was changed since it was written, or is none that this library writes. Start without it.
+     * A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
      */
     class SnapshotDamaged(
         ) : MagcompException() {
@@ -4628,7 +4632,7 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
 enum class Method {
 
     /**
-     * Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope.
+     * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
      */
     AUTO,
     /**
@@ -4636,15 +4640,15 @@ enum class Method {
      */
     AIDED,
     /**
-     * The magnetometer alone: changes are noticed and relearned as fast as the samples allow.
+     * Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
      */
     ADAPTIVE,
     /**
-     * The paper's: an ellipsoid fit over the latest samples, their number following sigma_T.
+     * The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
      */
     WINDOWED,
     /**
-     * Its first step alone: one fit of the first well spread samples, then kept.
+     * The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
      */
     CONSTANT;
 
@@ -4824,7 +4828,7 @@ internal object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
 enum class ModelOrder {
 
     /**
-     * None: they are what they were.
+     * None: all nine stay.
      */
     NOTHING,
     /**
@@ -4916,7 +4920,7 @@ internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<Normalisat
 
 
 /**
- * Which axis of the device the heading is that of.
+ * The axis of the device whose heading is reported.
  */
 
 enum class ReferenceAxis {
@@ -5211,7 +5215,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
 
 
 /**
- * What is squared and summed by a fit.
+ * The residual that a fit squares and sums.
  */
 
 enum class Residual {
@@ -5434,7 +5438,7 @@ sealed class Status {
 
 
     /**
-     * Something changed; not yet decided what.
+     * Something changed; it is not yet decided whether the device or the place.
      */
     data class Suspect(
         /**
@@ -5479,7 +5483,8 @@ sealed class Status {
     }
 
     /**
-     * This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see `push`).
+     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
+     * clock (see `push`).
      */
     data class Rejected(
         /**
@@ -6450,7 +6455,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
         /**
          * The corrected field, microtesla, of a raw sample (microtesla), by a calibration.
          *
-         * Fails when the calibration is none: not finite, or soft iron not symmetric positive definite.
+         * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
          */
     @Throws(MagcompException::class) fun `correct`(`calibration`: Calibration, `rawUt`: Vector3): Vector3 {
             return FfiConverterTypeVector3.lift(

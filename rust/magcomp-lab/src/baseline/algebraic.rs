@@ -24,7 +24,7 @@ pub(super) fn sphere(points: &[Vector3<f64>]) -> Option<(Matrix3<f64>, Vector3<f
     (radius_squared > 0.0).then(|| (Matrix3::from_diagonal_element(1.0 / radius_squared), centre + b))
 }
 
-/// The ellipsoid; None when the best quadric is none.
+/// The ellipsoid; None when the best quadric is no ellipsoid.
 pub(super) fn ellipsoid(points: &[Vector3<f64>]) -> Option<(Matrix3<f64>, Vector3<f64>)> {
     let centre = mean(points);
     let scale = (points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>() / points.len() as f64).sqrt();

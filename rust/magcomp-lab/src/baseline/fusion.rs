@@ -1,5 +1,5 @@
-//! A fusion of little cost, after the idea of the paper's [4] (the gyroscope bridges what the magnetometer gets wrong); its text was
-//! not at hand, so the equations are ours:
+//! A fusion of little cost, after the idea of the paper's [4]: the gyroscope bridges the errors of the magnetometer. The text of
+//! [4] was not at hand, so the equations are ours:
 //!     u, m <- dR u, dR m                          the gyroscope turns up and field, dR = exp(-w dt)
 //!     u <- u + (a - u) dt / 1 s                   the accelerometer levels
 //!     m <- m + (h_m - b - m) dt / 2 s             the magnetometer points

@@ -9,7 +9,8 @@ use magcomp::{Calibration, MagneticSample};
 
 /// Readings averaged in each of the seven fields.
 const READINGS: usize = 100;
-/// Standard deviation of what the coil leaves of a field, share of it: coil constants and alignment.
+/// Standard deviation of the field that the coil fails to cancel, as a share of the field: errors of the coil's constants
+/// and alignment.
 const COIL: f64 = 0.002;
 
 /// A calibration from a coil.

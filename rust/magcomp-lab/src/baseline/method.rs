@@ -1,4 +1,4 @@
-//! What every method to compare with does.
+//! The interface of every method to compare with.
 
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, MagneticSample, RotationRateSample, UpSample};
@@ -17,11 +17,11 @@ pub trait Baseline {
     /// One raw sample.
     fn push(&mut self, sample: &MagneticSample);
 
-    /// What it would make of a raw vector now, uT; of a method that gives an attitude, its north, of length 1, whatever the raw
-    /// vector. None while it knows nothing.
+    /// The corrected vector of a raw one by the method's present state, uT. A method that gives an attitude answers with its
+    /// north, of length 1, whatever the raw vector. None while the method has no answer.
     fn correct(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>>;
 
-    /// What it made of the sample that came last, whose raw vector this is.
+    /// The method's answer to the latest sample, whose raw vector this is.
     fn latest(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>> {
         self.correct(raw_ut)
     }

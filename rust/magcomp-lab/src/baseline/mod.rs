@@ -1,4 +1,4 @@
-//! Methods to compare with: one small file each, behind one trait, and the list of all with what can be tuned.
+//! Methods to compare with: one small file each, behind one trait, and the list of all with the number that is tuned.
 
 mod algebraic;
 mod enclosing;
@@ -69,7 +69,7 @@ pub enum Contestant {
     Fusion,
 }
 
-/// What a method may know before a stream.
+/// Facts that a method is given before a stream.
 #[derive(Clone, Debug)]
 pub struct Known {
     /// Names its random numbers.

@@ -4,7 +4,7 @@ use super::method::Baseline;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Compensator, Config, ConfigError, MagneticSample, RotationRateSample, UpSample};
 
-/// A compensator and what it came to at the latest sample.
+/// A compensator and its answer to the latest sample.
 #[derive(Clone, Debug)]
 pub struct Ours {
     compensator: Compensator,

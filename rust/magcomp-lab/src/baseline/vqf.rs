@@ -10,7 +10,7 @@ use vqf_rs::{Params, VQF};
 /// Events of each sensor that tell its rate before the filter starts.
 const TIMED: usize = 21;
 
-/// The filter, and what feeds it.
+/// The filter, and the compensator whose samples it is given.
 pub struct Vqf {
     /// Time constant of the magnetometer's correction, s; the filter's own default is 9.
     tau_mag_s: f64,

@@ -1,4 +1,4 @@
-//! What all verbs share: options, how numbers are read, how tables are printed.
+//! Shared by all verbs: options, reading of numbers, printing of tables.
 
 use crate::error::LabError;
 use crate::report::Report;

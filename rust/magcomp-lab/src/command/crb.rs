@@ -3,7 +3,7 @@
 use super::common::{Common, finite};
 use crate::error::LabError;
 use crate::experiment::bound::{BoundOptions, SAMPLES, SNR_DB, run};
-use crate::parameters::ParameterSet;
+use crate::parameters::{ParameterSet, TrueParameters};
 use crate::report::Report;
 use clap::{Args, value_parser};
 
@@ -13,9 +13,8 @@ pub(super) struct Crb {
     /// Runs for every N and SNR; the ratios' own error is about 1 / sqrt(6 runs)
     #[arg(long, default_value_t = 400, value_parser = value_parser!(u32).range(1..))]
     runs: u32,
-    /// True parameters
-    #[arg(long, value_enum, default_value_t)]
-    set: ParameterSet,
+    #[command(flatten)]
+    truth: TrueParameters,
     /// Samples P that are averaged at each orientation
     #[arg(long, value_name = "P", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     p: u32,
@@ -32,7 +31,7 @@ pub(super) struct Crb {
 impl Crb {
     pub fn run(self) -> Result<(), LabError> {
         let options = BoundOptions {
-            set: self.set,
+            truth: self.truth.parameters(ParameterSet::Ref)?,
             runs: self.runs as usize,
             averaged: self.p as usize,
             seed: self.common.seed,

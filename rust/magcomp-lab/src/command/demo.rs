@@ -15,7 +15,7 @@ use magcomp::{Config, Method, ReferenceAxis};
 use serde::Serialize;
 use std::path::Path;
 
-/// The recordings shown, which the program carries within it, and what happens in them.
+/// The recordings shown, which are part of the program, and their stories.
 const RECORDINGS: [(&str, &[u8], &str); 2] = [
     (
         "broad_34_attached_magnet_3cm.csv.gz",
@@ -41,7 +41,7 @@ const AIDED_RUNS: usize = 10;
 /// Where the report is written when no other folder is named, below the current one.
 const FOLDER: &str = "magcomp-report";
 
-/// Show what it does: real recordings compensated, then the steps: aided, and the paper's.
+/// Show compensated recordings, then the step experiments: with the gyroscope, then the paper's.
 ///
 /// The report is written into magcomp-report below the current folder, or where --report says. The recordings are part of the
 /// program.
@@ -174,11 +174,12 @@ fn recording_table(shown: &[Shown]) -> Table {
         ]);
     }
     table.note(
-        "spread: standard deviation over mean of the total field; heading: against the optical reference, up to one",
+        "Spread: standard deviation over mean of the total field. c: the corrected sample; f: the field that the gyroscope carries. \
+         Headings are judged by the optical reference, up to one constant. The first 20 s do not count.",
     );
     table.note(
-        "constant, of c and of f; all without the first 20 s. constant: one calibration, kept; windowed: the paper's; adaptive: magnetometer alone;",
+        "constant: one calibration, kept. windowed: the paper's method. adaptive: the magnetometer alone. aided: with gyroscope and \
+         gravity. Each is judged on the samples that it answered, raw on those of the first method.",
     );
-    table.note("aided: with gyroscope and gravity. Each is judged on the samples it answered, raw on those of the first method.");
     table
 }

@@ -20,7 +20,7 @@ pub(super) struct Evaluate {
     /// How far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 5.0))]
     gyro_skew: f64,
-    /// Print the page docs/EVALUATION.md: what the columns mean, the tables, a list of the bad lines
+    /// Print the page docs/EVALUATION.md: the meaning of the columns, the tables, a list of the bad lines
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
     #[command(flatten)]

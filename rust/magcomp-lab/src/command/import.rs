@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Make a phone logger's session into a recording; `replay` takes the same inputs.
 ///
 /// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form) or MATLAB Mobile, a bag of ROS 2
-/// (mcap), or plain CSV or Parquet whose columns --columns names. Each sensor keeps its own times and rate: a row leaves the cells of the others empty. The
+/// (mcap), or plain CSV, Parquet or Arrow (a file, Feather 2, or a stream) whose columns --columns names. Each sensor keeps its own times and rate: a row leaves the cells of the others empty. The
 /// field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
 #[derive(Debug, Args)]
 pub(super) struct Import {

@@ -22,10 +22,11 @@ const CHUNK: usize = 4096;
 
 /// Run a recording through the compensator, one row out for every magnetometer sample.
 ///
-/// IN is what `magcomp import` takes, or CSV, gzipped or not, with a header: t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's
-/// sign; rad/s; reference orientation, device to east-north-up). A row may leave a sensor's cells empty: then each has its own times.
-/// sys_mx,sys_my,sys_mz (uT) is the field that the operating system calibrated. Other columns are ignored. Out: the corrected sample c, the
-/// estimator's own estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
+/// IN is any input of `magcomp import`, or CSV, gzipped or not, with a header:
+/// t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's sign; rad/s; reference orientation, device to
+/// east-north-up). A row may leave a sensor's cells empty: then each has its own times. sys_mx,sys_my,sys_mz (uT) is the
+/// field that the operating system calibrated. Other columns are ignored. Out: the corrected sample c, the estimator's own
+/// estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
 #[derive(Debug, Args)]
 pub(super) struct Replay {
     /// The recording, or the session of a phone logger as of `magcomp import`
@@ -36,7 +37,7 @@ pub(super) struct Replay {
     /// How M and b are estimated
     #[arg(long, value_enum, default_value_t)]
     method: MethodChoice,
-    /// Windowed and constant: what the fits minimise
+    /// Windowed and constant: the residual that the fits minimise
     #[arg(long, value_enum, default_value_t)]
     residual: ResidualChoice,
     /// Windowed: how sigma_T is normalised
@@ -204,7 +205,7 @@ impl Replay {
         let recording = name_of(source.path());
         let mut table = summary(&recording, &name, &judgement);
         if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
-            table.note(&format!("no row was answered; the last one says: {}", last.reading.status));
+            table.note(&format!("No row was answered. The last one says: {}.", last.reading.status));
         }
         let mut tables: Vec<Table> = session.iter().map(Summary::table).collect();
         tables.push(table);

@@ -4,7 +4,7 @@ use super::common::{Common, between, finite};
 use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
-use crate::parameters::{ParameterSet, Parameters};
+use crate::parameters::{Numbers, ParameterSet, Parameters, TrueParameters};
 use crate::plot::{Colour, Panel, Series, draw};
 use crate::recording::write_simulation;
 use crate::report::Report;
@@ -15,7 +15,6 @@ use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Write a simulated recording with its reference orientation.
 #[derive(Debug, Args)]
@@ -38,9 +37,9 @@ pub(super) struct Simulate {
     /// The place's field becomes this at --at, over --over
     #[arg(long, value_name = "UT,DIP", allow_hyphen_values = true)]
     field_to: Option<Numbers<2>>,
-    /// Parameters of the device before any change
-    #[arg(long, value_enum, default_value_t = ParameterSet::Mid)]
-    set: ParameterSet,
+    // before any change
+    #[command(flatten)]
+    truth: TrueParameters,
     /// How the parameters of the device change
     #[arg(long, value_enum, default_value_t)]
     change: ChangeKind,
@@ -108,7 +107,7 @@ struct Summary {
 
 impl Simulate {
     pub fn run(self) -> Result<(), LabError> {
-        let scenario = self.scenario();
+        let scenario = self.scenario()?;
         let stream = scenario.run();
         write_simulation(&self.output, &stream)?;
         let summary = Summary {
@@ -139,13 +138,13 @@ impl Simulate {
         })
     }
 
-    fn scenario(&self) -> Scenario {
+    fn scenario(&self) -> Result<Scenario, LabError> {
         let at_s = self.at.unwrap_or(self.seconds / 2.0);
-        let start = self.set.parameters();
+        let start = self.truth.parameters(ParameterSet::Mid)?;
         let changed = start.times(self.factor);
         let world = |numbers: Numbers<2>| world_field_ut(numbers.0[0], numbers.0[1]);
         let periods = (self.seconds / at_s).ceil() as usize;
-        Scenario {
+        Ok(Scenario {
             seed: self.common.seed,
             samples: (self.seconds * self.rate).round() as usize,
             rate_hz: self.rate,
@@ -178,7 +177,7 @@ impl Simulate {
                 bias: self.accel_bias.vector(),
                 ..InertialSensor::accelerometer()
             }),
-        }
+        })
     }
 }
 
@@ -197,27 +196,6 @@ fn panels(stream: &Simulation) -> [Panel; 2] {
         ..Panel::default()
     };
     [panel("raw field", &|k| stream.magnetic[k].field_ut), panel("true hard iron", &|k| stream.truth[k].hard_iron_ut)]
-}
-
-/// Numbers separated by commas.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Numbers<const N: usize>([f64; N]);
-
-impl Numbers<3> {
-    fn vector(self) -> Vector3<f64> {
-        Vector3::from(self.0)
-    }
-}
-
-impl<const N: usize> FromStr for Numbers<N> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let values: Option<Vec<f64>> =
-            text.split(',').map(|v| v.trim().parse().ok().filter(|v: &f64| v.is_finite())).collect();
-        let values = values.and_then(|values| values.try_into().ok());
-        values.map(Self).ok_or_else(|| format!("expected {N} numbers separated by commas"))
-    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -7,7 +7,7 @@ use crate::experiment::aided::{self, AidedOptions};
 use crate::experiment::compare_view::{Given, add_case};
 use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
-use crate::parameters::ParameterSet;
+use crate::parameters::TrueParameters;
 use crate::phone::{Phone, PhoneChange};
 use crate::report::Report;
 use crate::scenario::Case;
@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum, value_parser};
 
 /// The device's disturbance steps while it turns, and the methods follow.
 ///
-/// --motion uniform: the paper's figs. 4 and 5 (also planar and still). --motion tumble and pedestrian: the aided method
+/// --motion uniform: the paper's figs. 4 and 5 (also planar, stroll and still), with the true parameters of --set or one's own. --motion tumble and pedestrian: the aided method
 /// beside the paper's, with the gyroscope and accelerometer that belong to the motion. --method adaptive: the magnetometer
 /// alone, on the scenario that belongs to the motion (30 dB uniform, 40 dB others) or on the one named.
 #[derive(Debug, Args)]
@@ -29,10 +29,10 @@ pub(super) struct Step {
     /// Signal-to-noise ratio, dB; 30 for figs. 4 and 5, 40 for tumble and pedestrian when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
-    /// Figs. 4 and 5: parameters before the step; ref when not given
-    #[arg(long, value_enum)]
-    set: Option<ParameterSet>,
-    /// Figs. 4 and 5: what the fits minimise; corrected when not given
+    // of figs. 4 and 5, as all that follows up to --sigma-th
+    #[command(flatten)]
+    truth: TrueParameters,
+    /// Figs. 4 and 5: the residual that the fits minimise; corrected when not given
     #[arg(long, value_enum)]
     residual: Option<ResidualChoice>,
     /// Figs. 4 and 5: all nine parameters step by this factor; 1.5 when not given
@@ -50,7 +50,7 @@ pub(super) struct Step {
     /// Figs. 4 and 5: threshold of sigma_T; 0.1 when not given
     #[arg(long, value_name = "SIGMA_T", value_parser = |text: &str| between(text, 0.0, 10.0))]
     sigma_th: Option<f64>,
-    /// Tumble, pedestrian: what changes; parameters for tumble and offset for pedestrian when not given
+    /// Tumble, pedestrian: the change; parameters for tumble and offset for pedestrian when not given
     #[arg(long, value_enum)]
     change: Option<PhoneChange>,
     /// Tumble, pedestrian: samples per second of every sensor; 100 when not given
@@ -94,7 +94,12 @@ impl Step {
     pub fn run(self) -> Result<(), LabError> {
         let adaptive = self.method == Some(StepMethod::Adaptive);
         let of_figures = [
-            ("--set", self.set.is_some()),
+            ("--set", self.truth.set.is_some()),
+            ("--soft-iron", self.truth.soft_iron.is_some()),
+            ("--hard-iron", self.truth.hard_iron.is_some()),
+            ("--scale", self.truth.scale.is_some()),
+            ("--axes", self.truth.axes.is_some()),
+            ("--offset", self.truth.offset.is_some()),
             ("--residual", self.residual.is_some()),
             ("--factor", self.factor.is_some()),
             ("--normalisation", self.normalisation.is_some()),
@@ -184,7 +189,7 @@ impl Step {
     fn windowed(self) -> Result<(), LabError> {
         let defaults = StepOptions::default();
         let options = StepOptions {
-            set: self.set.unwrap_or_default(),
+            truth: self.truth,
             motion: self.motion,
             snr_db: self.snr.unwrap_or(defaults.snr_db),
             residual: self.residual.unwrap_or_default(),
@@ -198,11 +203,12 @@ impl Step {
         };
         let result = run(&options)?;
         self.common.finish(&result.tables(), &result, || {
-            let mut report = Report::new(
-                "Following a step of all nine parameters",
-                "The paper's figs. 4 and 5: soft and hard iron step by 50 % while the device turns; the windowed method \
+            let lead = format!(
+                "The paper's figs. 4 and 5: soft and hard iron step by the factor {} while the device turns. The windowed method \
                  re-estimates them from the latest samples.",
+                result.factor
             );
+            let mut report = Report::new("Following a step of all nine parameters", &lead);
             result.add_to(&mut report)?;
             Ok(report)
         })

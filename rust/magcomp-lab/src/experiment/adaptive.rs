@@ -25,7 +25,7 @@ const PERIOD_NAMES: [&str; 4] = ["before", "0 to 100", "100 to 1000", "later"];
 /// Readings before this many samples do not count: collecting.
 const WARM_UP: usize = 500;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct AdaptiveOptions {
     /// The scenario.
@@ -51,7 +51,7 @@ pub struct Honesty {
     pub nees: Option<[f64; 2]>,
 }
 
-/// What came out.
+/// The result.
 #[derive(Clone, Debug, Serialize)]
 pub struct AdaptiveResult {
     /// The scenario.
@@ -66,7 +66,7 @@ pub struct AdaptiveResult {
     pub honesty: Vec<Honesty>,
     /// Device steps declared before the change, in all runs.
     pub false_alarms: usize,
-    /// Share of the samples before the change on which a change was suspected or a disturbance told.
+    /// Share of the samples before the change whose status was suspect or disturbed.
     pub suspected_before: f64,
     /// Device steps declared after the change, mean over runs.
     pub declared: f64,
@@ -204,9 +204,9 @@ impl AdaptiveResult {
                 number(honesty.nees.map(|[_, all]| all), 2),
             ]);
         }
-        table.note("share of heading errors within their own sigmas (68 and 95 where honest), and mean square error of b, and of all parameters, in their covariance (1)");
+        table.note("Sigma: share of the heading errors within one and two of their own sigmas; 68 and 95 % are right. In their covariance: mean square error of b, and of all parameters; 1 is right.");
         table.note(&format!(
-            "device steps declared before the change: {} in all runs; after it: {:.2} a run, the first {} samples late; suspected or disturbed before: {:.3} % of samples",
+            "The method declared {} device steps before the change in all runs, and {:.2} a run after it, the first {} samples late. Before the change {:.3} % of the samples were suspect or disturbed.",
             self.false_alarms,
             self.declared,
             self.delay_samples.map_or_else(|| "-".to_owned(), |delay| delay.to_string()),

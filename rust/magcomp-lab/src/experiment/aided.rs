@@ -17,7 +17,7 @@ use crate::simulate::Simulation;
 use magcomp::{Compensator, Method};
 use serde::Serialize;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct AidedOptions {
     /// The phone; run k uses its seed + k.
@@ -50,14 +50,14 @@ pub struct AidedResult {
     pub rate_hz: f64,
     /// f and c of the aided method, c of the windowed.
     pub methods: Vec<MethodResult>,
-    /// What the aided method made of the change; none where nothing changes at once.
+    /// The aided method's reaction to the change; none where nothing changes at once.
     pub change: Option<ChangeResult>,
     /// The first run, for the picture.
     #[serde(skip)]
     pub first: Option<(Recording, Vec<Step>)>,
 }
 
-/// A simulation through a method: what came out, and NEES of b after each sample where it is known.
+/// A simulation through a method: its steps, and the NEES of b after each sample where it is known.
 ///
 /// # Errors
 /// [`LabError::Config`] when the config is refused.

@@ -1,4 +1,4 @@
-//! What is read off the change itself: when it is noticed, what the carried heading suffers, what is learned from it.
+//! Figures of the change itself: when the method notices it, how far the carried heading errs, how far b moves.
 
 use crate::phone::{CHANGE_S, PLACE_S, PhoneChange};
 use crate::replay::Step;
@@ -8,7 +8,7 @@ use magcomp::Status;
 use magcomp::nalgebra::Vector3;
 use serde::Serialize;
 
-/// What the aided method made of the change itself.
+/// The aided method's reaction to the change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChangeResult {
     /// From the change to the first status that is not `Tracking`, s: median and worst; none where half of the runs never say so.

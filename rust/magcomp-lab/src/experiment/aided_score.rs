@@ -1,4 +1,4 @@
-//! What is read off one run of the aided experiment.
+//! Figures of one run of the aided experiment.
 //!
 //! * direction error: the angle between an answer and the true field. f as it is given, against the field of the
 //!   undisturbed place, which it carries; c as the calibration in force

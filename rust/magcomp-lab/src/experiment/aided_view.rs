@@ -32,16 +32,20 @@ impl AidedResult {
         for method in &self.methods {
             table.row(line(method));
         }
-        table.note("before: direction error rms in the 10 s before the step; < 5 deg: samples after it until the 95th percentile");
-        table.note("over the trailing 100 stays below for good (100 at the least), median and worst run; b error: 300 samples after it, mean;");
-        table.note("sigma: share of heading errors within; steps, others: device steps and other events declared in a run, mean");
         table.note(
-            "f: the carried field, against that of the undisturbed place; c: the corrected sample, its direction without noise",
+            "Before: rms of the direction error in the 10 s before the step. < 5 deg, < 2 deg: samples after the step until the 95th \
+             percentile over the trailing 100 samples stays below for good (100 at the least), median and worst run. b error: mean, \
+             300 samples after the step. Sigma: share of the heading errors within one and two sigmas, percent. Steps, others: \
+             device steps and other events that a run declares, mean.",
+        );
+        table.note(
+            "f: the field that the gyroscope carries, judged by that of the undisturbed place. c: the corrected sample, judged by \
+             its direction without noise.",
         );
         table
     }
 
-    /// The line for every method and, where something changes at once, what the aided method made of that.
+    /// The line for every method and, where something changes at once, the aided method's reaction to it.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         std::iter::once(self.table()).chain(self.change_table()).collect()

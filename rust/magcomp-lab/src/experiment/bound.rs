@@ -24,11 +24,11 @@ pub const SNR_DB: [f64; 3] = [30.0, 35.0, 40.0];
 /// Field of the simulation, uT; the ratios do not depend on it.
 const FIELD_UT: f64 = 40.0;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct BoundOptions {
     /// True parameters.
-    pub set: ParameterSet,
+    pub truth: Parameters,
     /// Runs for every N and SNR. The ratio's own error is about 1 / sqrt(6 runs).
     pub runs: usize,
     /// Samples P that are averaged at each orientation.
@@ -44,7 +44,7 @@ pub struct BoundOptions {
 impl Default for BoundOptions {
     fn default() -> Self {
         Self {
-            set: ParameterSet::Ref,
+            truth: ParameterSet::Ref.parameters(),
             runs: 400,
             averaged: 1,
             seed: 1,
@@ -100,7 +100,7 @@ pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
 }
 
 fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64)) -> Result<BoundRow, LabError> {
-    let truth = options.set.parameters();
+    let truth = options.truth;
     let noise = Noise::SnrDb(snr_db).sigma_ut(1.0);
     let averaged = options.averaged as f64;
     // the same orientations and noise for every SNR: columns differ by the SNR alone
@@ -194,10 +194,10 @@ impl BoundResult {
             table.row(cells);
         }
         let (low, high) = self.corrected_range();
-        table.note(&format!("P = {} samples averaged at each orientation", self.averaged));
-        table.note("(10): the paper's residual as written. corrected: divided by its own gradient.");
-        table.note("diag: M_xx M_yy M_zz; off: M_xy M_xz M_yz; bound: root of the mean bound, |h| = 1.");
-        table.note(&format!("corrected residual, all cells: {low:.3} to {high:.3}"));
+        table.note(&format!("P = {} samples are averaged at each orientation.", self.averaged));
+        table.note("(10): the paper's residual as written. Corrected: the residual divided by its own gradient.");
+        table.note("Diag: M_xx, M_yy, M_zz. Off: M_xy, M_xz, M_yz. Bound: root of the mean bound, where |h| = 1.");
+        table.note(&format!("The cells of the corrected residual go from {low:.3} to {high:.3}."));
         table
     }
 

@@ -1,6 +1,6 @@
 //! Methods side by side on the same samples of a scenario, from a cold start, each answered before the next is seen.
 //!
-//! Direction error: the angle between the true field and what the method makes of the noise-free raw sample, so that it is
+//! Direction error: the angle between the true field and the method's correction of the noise-free raw sample, so that it is
 //! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method
 //! itself had before the latest change.
 //!
@@ -159,7 +159,7 @@ fn bound(
     Some((std::array::from_fn(|i| (found[i] - truth[i]).powi(2)), variances))
 }
 
-/// A stream of a case, what happens to it and what a method may know of it.
+/// A stream of a case, its change, and the facts that a method is given.
 fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Known) {
     let plan = case.plan(seed, snr_db);
     let stream = plan.scenario.run();

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Share of a recording with a reference to learn from.
 const LEARNED: f64 = 0.4;
-/// Noise given to the Kalman filters, uT: what phones' magnetometers have.
+/// Noise given to the Kalman filters, uT: that of phones' magnetometers.
 const NOISE_UT: f64 = 0.5;
 /// Field strength they start from, uT.
 const FIELD_UT: f64 = 50.0;
@@ -24,7 +24,7 @@ fn middle(contestant: Contestant) -> f64 {
     grid[grid.iter().filter(|value| **value >= 0.0).count() / 2]
 }
 
-/// Gives a method what gyroscope and accelerometer said up to a row.
+/// Gives a method the events of gyroscope and accelerometer up to a row.
 fn push_inertial(method: &mut dyn Baseline, row: &Row) {
     let usable = |v: &Vector3<f64>| v.iter().all(|value| value.is_finite());
     for event in row.inertial() {

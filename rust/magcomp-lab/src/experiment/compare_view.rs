@@ -21,7 +21,7 @@ const DRAWN: [(&str, Colour); 11] = [
     ("vqf-ours", Colour::Purple),
     ("fusion", Colour::Red),
 ];
-/// What the methods of a table were given.
+/// The sensors that the methods of a table were given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Given {
     /// The magnetometer alone.
@@ -31,7 +31,7 @@ pub enum Given {
 }
 
 impl Given {
-    /// What is judged.
+    /// The error that is judged.
     fn error(self) -> &'static str {
         match self {
             Self::Magnetometer => "direction error",
@@ -68,7 +68,7 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
         if value <= best { format!("*{text}") } else { text }
     };
     for m in methods {
-        let mut cells = vec![m.name.clone(), m.tuned.map_or_else(String::new, |value| format!("{value}"))];
+        let mut cells = vec![m.name.clone(), m.tuned.map_or_else(String::new, tuned)];
         cells.push(number(Some(m.before_deg), 2));
         cells.extend([marked(m.after_deg, best_after), marked(m.steady_deg, best_steady)]);
         cells.extend(m.told_deg.iter().map(|v| number(Some(*v), 2)));
@@ -77,11 +77,17 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
         cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
         table.row(cells);
     }
-    table.note("before: last 1000 samples before the change; after: all after it; steady: from 1000 after it; * the best of all");
-    table.note("< 5 deg: samples after the change until the 95th percentile over the runs stays below for good; / held: largest ratio,");
-    table.note("over 50 samples, to holding the method's own parameters from before; us: time for a sample, mean, 99.9th percentile, maximum");
+    table.note(
+        "Tuned: the method's one free number. Before: the last 1000 samples before the change. After: all samples after it. Steady: \
+         from 1000 samples after it on. *: the best of all. At n: n samples after the change. < 5 deg: samples after the change until \
+         the 95th percentile over the runs stays below for good. / held: the largest ratio, over 50 samples, to the error of the \
+         method's own parameters from before. us: time for a sample in microseconds: mean, 99.9th percentile, maximum.",
+    );
     if given == Given::Inertial {
-        table.note("aided, vqf-raw, vqf-ours, fusion: north by the method's own attitude; aided-sample: the corrected sample without its noise");
+        table.note(
+            "aided, vqf-raw, vqf-ours and fusion give north by their own attitude; aided-sample gives the corrected sample without \
+             its noise.",
+        );
     }
     let mut tables = vec![table];
     if methods.iter().any(|m| m.over_bound.is_some()) {
@@ -94,10 +100,18 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
                 bound.row(std::iter::once(m.name.clone()).chain(cells).collect());
             }
         }
-        bound.note("rms over runs of M's diagonal / M's off-diagonal / b over the Cramer-Rao bound of the samples since the change");
+        bound.note(
+            "Each cell: M's diagonal / M's other elements / b, their rms error over the runs divided by the Cramer-Rao bound of the samples \
+             since the change. Few samples bound nothing, and the ratio is near 0.",
+        );
         tables.push(bound);
     }
     tables
+}
+
+/// A tuned number: those of the Kalman filters are powers of ten.
+fn tuned(value: f64) -> String {
+    if value.abs() < 1e-3 { format!("{value:e}") } else { format!("{value}") }
 }
 
 /// All scenarios in two tables, a line for each, a column for each method: over all samples after the change, and from 1000
@@ -199,23 +213,25 @@ pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<Stri
 /// A line for each method on a recording.
 #[must_use]
 pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given) -> Table {
-    let columns = ["", "value", "answered %", "spread of |h| %", "heading rms deg", "p95 deg"];
+    let columns = ["", "tuned", "answered %", "spread of |h| %", "heading rms deg", "p95 deg"];
     let mut table = Table::new(&format!("{recording}, {}", given.what()), &columns);
     for m in methods {
         let v = &m.vectors;
         table.row(vec![
             m.name.clone(),
-            m.value.map_or_else(String::new, |value| format!("{value}")),
+            m.value.map_or_else(String::new, tuned),
             number(Some(100.0 * v.answered), 1),
             number(v.spread_percent, 2),
             number(v.heading.map(|heading| heading.rms_deg), 2),
             number(v.heading.map(|heading| heading.p95_deg), 2),
         ]);
     }
-    table.note("without the first 20 s; heading against the reference orientation, up to one constant");
+    table.note("The first 20 s do not count. Headings are judged by the reference orientation, up to one constant.");
     table.note(match given {
-        Given::Magnetometer => "the network has learned from that reference over the first 40 %; a coil there is not",
-        Given::Inertial => "aided, vqf-raw, vqf-ours, fusion: north by the method's own attitude; vqf-ours is given the samples of aided-sample",
+        Given::Magnetometer => "The network learns from that reference over the first 40 % of the recording. There is no Helmholtz coil for a recording.",
+        Given::Inertial => {
+            "aided, vqf-raw, vqf-ours and fusion give north by their own attitude; vqf-ours is given the samples of aided-sample."
+        },
     });
     table
 }

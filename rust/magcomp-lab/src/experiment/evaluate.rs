@@ -30,7 +30,7 @@ const BEYOND_SIGMAS: f64 = 3.0;
 /// Samples that lie further apart than this are not one stretch of time, s.
 const APART_S: f64 = 0.1;
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct EvaluateOptions {
     /// Tables.
@@ -76,7 +76,7 @@ pub struct SituationResult {
     pub within_sigma: Option<[f64; 2]>,
     /// Longest time without a break in which the status is `Tracking` and the error beyond three sigmas, s, worst run.
     pub tracking_beyond_s: f64,
-    /// Changes in all runs, and those of them that no event told.
+    /// Changes in all runs, and how many of them no event reported.
     pub changes: usize,
     /// See `changes`.
     pub missed: usize,
@@ -215,7 +215,7 @@ fn longest_beyond_s(judged: &[Judged]) -> f64 {
     longest_s
 }
 
-/// Changes that no event told, and events that belong to no change.
+/// Changes that no event reported, and events that belong to no change.
 fn compare(stream: &Stream, steps: &[Step]) -> (usize, usize) {
     let mut events = events(steps);
     let mut missed = 0;

@@ -1,4 +1,4 @@
-//! What `magcomp evaluate` shows: a table for each group, and which lines are bad.
+//! The output of `magcomp evaluate`: a table for each group, and a list of the bad lines.
 
 use super::evaluate::{EvaluateResult, GroupResult, SituationResult};
 use crate::table::{Table, number};

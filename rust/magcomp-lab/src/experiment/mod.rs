@@ -15,14 +15,15 @@ pub mod nees;
 pub mod sensitivity;
 pub mod situation;
 pub mod step;
+mod step_course;
 mod step_score;
 mod step_view;
 
 use magcomp::{Config, HeadingConfig, Method};
 use serde::Serialize;
 
-/// The config of every run: the default, but that headings are judged by the true attitude, so that sigma must not count what `up`
-/// may lean.
+/// The config of every run: the default, but with a tilt sigma of 0. Headings are judged by the true attitude here, so sigma
+/// must not count the tilt of `up`.
 #[must_use]
 pub fn config(method: Method) -> Config {
     let heading = HeadingConfig { tilt_sigma_deg: 0.0, ..HeadingConfig::default() };

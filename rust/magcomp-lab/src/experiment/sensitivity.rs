@@ -1,4 +1,4 @@
-//! What each choice of the estimators is worth: a fixed benchmark with the choice halved and doubled.
+//! The worth of each choice of the estimators: a fixed benchmark with the choice halved and doubled.
 //!
 //! * error: angle between the truth, corrected, and the field, deg, at most 30; root mean square from 10 s on; the geometric
 //!   mean over the streams, 0.05 deg at the least;
@@ -73,7 +73,7 @@ fn score(streams: &[Simulation], estimator: &str, tunings: Tunings) -> Result<Sc
     Ok(Score { error_deg: log.exp(), beyond: 100.0 * beyond / f64::max(count, 1.0) })
 }
 
-/// What a choice halved and doubled does.
+/// The figures with a choice halved and doubled.
 struct Line {
     estimator: &'static str,
     choice: &'static Choice,

@@ -1,4 +1,4 @@
-//! What a phone goes through in `magcomp evaluate`: simulated phones ([`Phone`]) with an ordinary motion or a turn about one axis, and one
+//! The situations of `magcomp evaluate`: simulated phones ([`Phone`]) with an ordinary motion or a turn about one axis, and one
 //! thing that happens to them at 30 s.
 
 use crate::motion::{Motion, Trajectory};
@@ -11,11 +11,11 @@ use clap::ValueEnum;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Config, EventKind};
 
-/// What a cover adds to b, uT.
+/// Hard iron that a cover adds, uT.
 const COVER_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
 /// How long it stays where it comes off again, and how long a charger stays, s.
 const STAYS_S: f64 = 10.0;
-/// What a charger adds to b along x, uT; the sensor's full scale is less, so that x shows the full scale alone.
+/// Hard iron that a charger adds along x, uT. The sensor's full scale is smaller, so x reads the full scale.
 const CHARGER_UT: f64 = 400.0;
 const FULL_SCALE_UT: f64 = 300.0;
 /// Change of b during a pause, uT, in a random direction.
@@ -115,7 +115,7 @@ enum Happening {
         over_s: f64,
     },
     CoverOnOff,
-    /// x is at the sensor's full scale for 10 s; the config knows the full scale or not.
+    /// x is at the sensor's full scale for 10 s; `rail_ut` of the config is set or not.
     Charger {
         is_full_scale_set: bool,
     },
@@ -126,7 +126,7 @@ enum Happening {
     },
 }
 
-/// A phone, its sensors and what happens to it.
+/// A phone, its sensors and the change that it goes through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Situation {
     motion: Motion,
@@ -158,7 +158,7 @@ pub enum Changed {
     Device,
     /// The place.
     Place,
-    /// Device or place cannot be told apart: an event of either kind counts.
+    /// Nothing shows whether the device or the place has changed: an event of either kind counts.
     Either,
 }
 
@@ -175,10 +175,10 @@ impl Expected {
     }
 }
 
-/// A stream, with what is expected of it.
+/// A stream, and the answers that are expected to it.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// What the sensors deliver, and the truth.
+    /// The events of the sensors, and the truth.
     pub simulation: Simulation,
     /// The place's undisturbed field, east-north-up, uT.
     pub earth_ut: Vector3<f64>,
@@ -227,7 +227,7 @@ impl Situation {
         format!("{motion}{happens}{spikes}{poor}")
     }
 
-    /// The default config, but for what the name says.
+    /// The default config with the change that the name says.
     #[must_use]
     pub fn config(&self) -> Config {
         let rail_ut = (self.happening == Happening::Charger { is_full_scale_set: true }).then_some(FULL_SCALE_UT);
@@ -285,7 +285,7 @@ impl Situation {
         }
     }
 
-    /// What happens beyond what [`Phone`] knows.
+    /// A change that [`Phone`] does not have.
     fn disturb(&self, scenario: &mut Scenario) {
         let start = scenario.parameters.start;
         let with = |offset_ut: Vector3<f64>| crate::parameters::Parameters {
@@ -336,7 +336,7 @@ impl Situation {
     }
 }
 
-/// Takes out what every sensor delivers between two times, s.
+/// Removes the events of every sensor between two times, s.
 fn pause(simulation: &mut Simulation, from_s: f64, until_s: f64) {
     let is_gone = |at_ns: i64| (time_ns(from_s)..time_ns(until_s)).contains(&at_ns);
     let mut times = simulation.magnetic.iter().map(|sample| sample.time_ns);

@@ -7,7 +7,7 @@ use super::bound::fit_options;
 use super::step_score::{AFTER, BEFORE, FIELD_UT, NormalisationResult, Score, Trace};
 use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parameters::{ParameterSet, Parameters};
+use crate::parameters::{ParameterSet, Parameters, TrueParameters};
 use crate::progress;
 use crate::random::{Purpose, Random};
 use crate::schedule::Schedule;
@@ -62,16 +62,16 @@ impl From<NormalisationChoice> for Normalisation {
     }
 }
 
-/// What to run.
+/// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct StepOptions {
     /// Parameters before the step.
-    pub set: ParameterSet,
+    pub truth: TrueParameters,
     /// How the device turns.
     pub motion: Motion,
     /// Signal-to-noise ratio, dB.
     pub snr_db: f64,
-    /// What the fits minimise.
+    /// The residual that the fits minimise.
     pub residual: ResidualChoice,
     /// All nine parameters step by this factor.
     pub factor: f64,
@@ -92,7 +92,7 @@ pub struct StepOptions {
 impl Default for StepOptions {
     fn default() -> Self {
         Self {
-            set: ParameterSet::Ref,
+            truth: TrueParameters::default(),
             motion: Motion::Uniform,
             snr_db: 30.0,
             residual: ResidualChoice::Corrected,
@@ -114,6 +114,8 @@ pub struct StepResult {
     pub runs: usize,
     /// Signal-to-noise ratio, dB.
     pub snr_db: f64,
+    /// All nine parameters step by this factor.
+    pub factor: f64,
     /// Motion and parameter set, for titles.
     pub scenario: String,
     /// Both readings of the paper's normalisation.
@@ -125,13 +127,14 @@ pub struct StepResult {
 /// # Errors
 /// [`LabError`] when the constant-field compensation fails or a config is refused.
 pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
+    let truth = options.truth.parameters(ParameterSet::Ref)?;
     let choices = options.normalisations.iter();
     let mut scores: Vec<Score> = choices.map(|normalisation| Score::new(*normalisation, options.seed)).collect();
     let bar = progress::bar(options.runs * scores.len(), "step");
     for k in 0..options.runs {
         let seed = options.seed.wrapping_add(k as u64);
-        let stream = scenario(options, seed).run();
-        let constant = constant_field(options, seed)?;
+        let stream = scenario(options, &truth, seed).run();
+        let constant = constant_field(options, &truth, seed)?;
         for score in &mut scores {
             let config = config(options, constant, score.normalisation());
             score.add(follow(&stream, constant, config)?);
@@ -144,9 +147,10 @@ pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
     Ok(StepResult {
         runs: options.runs,
         snr_db: options.snr_db,
+        factor: options.factor,
         scenario: format!(
-            "set {}, {} motion, {} residual",
-            name(options.set.to_possible_value()).to_uppercase(),
+            "{}, {} motion, {} residual",
+            options.truth.name(ParameterSet::Ref),
             name(options.motion.to_possible_value()),
             name(options.residual.to_possible_value())
         ),
@@ -155,15 +159,14 @@ pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
 }
 
 /// The stream of a run.
-fn scenario(options: &StepOptions, seed: u64) -> Scenario {
-    let before = options.set.parameters();
+fn scenario(options: &StepOptions, before: &Parameters, seed: u64) -> Scenario {
     Scenario {
         seed,
         samples: BEFORE + AFTER,
         rate_hz: RATE_HZ,
         motion: options.motion,
         world_ut: Schedule::constant(world_field_ut(FIELD_UT, DIP_DEG)),
-        parameters: Schedule::step(before, BEFORE as f64 / RATE_HZ, before.times(options.factor)),
+        parameters: Schedule::step(*before, BEFORE as f64 / RATE_HZ, before.times(options.factor)),
         noise: Noise::SnrDb(options.snr_db),
         spikes: None,
         gyroscope: None,
@@ -172,8 +175,7 @@ fn scenario(options: &StepOptions, seed: u64) -> Scenario {
 }
 
 /// Section III: M_0 and b_0 from even orientations in a constant field.
-fn constant_field(options: &StepOptions, seed: u64) -> Result<Calibration, LabError> {
-    let truth: Parameters = options.set.parameters();
+fn constant_field(options: &StepOptions, truth: &Parameters, seed: u64) -> Result<Calibration, LabError> {
     let sigma_ut = Noise::SnrDb(options.snr_db).sigma_ut(FIELD_UT);
     let mut random = Random::new(seed, Purpose::ConstantField);
     let points: Vec<_> = (0..CONSTANT_FIELD_SAMPLES)

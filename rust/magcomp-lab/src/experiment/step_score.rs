@@ -1,6 +1,7 @@
-//! What is read off the runs of the step experiment.
+//! Figures of the runs of the step experiment.
 //!
-//! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step;
+//! * relative error of a parameter: (estimated - true) / |true|, at every sample after the step; relative to |h| where |true| is
+//!   below 0.001;
 //! * transient: samples after the step until the rms over runs of that error stays below 5 % for good;
 //! * steady state: its rms over the last 1000 samples;
 //! * azimuth phi = atan2(h_y, h_x) and elevation theta = acos(h_z / |h|) of eq. (12) to (14), of the corrected sample
@@ -8,6 +9,7 @@
 //!   any estimator.
 
 use super::Spread;
+use super::step_course::Course;
 use crate::parameters::{NAMES, Parameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::Truth;
@@ -25,6 +27,8 @@ pub const AFTER: usize = 4000;
 pub const STEADY: usize = 1000;
 /// A parameter has settled below this relative error.
 const SETTLED: f64 = 0.05;
+/// Parameters below this have no relative error, field strengths.
+const NEGLIGIBLE: f64 = 1e-3;
 /// sin(theta) from which azimuth errors count.
 const OFF_THE_POLES: f64 = 0.5;
 /// Resamplings of the runs for the spread of a transient.
@@ -73,16 +77,14 @@ pub struct NormalisationResult {
     pub after: Peaks,
     /// The same without the sensor's noise: the calibration's own error.
     pub after_clean: Peaks,
-    /// The first run, for the figures.
+    /// All runs over time, for the figures.
     #[serde(skip)]
-    pub trace: Trace,
+    pub course: Course,
 }
 
 /// One run, sample by sample.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Estimated parameters after each sample; of the first run only.
-    pub estimated: Vec<[f64; 9]>,
     /// True parameters at each sample; of the first run only.
     pub truth: Vec<[f64; 9]>,
     /// (azimuth, elevation) error of the method, degrees; azimuth NaN near the poles.
@@ -92,9 +94,9 @@ pub struct Trace {
     /// As `method_deg`, with the constant-field parameters kept.
     pub kept_deg: Vec<(f64, f64)>,
     /// Relative errors of the parameters at each sample.
-    relative: Vec<[f32; 9]>,
-    sigma_t: Vec<f64>,
-    window: Vec<f64>,
+    pub(super) relative: Vec<[f32; 9]>,
+    pub(super) sigma_t: Vec<f64>,
+    pub(super) window: Vec<f64>,
 }
 
 impl Trace {
@@ -110,8 +112,7 @@ impl Trace {
         let estimated = Parameters::of(calibration).theta();
         let hard_iron = truth.hard_iron_ut / FIELD_UT;
         let true_theta = Parameters { soft_iron: truth.soft_iron, hard_iron }.theta();
-        self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / true_theta[i].abs()) as f32));
-        self.estimated.push(estimated);
+        self.relative.push(std::array::from_fn(|i| ((estimated[i] - true_theta[i]) / size(true_theta[i])) as f32));
         self.truth.push(true_theta);
         self.method_deg.push(angle_errors_deg(&calibration.correct(&sample.field_ut), &truth.field_ut));
         self.clean_deg.push(angle_errors_deg(&calibration.correct(&truth.clean_ut), &truth.field_ut));
@@ -124,6 +125,11 @@ impl Trace {
     fn relative(&self, after: usize, parameter: usize) -> f64 {
         f64::from(self.relative[BEFORE + after][parameter])
     }
+}
+
+/// The size that an error of a parameter is relative to.
+pub(super) fn size(true_value: f64) -> f64 {
+    if true_value.abs() < NEGLIGIBLE { 1.0 } else { true_value.abs() }
 }
 
 /// (azimuth, elevation) of `found` less that of `truth`, degrees.
@@ -157,7 +163,7 @@ impl Score {
     /// One more run.
     pub fn add(&mut self, mut run: Trace) {
         if !self.runs.is_empty() {
-            (run.estimated, run.truth) = (Vec::new(), Vec::new());
+            run.truth = Vec::new();
         }
         self.runs.push(run);
     }
@@ -182,7 +188,7 @@ impl Score {
             during: self.peaks(|run| &run.method_deg[BEFORE..end]),
             after: self.peaks(|run| &run.method_deg[end..]),
             after_clean: self.peaks(|run| &run.clean_deg[end..]),
-            trace: self.runs.into_iter().next().unwrap_or_default(),
+            course: Course::of(&self.runs),
         }
     }
 

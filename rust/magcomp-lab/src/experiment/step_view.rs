@@ -1,10 +1,11 @@
 //! The step experiment as tables and as figs. 4 and 5.
 
 use super::step::StepResult;
-use super::step_score::{BEFORE, NormalisationResult, Peaks};
+use super::step_course::Course;
+use super::step_score::{NormalisationResult, Peaks};
 use crate::error::LabError;
 use crate::parameters::NAMES;
-use crate::plot::{Colour, Panel, Series, draw};
+use crate::plot::{Band, Colour, Layers, Panel, Series, draw};
 use crate::report::Report;
 use crate::table::{Table, number};
 
@@ -17,8 +18,8 @@ impl StepResult {
 
     fn parameter_table(&self) -> Table {
         let title = format!(
-            "Fig. 4: all nine parameters step by 50 % ({}, {} dB, {} runs)",
-            self.scenario, self.snr_db, self.runs
+            "Fig. 4: all nine parameters step by the factor {} ({}, {} dB, {} runs)",
+            self.factor, self.scenario, self.snr_db, self.runs
         );
         let mut columns = vec!["parameter".to_owned()];
         for result in &self.normalisations {
@@ -48,10 +49,11 @@ impl StepResult {
         summary("sigma_T", &|result| (result.sigma_t.text(3), String::new()));
         summary("window N", &|result| (result.window.text(0), String::new()));
         table.note(
-            "transient: samples after the step until the rms over runs of the relative error stays below 5 % for good",
+            "Transient: samples after the step until the rms over the runs of the relative error stays below 5 % for good, +- over \
+             resampled runs. Steady error: rms over the last 1000 samples, mean +- spread over the runs. \
+             The error of a parameter below 0.001 is relative to |h|.",
         );
-        table.note("           (+- over resampled runs); steady error: rms over the last 1000 samples, mean +- spread over runs");
-        table.note("paper (fig. 4): transient about 700, steady error about 20 % for b and M_yx");
+        table.note("The paper (fig. 4): transient about 700 samples, steady error about 20 % for b and M_yx.");
         table
     }
 
@@ -73,33 +75,35 @@ impl StepResult {
             row(format!("{:?}, after it", result.normalisation), &result.after);
             row(format!("{:?}, after it, noise-free samples", result.normalisation), &result.after_clean);
         }
-        table.note("azimuth only where sin(theta) >= 0.5: near the poles it is unbounded for any estimator");
-        table.note("paper (fig. 5): 23 and 33 deg with the parameters kept, 10 and 8 deg with its method");
+        table.note("Azimuths count where sin(theta) is at least 0.5: near the poles their error is unbounded for any estimator.");
+        table.note("The paper (fig. 5): 23 and 33 deg with the parameters kept, 10 and 8 deg with its method.");
         table
     }
 
-    /// Figs. 4 and 5 of the first run.
+    /// Figs. 4 and 5 of all runs, for the first normalisation.
     ///
     /// # Errors
     /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         let [parameters, angles] = self.tables();
-        if let Some(first) = self.normalisations.first() {
-            report.figure(
-                "fig4_parameters",
-                draw(&nine_panels(first), 3, (400, 250))?,
-                "Fig. 4: estimated (blue) and true (grey) parameters over the samples of one run; all nine step by 50 % \
-                 after 2500 samples. |h| = 1.",
+        let first = self.normalisations.first();
+        if let Some(first) = first {
+            let caption = format!(
+                "Fig. 4: the nine parameters over the samples, {:?}. Blue: the median of {} runs, and the band that holds nine runs \
+                 in ten. Grey: the true parameters, which step after 2500 samples. |h| = 1.",
+                first.normalisation, self.runs
             );
+            report.figure("fig4_parameters", draw(&nine_panels(&first.course), 3, (400, 250))?, &caption);
         }
         report.table(&parameters);
-        if let Some(first) = self.normalisations.first() {
-            report.figure(
-                "fig5_angles",
-                draw(&angle_panels(first), 1, (1100, 280))?,
-                "Fig. 5: errors of azimuth (where sin theta is at least 0.5) and elevation in the same run, with the \
-                 constant-field parameters kept (orange) and with the method (blue).",
+        if let Some(first) = first {
+            let caption = format!(
+                "Fig. 5: errors of azimuth (where sin theta is at least 0.5) and elevation in the same {} runs. Each area reaches \
+                 from the lowest to the highest error of any run, the noise of the sensor included. Orange: the constant-field \
+                 parameters kept. Blue: the method.",
+                self.runs
             );
+            report.figure("fig5_angles", draw(&angle_panels(&first.course), 1, (1100, 280))?, &caption);
         }
         report.table(&angles);
         Ok(())
@@ -115,16 +119,11 @@ fn transient(samples: Option<usize>, sd: Option<f64>) -> String {
     }
 }
 
-fn nine_panels(result: &NormalisationResult) -> Vec<Panel> {
-    let line = |values: &[[f64; 9]], i: usize| {
-        values.iter().enumerate().map(|(k, theta)| (k as f64, theta[i])).collect::<Vec<_>>()
-    };
-    let trace = &result.trace;
+fn nine_panels(course: &Course) -> Vec<Panel> {
     let panel = |(i, name): (usize, &&str)| {
-        let true_values = line(&trace.truth, i);
-        // the range of the truth and half its step around it: a transient excursion must not flatten the rest
-        let (low, high) =
-            true_values.iter().fold((f64::MAX, f64::MIN), |(low, high), (_, v)| (low.min(*v), high.max(*v)));
+        // the range of the truth and its step once more around it: a transient excursion must not flatten the rest
+        let truth = course.truth[i].iter().map(|(_, truth)| *truth);
+        let (low, high) = truth.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
         let room = (high - low).max(0.02);
         Panel {
             title: (*name).to_owned(),
@@ -132,32 +131,34 @@ fn nine_panels(result: &NormalisationResult) -> Vec<Panel> {
             y_label: String::new(),
             y_range: Some((low - room, high + room)),
             series: vec![
-                Series::new(if i == 0 { "estimated" } else { "" }, Colour::Blue, line(&trace.estimated, i)),
-                Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, true_values),
+                Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, course.truth[i].clone()),
+                Series::new(if i == 0 { "median" } else { "" }, Colour::Blue, course.median[i].clone()),
             ],
-            ..Panel::default()
+            layers: Layers { bands: vec![(Colour::Blue, course.most[i].clone())], ..Layers::default() },
         }
     };
     NAMES.iter().enumerate().map(panel).collect()
 }
 
-fn angle_panels(result: &NormalisationResult) -> Vec<Panel> {
-    let trace = &result.trace;
-    let from = BEFORE - 500;
-    let line = |errors: &[(f64, f64)], part: fn(&(f64, f64)) -> f64| {
-        let points = errors.iter().enumerate().skip(from).map(|(k, error)| (k as f64, part(error)));
-        // azimuth near the poles is left out, not a gap in the line
-        points.filter(|(_, error)| error.is_finite()).collect::<Vec<_>>()
+fn angle_panels(course: &Course) -> Vec<Panel> {
+    let edges = |name: &str, colour, band: &Band| {
+        let low = Series::new(name, colour, band.iter().map(|(x, low, _)| (*x, *low)));
+        [low, Series::new("", colour, band.iter().map(|(x, _, high)| (*x, *high)))]
     };
-    let panel = |name: &str, part: fn(&(f64, f64)) -> f64| Panel {
-        title: format!("{name} error"),
-        x_label: "sample".to_owned(),
-        y_label: "deg".to_owned(),
-        series: vec![
-            Series::new("parameters kept", Colour::Orange, line(&trace.kept_deg, part)),
-            Series::new("method", Colour::Blue, line(&trace.method_deg, part)),
-        ],
-        ..Panel::default()
+    let panel = |name: &str, i: usize| {
+        let (kept, method) = (&course.kept_deg[i], &course.method_deg[i]);
+        let kept_edges = edges("parameters kept", Colour::Orange, kept);
+        Panel {
+            title: format!("{name} error"),
+            x_label: "sample".to_owned(),
+            y_label: "deg".to_owned(),
+            series: kept_edges.into_iter().chain(edges("method", Colour::Blue, method)).collect(),
+            layers: Layers {
+                bands: vec![(Colour::Orange, kept.clone()), (Colour::Blue, method.clone())],
+                ..Layers::default()
+            },
+            ..Panel::default()
+        }
     };
-    vec![panel("azimuth", |error| error.0), panel("elevation", |error| error.1)]
+    vec![panel("azimuth", 0), panel("elevation", 1)]
 }

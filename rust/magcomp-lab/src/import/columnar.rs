@@ -1,46 +1,180 @@
-//! Parquet: a table of flat columns, made into CSV with the same names, which is then read as any plain CSV. A timestamp of
-//! milliseconds or microseconds becomes seconds; one of nanoseconds is a whole number (`--units t=ns`).
+//! Parquet and Arrow: a table of flat columns is made into CSV with the same names, which is then read as any plain CSV. A timestamp
+//! becomes seconds; a time that is a plain number keeps its unit (`--units t=ns`).
+//!
+//! Arrow: a file (Feather, version 2) or a stream, buffers plain or compressed with LZ4 or zstd.
 
 use crate::error::LabError;
+use arrow_array::cast::AsArray;
+use arrow_array::types::{
+    DurationMicrosecondType, DurationMillisecondType, DurationNanosecondType, DurationSecondType, Float16Type,
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
+    TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type, UInt32Type,
+    UInt64Type,
+};
+use arrow_array::{Array, RecordBatch};
+use arrow_ipc::reader::{FileReader as ArrowFile, StreamReader as ArrowStream};
+use arrow_schema::{ArrowError, DataType, TimeUnit};
+use parquet::basic::{LogicalType, TimeUnit as ParquetUnit};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use std::io;
+use std::error::Error;
+use std::io::{self, Cursor};
 use std::path::Path;
 
 /// First bytes of a Parquet file.
-pub(super) const PARQUET: &[u8] = b"PAR1";
+const PARQUET: &[u8] = b"PAR1";
+/// First bytes of an Arrow file.
+const ARROW_FILE: &[u8] = b"ARROW1";
+/// First bytes of an Arrow stream.
+const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
 
-/// The CSV of a Parquet file, whose line 2 is the table's first row.
+type Failed = Box<dyn Error + Send + Sync>;
+type Csv = csv::Writer<Vec<u8>>;
+
+/// Whether a file that begins with these bytes is Parquet or Arrow.
+pub(super) fn is_columnar(start: &[u8]) -> bool {
+    [PARQUET, ARROW_FILE, ARROW_STREAM].iter().any(|form| start.starts_with(form))
+}
+
+/// The CSV of a Parquet or Arrow file, whose line 2 is the table's first row.
 pub(super) fn as_csv(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LabError> {
-    convert(bytes).map_err(|why| LabError::Read { path: path.to_owned(), source: io::Error::other(why) })
-}
-
-fn convert(bytes: Vec<u8>) -> Result<Vec<u8>, ParquetError> {
-    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
-    let schema = reader.metadata().file_metadata().schema();
     let mut csv = csv::Writer::from_writer(Vec::new());
-    let failed = |error: csv::Error| ParquetError::External(error.into());
-    csv.write_record(schema.get_fields().iter().map(|field| field.name())).map_err(failed)?;
-    for row in reader.get_row_iter(None)? {
-        csv.write_record(row?.get_column_iter().map(|(_, field)| cell(field))).map_err(failed)?;
-    }
-    csv.into_inner().map_err(|error| ParquetError::General(error.to_string()))
+    let made = if bytes.starts_with(PARQUET) {
+        parquet(bytes, &mut csv)
+    } else if bytes.starts_with(ARROW_FILE) {
+        ArrowFile::try_new_buffered(Cursor::new(bytes), None)
+            .map_err(Failed::from)
+            .and_then(|reader| arrow(&reader.schema().fields, reader, &mut csv))
+    } else {
+        ArrowStream::try_new_buffered(Cursor::new(bytes), None)
+            .map_err(Failed::from)
+            .and_then(|reader| arrow(&reader.schema().fields, reader, &mut csv))
+    };
+    let text = made.and_then(|()| csv.into_inner().map_err(|error| error.to_string().into()));
+    text.map_err(|why| LabError::Read { path: path.to_owned(), source: io::Error::other(why) })
 }
 
-fn cell(field: &Field) -> String {
-    let seconds = |value: i64, in_a_second: i64, digits: usize| {
-        let (whole, part) = (value.div_euclid(in_a_second), value.rem_euclid(in_a_second));
-        format!("{whole}.{part:0digits$}")
-    };
+fn parquet(bytes: Vec<u8>, csv: &mut Csv) -> Result<(), Failed> {
+    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
+    let columns = reader.metadata().file_metadata().schema().get_fields();
+    // rows give a timestamp of nanoseconds as a number
+    let nanoseconds: Vec<bool> = (columns.iter())
+        .map(|column| {
+            let kind = column.get_basic_info().logical_type_ref();
+            matches!(kind, Some(LogicalType::Timestamp(kind)) if kind.unit == ParquetUnit::NANOS)
+        })
+        .collect();
+    csv.write_record(columns.iter().map(|column| column.name()))?;
+    for row in reader.get_row_iter(None)? {
+        let row = row.map_err(|error: ParquetError| error)?;
+        let cells = row.get_column_iter().zip(&nanoseconds);
+        csv.write_record(cells.map(|((_, field), nanoseconds)| parquet_cell(field, *nanoseconds)))?;
+    }
+    Ok(())
+}
+
+fn parquet_cell(field: &Field, nanoseconds: bool) -> String {
     match field {
         Field::Null => String::new(),
-        // times before 1970 are no recording's
-        Field::TimestampMillis(value) => seconds(*value, 1000, 3),
-        Field::TimestampMicros(value) => seconds(*value, 1_000_000, 6),
+        Field::Long(value) if nanoseconds => seconds(*value, TimeUnit::Nanosecond),
+        Field::TimestampMillis(value) => seconds(*value, TimeUnit::Millisecond),
+        Field::TimestampMicros(value) => seconds(*value, TimeUnit::Microsecond),
         Field::Double(value) => value.to_string(),
         Field::Float(value) => value.to_string(),
         Field::Str(text) => text.clone(),
         other => other.to_string(),
+    }
+}
+
+fn arrow(
+    fields: &arrow_schema::Fields,
+    batches: impl Iterator<Item = Result<RecordBatch, ArrowError>>,
+    csv: &mut Csv,
+) -> Result<(), Failed> {
+    csv.write_record(fields.iter().map(|field| field.name()))?;
+    for batch in batches {
+        let batch = batch?;
+        for row in 0..batch.num_rows() {
+            csv.write_record(batch.columns().iter().map(|column| arrow_cell(column.as_ref(), row)))?;
+        }
+    }
+    Ok(())
+}
+
+fn arrow_cell(column: &dyn Array, row: usize) -> String {
+    macro_rules! number {
+        ($kind:ty) => {
+            column.as_primitive::<$kind>().value(row).to_string()
+        };
+    }
+    macro_rules! time {
+        ($unit:expr, $second:ty, $milli:ty, $micro:ty, $nano:ty) => {
+            seconds(
+                match $unit {
+                    TimeUnit::Second => column.as_primitive::<$second>().value(row),
+                    TimeUnit::Millisecond => column.as_primitive::<$milli>().value(row),
+                    TimeUnit::Microsecond => column.as_primitive::<$micro>().value(row),
+                    TimeUnit::Nanosecond => column.as_primitive::<$nano>().value(row),
+                },
+                *$unit,
+            )
+        };
+    }
+    if column.is_null(row) {
+        return String::new();
+    }
+    match column.data_type() {
+        DataType::Float16 => number!(Float16Type),
+        DataType::Float32 => number!(Float32Type),
+        DataType::Float64 => number!(Float64Type),
+        DataType::Int8 => number!(Int8Type),
+        DataType::Int16 => number!(Int16Type),
+        DataType::Int32 => number!(Int32Type),
+        DataType::Int64 => number!(Int64Type),
+        DataType::UInt8 => number!(UInt8Type),
+        DataType::UInt16 => number!(UInt16Type),
+        DataType::UInt32 => number!(UInt32Type),
+        DataType::UInt64 => number!(UInt64Type),
+        DataType::Timestamp(unit, _) => time!(
+            unit,
+            TimestampSecondType,
+            TimestampMillisecondType,
+            TimestampMicrosecondType,
+            TimestampNanosecondType
+        ),
+        DataType::Duration(unit) => {
+            time!(unit, DurationSecondType, DurationMillisecondType, DurationMicrosecondType, DurationNanosecondType)
+        }
+        DataType::Utf8 => column.as_string::<i32>().value(row).to_owned(),
+        DataType::LargeUtf8 => column.as_string::<i64>().value(row).to_owned(),
+        DataType::Utf8View => column.as_string_view().value(row).to_owned(),
+        // an error about this cell then names what it is
+        other => other.to_string(),
+    }
+}
+
+/// A number of units as seconds with all digits.
+fn seconds(value: i64, unit: TimeUnit) -> String {
+    let digits = match unit {
+        TimeUnit::Second => return value.to_string(),
+        TimeUnit::Millisecond => 3,
+        TimeUnit::Microsecond => 6,
+        TimeUnit::Nanosecond => 9,
+    };
+    let (sign, size, in_a_second) = (if value < 0 { "-" } else { "" }, value.unsigned_abs(), 10_u64.pow(digits));
+    format!("{sign}{}.{:0digits$}", size / in_a_second, size % in_a_second, digits = digits as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_keep_their_digits_and_sign() {
+        assert_eq!(seconds(-1_500, TimeUnit::Millisecond), "-1.500");
+        assert_eq!(seconds(-1, TimeUnit::Microsecond), "-0.000001");
+        assert_eq!(seconds(1_700_000_000_010_000_001, TimeUnit::Nanosecond), "1700000000.010000001");
+        assert_eq!(seconds(12, TimeUnit::Second), "12");
     }
 }

@@ -1,6 +1,6 @@
 //! The text files of a session: named files, those of a folder, those of a zip.
 
-use super::columnar::{PARQUET, as_csv};
+use super::columnar::{as_csv, is_columnar};
 use crate::error::LabError;
 use flate2::read::MultiGzDecoder;
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ const GZIP: &[u8] = &[0x1f, 0x8b];
 /// Bytes of a file in which a zero means that it is no text.
 const START: usize = 1024;
 /// Endings of names that are read from folders and zips; other files there (pictures, sound, databases) are passed over.
-const TEXT: [&str; 4] = [".csv", ".txt", ".csv.gz", ".parquet"];
+const TEXT: [&str; 6] = [".csv", ".txt", ".csv.gz", ".parquet", ".arrow", ".feather"];
 
 /// One text file, unzipped.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ impl Document {
             MultiGzDecoder::new(text.as_slice()).read_to_end(&mut plain).map_err(LabError::read(&path))?;
             text = plain;
         }
-        if text.starts_with(PARQUET) {
+        if is_columnar(&text) {
             let csv = as_csv(&path, text)?;
             return Ok(Self { path: PathBuf::from(format!("{} as CSV", path.display())), text: csv });
         }
@@ -60,12 +60,12 @@ impl Document {
     }
 }
 
-/// What a file of another form is, by its first bytes, and what to do.
+/// Names the form of a file that is no text, by its first bytes, and says what the user can do.
 fn not_text(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"MATLAB") {
         "a MATLAB file is not read; in MATLAB, writetimetable(MagneticField, \"MagneticField.csv\") makes a CSV of each sensor"
-    } else if bytes.starts_with(b"ARROW1") || bytes.starts_with(b"\xff\xff\xff\xff") {
-        "Arrow and Feather files are not read; make Parquet of it: in Python, pandas.read_feather(IN).to_parquet(OUT)"
+    } else if bytes.starts_with(b"FEA1") {
+        "Feather of version 1 is not read; make version 2 of it: in Python, pandas.read_feather(IN).to_feather(OUT)"
     } else if bytes.starts_with(b"SQLite format 3") {
         "a bag in SQLite is not read; `ros2 bag convert` makes an mcap file of it"
     } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {

@@ -1,7 +1,8 @@
-//! GnssLogger (Google) and loggers of its form: each row begins with what it is, then `utcTimeMillis, elapsedRealtimeNanos, x, y, z`,
-//! and for an uncalibrated sensor the system's estimate of the bias. From LOGGING_FORMAT.md (github.com/google/gps-measurement-tools).
+//! GnssLogger (Google) and loggers of its form: each row begins with the name of its kind, then has `utcTimeMillis,
+//! elapsedRealtimeNanos, x, y, z`, and for an uncalibrated sensor the system's estimate of the bias. From LOGGING_FORMAT.md
+//! (github.com/google/gps-measurement-tools).
 //!
-//! The system's calibrated field is `Mag` where it was recorded, else what `UncalMag` leaves after its bias.
+//! The system's calibrated field is `Mag` where it was recorded, else `UncalMag` less its bias.
 
 use super::document::Document;
 use super::session::Session;

@@ -1,7 +1,8 @@
 //! Sessions that phone loggers recorded, made into recordings: each sensor keeps its own times and rates, nothing is resampled.
 //!
-//! Made after the loggers' documentation and tried on files written by hand after it; of Sensor Logger also on an iPhone's real
-//! session. No real file of the others was at hand.
+//! The readers follow the loggers' documentation and were tried on files written by hand after it; that of Sensor Logger
+//! also on an iPhone's real session. Parquet, Arrow and ROS 2 were tried on files that other people's writers made
+//! (`tests/sessions/make.py`). No real file of the other loggers was at hand.
 
 mod columnar;
 mod document;
@@ -32,18 +33,21 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes of a file that tell what it is.
+/// Bytes at the beginning of a file that show its form.
 const START: u64 = 4096;
-/// What is accepted, for messages.
+/// Rows of a recording that tell its units: at least, and at most.
+const FEWEST: usize = 20;
+const LOOKED_AT: usize = 5000;
+/// The loggers that are accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
 
-/// How plain CSV and Parquet are read; the loggers' own files need none of it.
+/// How plain CSV, Parquet and Arrow are read; the loggers' own files need none of it.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 pub struct ImportOptions {
-    /// Plain CSV and Parquet: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
+    /// Plain CSV, Parquet, Arrow: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
     #[arg(long, value_name = "t=NAME,mx=NAME,...")]
     pub columns: Option<ColumnNames>,
-    /// Plain CSV, Parquet, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
+    /// Plain CSV, Parquet, Arrow, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign)
     #[arg(long, value_name = "t=ns,m=uT,...")]
     pub units: Option<Units>,
     /// Which of the file's axes point right, up along the screen, and out of it
@@ -54,14 +58,14 @@ pub struct ImportOptions {
     pub topics: Vec<String>,
 }
 
-/// What a session held.
+/// The content of a session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The logger, or plain CSV.
     pub logger: &'static str,
     /// Its sensors.
     pub sensors: Vec<Sensor>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -80,12 +84,14 @@ impl Summary {
     }
 }
 
-/// A recording to replay, and what the session held that it was made from; none where the input is a recording already.
+/// A recording to replay, and the content of the session that it was made from; none where the input is a recording already.
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Option<Summary>), LabError> {
     if let [input] = inputs
         && !is_session(input, options)?
     {
-        return Ok((Source::open(input)?, None));
+        let mut source = Source::open(input)?;
+        plausible::check(&beginning(&mut source)?)?;
+        return Ok((source, None));
     }
     let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
     let failed = || LabError::write(Path::new("a temporary file"));
@@ -96,7 +102,33 @@ pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Opti
     Ok((Source::of(&inputs[0], copy)?, Some(summary)))
 }
 
-/// Whether it must be imported; what can be read only once is a recording.
+/// The first rows of a recording, to look at its units; none of a recording that is too short to tell.
+fn beginning(source: &mut Source) -> Result<Session, LabError> {
+    let mut session = Session::default();
+    if source.extent().rows < FEWEST {
+        return Ok(session);
+    }
+    let rows = source.rows()?;
+    let [time, raw, up, rate, system] = ["t_s", "mx", "ax", "gx", "sys_mx"].map(|name| rows.first_place(name));
+    for row in rows.take(LOOKED_AT) {
+        let row = row?;
+        session.raw.add(row.time_ns, row.field_ut, || [time.clone(), raw.clone()]);
+        for event in row.inertial() {
+            if let Some(value) = event.up_m_s2 {
+                session.up.add(event.time_ns, value, || [time.clone(), up.clone()]);
+            }
+            if let Some(value) = event.rate_rad_s {
+                session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()]);
+            }
+        }
+        if let Some(value) = row.system_ut {
+            session.system.add(row.time_ns, value, || [time.clone(), system.clone()]);
+        }
+    }
+    Ok(session)
+}
+
+/// Whether the input must be imported. A pipe, which can be read only once, is taken for a recording.
 fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     let kind = std::fs::metadata(input).map_err(LabError::read(input))?;
     if kind.is_dir() || *options != ImportOptions::default() {
@@ -110,9 +142,13 @@ fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
     // a cut gzip shows itself when it is read whole
     let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
     let document = Document { path: input.to_owned(), text };
-    let header = Sheet::new(&document).header;
-    Ok([b"PK".as_slice(), columnar::PARQUET, ros::MCAP].iter().any(|form| document.text.starts_with(form))
+    let sheet = Sheet::new(&document);
+    let header = &sheet.header;
+    Ok([b"PK".as_slice(), ros::MCAP].iter().any(|form| document.text.starts_with(form))
+        || columnar::is_columnar(&document.text)
         || logger(std::slice::from_ref(&document)).is_some()
+        // a recording's own form has commas between cells, plain CSV may have others
+        || sheet.has_decimal_commas()
         || !header.iter().any(|name| name == "t_s") && !header.is_empty())
 }
 

@@ -9,7 +9,7 @@ use magcomp::nalgebra::{Quaternion, UnitQuaternion};
 use std::str::FromStr;
 
 const SECOND_NS: i64 = 1_000_000_000;
-/// What a column can be, and what it is called in a recording.
+/// The quantities of columns, and their names in a recording.
 const QUANTITIES: [(&str, &str); 17] = [
     ("t", "t_s"),
     ("mx", "mx"),

@@ -1,5 +1,5 @@
-//! Whether units are what they were taken for: of each sensor the usual step of time, the usual size. The error about a wrong unit
-//! names the option that mends it.
+//! Checks the units: each sensor's median step of time and median size must be those of a phone. The error about a wrong
+//! unit names the option that mends it.
 
 use super::session::{Session, Stream};
 use crate::error::{LabError, Place};
@@ -58,7 +58,7 @@ fn check_size(
     if (low..=high).contains(&size) {
         return Ok(());
     }
-    // of the units that fit, the one that comes closest to what is usual
+    // of the units that fit, the one that comes closest to the usual size
     let far = |factor: f64| (size * factor / usual).ln().abs();
     let fitting = units.iter().filter(|(_, factor)| (low..=high).contains(&(size * factor)));
     let fitting = fitting.min_by(|(_, a), (_, b)| far(*a).total_cmp(&far(*b)));

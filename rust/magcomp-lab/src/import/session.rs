@@ -1,4 +1,4 @@
-//! What a logger recorded: each sensor's events with their own times. Written as a recording, one row for each time.
+//! A logger's session: each sensor's events with their own times. It is written as a recording, one row for each time.
 
 use super::units::Frame;
 use crate::error::{LabError, Place};
@@ -54,11 +54,11 @@ pub(super) struct Session {
     pub rate: Stream<Vector3<f64>>,
     pub system: Stream<Vector3<f64>>,
     pub attitude: Stream<UnitQuaternion<f64>>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// What there is of one sensor.
+/// The number, rate and longest pause of one sensor's events.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensor {
     /// Its name.
@@ -92,7 +92,7 @@ impl Session {
         self.attitude.sort();
     }
 
-    /// What there is of each sensor.
+    /// Number, rate and longest pause of each sensor's events.
     pub fn sensors(&self) -> Vec<Sensor> {
         let names = ["magnetometer", "accelerometer", "gyroscope", "system's field"];
         let streams = [&self.raw, &self.up, &self.rate, &self.system];

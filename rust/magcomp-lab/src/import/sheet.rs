@@ -37,6 +37,11 @@ impl<'a> Sheet<'a> {
         sheet
     }
 
+    /// Whether a comma is a decimal mark, because something else is between cells.
+    pub fn has_decimal_commas(&self) -> bool {
+        self.delimiter != b','
+    }
+
     /// Where it lies.
     pub fn path(&self) -> &Path {
         &self.document.path
@@ -47,14 +52,19 @@ impl<'a> Sheet<'a> {
         self.header.iter().position(|column| column == name)
     }
 
-    /// The column of that name, which must be there.
+    /// The column of that name, which must be there, once.
     pub fn required(&self, name: &str) -> Result<usize, LabError> {
-        let missing = || LabError::Recording {
+        let wrong = |expected: String| LabError::Recording {
             place: Place { path: self.path().to_owned(), line: 1, column: None },
-            expected: format!("a header with the column '{name}'"),
+            expected,
             found: format!("'{}'", shorten(&self.header.join(","))),
         };
-        self.column(name).ok_or_else(missing)
+        let mut columns = (0..self.header.len()).filter(|column| self.header[*column] == name);
+        match (columns.next(), columns.next()) {
+            (Some(column), None) => Ok(column),
+            (Some(_), Some(_)) => Err(wrong(format!("column '{name}' once"))),
+            (None, _) => Err(wrong(format!("a header with the column '{name}'"))),
+        }
     }
 
     fn records(&self, skip_header: bool) -> impl Iterator<Item = Result<ByteRecord, csv::Error>> + use<'a> {
@@ -67,9 +77,19 @@ impl<'a> Sheet<'a> {
             .into_byte_records()
     }
 
-    /// Its rows, after the header.
+    /// Its rows, after the header. A row with more cells than the header is refused: its cells would be taken for others.
     pub fn rows(&'a self) -> impl Iterator<Item = Result<Cells<'a>, LabError>> {
-        self.cells(true)
+        self.cells(true).map(|cells| {
+            let cells = cells?;
+            let extra = (self.header.len()..cells.record.len()).find(|column| !cells.text(*column).is_empty());
+            let Some(column) = extra else { return Ok(cells) };
+            let expected = format!(
+                "{} cells as in the header; a decimal comma needs semicolons or tabs between cells",
+                self.header.len()
+            );
+            let found = format!("{} cells", cells.record.len());
+            Err(LabError::Recording { place: cells.place(column), expected, found })
+        })
     }
 
     /// All its rows, for a file that has no header.
@@ -109,7 +129,7 @@ impl Cells<'_> {
     /// A cell with a decimal point, whatever mark the file uses.
     fn point(&self, column: usize) -> String {
         let text = self.text(column);
-        if self.sheet.delimiter == b',' { text } else { text.replace(',', ".") }
+        if self.sheet.has_decimal_commas() { text.replace(',', ".") } else { text }
     }
 
     /// A number.

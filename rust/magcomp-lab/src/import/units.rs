@@ -16,7 +16,7 @@ const RATES: [(&str, f64); 2] = [("rad/s", 1.0), ("deg/s", std::f64::consts::PI 
 /// Names and factors to m/s^2 with Android's sign; Apple's sign is the other one.
 const ACCELERATIONS: [(&str, f64); 4] = [("m/s2", 1.0), ("g", GRAVITY_M_S2), ("-m/s2", -1.0), ("-g", -GRAVITY_M_S2)];
 
-/// Units of a file's columns; what was not given is none.
+/// Units of a file's columns; a unit that was not given is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Units {
     /// Nanoseconds in a unit of time.

@@ -8,15 +8,15 @@ pub(super) const INK: RGBColor = RGBColor(0x22, 0x26, 0x2b);
 pub(super) const MESH: RGBColor = RGBColor(0xdd, 0xe1, 0xe6);
 /// Background; exchanged on dark pages.
 pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
-/// What the three become on dark pages, in CSS.
+/// Ink, mesh and paper, and their colours on dark pages, in CSS.
 pub(super) const DARK: [(&str, &str); 3] = [("#22262B", "#e4e7eb"), ("#DDE1E6", "#343a42"), ("#FFFFFF", "#181b20")];
 
 /// Colours of series, legible on light and dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colour {
-    /// What this project does.
+    /// This project's own results.
     Blue,
-    /// What it is compared with.
+    /// Results that ours are compared with.
     Orange,
     /// A second result.
     Green,
@@ -24,7 +24,7 @@ pub enum Colour {
     Purple,
     /// Truth, raw data, limits.
     Grey,
-    /// What is wrong.
+    /// Errors and faults.
     Red,
 }
 

@@ -1,4 +1,4 @@
-//! What lies behind the lines of a panel: a band about a line, lanes of coloured spans, marks at moments.
+//! The layers of a panel behind its lines: bands, lanes of coloured spans, marks at moments.
 
 use super::colour::{Colour, INK};
 use plotters::coord::types::RangedCoordf64;
@@ -6,6 +6,9 @@ use plotters::prelude::*;
 
 /// Half the height of a lane's span, in lanes.
 const HALF_LANE: f64 = 0.36;
+/// Mean width of a name's character and height of its line, pixels.
+const CHARACTER: f64 = 7.2;
+const NAME: u32 = 14;
 /// Opacity of a band.
 const BAND: f64 = 0.3;
 
@@ -32,9 +35,9 @@ pub struct Layers {
     pub bands: Vec<(Colour, Band)>,
     /// Names of lanes, from the bottom; y then counts lanes.
     pub lanes: Vec<&'static str>,
-    /// What is in the lanes.
+    /// The spans in the lanes.
     pub spans: Vec<Span>,
-    /// Moments and their names: vertical lines.
+    /// Moments and their names, which may be empty: vertical lines.
     pub marks: Vec<(f64, String)>,
 }
 
@@ -69,10 +72,22 @@ impl Layers {
             let corners = [(span.from, span.lane as f64 - HALF_LANE), (span.to, span.lane as f64 + HALF_LANE)];
             chart.draw_series([Rectangle::new(corners, span.colour.rgb().filled())])?;
         }
+        // where the latest name in each row ends: names that would run into each other go below
+        let mut ends: Vec<f64> = Vec::new();
+        let (x_range, pixels) = (chart.x_range(), chart.plotting_area().dim_in_pixel());
+        let per_pixel = (x_range.end - x_range.start) / f64::from(pixels.0.max(1));
         for (x, name) in &self.marks {
             chart.draw_series([PathElement::new(vec![(*x, low), (*x, high)], INK.stroke_width(1))])?;
+            if name.is_empty() {
+                continue;
+            }
+            let end = x + name.chars().count() as f64 * CHARACTER * per_pixel;
+            let row = ends.iter().position(|before| before < x).unwrap_or(ends.len());
+            ends.resize(ends.len().max(row + 1), end);
+            ends[row] = end;
+            let y = high - row as f64 * f64::from(NAME) * (high - low) / f64::from(pixels.1.max(1));
             let text = ("sans-serif", 12).into_font().color(&INK);
-            chart.draw_series([Text::new(format!(" {name}"), (*x, high), text)])?;
+            chart.draw_series([Text::new(format!(" {name}"), (*x, y), text)])?;
         }
         Ok(())
     }

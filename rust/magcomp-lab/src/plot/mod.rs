@@ -49,7 +49,7 @@ pub struct Panel {
     pub y_range: Option<(f64, f64)>,
     /// Lines, later ones on top.
     pub series: Vec<Series>,
-    /// What lies behind them.
+    /// The layers behind the lines.
     pub layers: Layers,
 }
 
@@ -100,7 +100,8 @@ impl Panel {
             .margin_top(TITLE_ROW)
             .margin_right(18)
             .x_label_area_size(if self.x_label.is_empty() { 22 } else { 38 })
-            .y_label_area_size(if self.y_label.is_empty() && !lanes { 44 } else { 58 })
+            // one for all, so that the axes of panels below each other line up
+            .y_label_area_size(58)
             .build_cartesian_2d(x_low..x_high, y_low..y_high)?;
         chart
             .configure_mesh()
@@ -121,9 +122,9 @@ impl Panel {
             let mut thin = Thin::new(series.points.len());
             series.points.iter().for_each(|(x, y)| thin.add(*x, *y));
             let mut thin = thin.points();
-            // what leaves the range is left out; plotters would draw it along the border
+            // a point outside the range is left out; plotters would draw it along the border
             thin.iter_mut().filter(|(_, y)| !(y_low..=y_high).contains(y)).for_each(|(_, y)| *y = f64::NAN);
-            // a line of noise is drawn fine, so that what lies below it still shows
+            // a line of noise is drawn fine, so that the lines below it still show
             let style = series.colour.rgb().stroke_width(if series.fine { 1 } else { 2 });
             for piece in thin.split(|(x, y)| !(x + y).is_finite()).filter(|piece| !piece.is_empty()) {
                 let line = piece.iter().copied();

@@ -63,7 +63,7 @@ impl Thin {
         self.count = 0;
     }
 
-    /// What is left of it, at most 1400 points of as many as were announced.
+    /// The thinned line: at most 1400 points, if no more came than were announced.
     #[must_use]
     pub fn points(mut self) -> Vec<(f64, f64)> {
         if self.count > 0 {

@@ -24,7 +24,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens `path` and checks every row. What can be read only once, such as a pipe, is copied to an unnamed temporary file.
+    /// Opens `path` and checks every row. A pipe, which can be read only once, is copied to an unnamed temporary file.
     ///
     /// # Errors
     /// [`LabError::Recording`] for a file of another form, [`LabError::Empty`] for one without rows, [`LabError::Read`] when
@@ -128,6 +128,12 @@ impl Rows {
         Ok(Self { path: path.to_owned(), reader, record, columns, before: None })
     }
 
+    /// Where the cell of a name is in the first line after the header.
+    pub(crate) fn first_place(&self, name: &str) -> Place {
+        let index = self.columns.names.iter().position(|column| column == name);
+        Place { path: self.path.clone(), line: 2, column: index.map(|index| (index + 1, name.to_owned())) }
+    }
+
     /// The next magnetometer sample, with the events of the lines before it that have none.
     fn read(&mut self) -> Result<Option<Row>, LabError> {
         let (mut before, mut system_ut) = (Vec::new(), None);
@@ -175,7 +181,7 @@ fn unreadable(path: &Path, error: csv::Error) -> LabError {
     LabError::Read { path: path.to_owned(), source }
 }
 
-/// One line: what each sensor said at its time, where it said anything.
+/// One line: the values of the sensors that have an event at its time.
 struct Line {
     time_s: f64,
     time_ns: i64,
@@ -264,7 +270,8 @@ impl Columns {
 
         let time_s = number(self.time)?;
         if !(-LARGEST_TIME_S..LARGEST_TIME_S).contains(&time_s) {
-            return Err(wrong(Some(self.time), "a time in seconds".to_owned(), time_s.to_string()));
+            let hint = if time_s.is_finite() { "; name another unit by --units t=ms, us or ns" } else { "" };
+            return Err(wrong(Some(self.time), format!("a time in seconds{hint}"), time_s.to_string()));
         }
         let time_ns = time_ns(time_s);
         if let Some((before_s, _)) = before.filter(|(_, before_ns)| time_ns <= *before_ns) {
@@ -357,7 +364,7 @@ mod tests {
                 "r.csv: line 1: expected all of the columns gx,gy,gz or none, found 't_s,mx,my,mz,gx'",
             ),
             ("t_s,mx,my,mz\n0,1,2,3\n1,1,2\n", "r.csv: line 3, column 4 (mz): expected 4 cells, found 3"),
-            ("t_s,mx,my,mz\n0,1,2,3,4\n", "r.csv: line 2, column 5 (): expected 4 cells, found 5"),
+            ("t_s,mx,my,mz\n0,1,2,3,4\n", "r.csv: line 2, column 5: expected 4 cells, found 5"),
             ("t_s,mx,my,mz\n0,1,2,x3\n", "r.csv: line 2, column 4 (mz): expected a number, found 'x3'"),
             ("t_s,mx,my,mz\n0,1,,3\n", "r.csv: line 2, column 3 (my): expected a number, found an empty cell"),
             ("t_s,mx,my,mz\nnan,1,2,3\n", "r.csv: line 2, column 1 (t_s): expected a time in seconds, found NaN"),

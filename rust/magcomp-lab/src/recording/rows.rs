@@ -4,7 +4,7 @@ use crate::simulate::Simulation;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 
-/// What the inertial sensors said at one time.
+/// The values of the inertial sensors at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertial {
     /// In whole nanoseconds.
@@ -15,7 +15,7 @@ pub struct Inertial {
     pub up_m_s2: Option<Vector3<f64>>,
 }
 
-/// A magnetometer sample and what the other sensors said since the sample before it.
+/// A magnetometer sample, and the events of the other sensors since the sample before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Time as written, s.

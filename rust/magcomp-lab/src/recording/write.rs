@@ -53,16 +53,16 @@ pub fn remove_unfinished_on_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// A file that appears under its name, whole, when it is finished; gzipped when the name ends in `.gz`. Until then, and when it
-/// is dropped, what was there before stays. A link stays one. What is no file (a device, a pipe, standard output) is written
-/// into.
+/// A file that appears under its name, whole, when it is finished; gzipped when the name ends in `.gz`. Until then, and when
+/// it is dropped, what was there before stays. A link stays one. A device, a pipe or standard output is written into
+/// directly.
 pub struct AtomicFile {
     path: PathBuf,
     content: Content,
     temporary: Option<Temporary>,
 }
 
-/// A temporary file and the path it becomes; what is written into has none.
+/// A temporary file and the path that it gets in the end; a device or a pipe has none.
 type Temporary = (NamedTempFile, PathBuf);
 type Target = (Box<dyn Write>, Option<Temporary>);
 

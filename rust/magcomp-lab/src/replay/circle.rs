@@ -1,5 +1,5 @@
-//! Azimuths of any number of rows in bounded memory: counts on a circle of 360 000 bins. What follows from them (median, root
-//! mean square, percentile, shares within sigma) is right to a bin, 0.001 degrees.
+//! Azimuths of any number of rows in bounded memory: counts on a circle of 360 000 bins. Their median, root mean square,
+//! percentile and shares within sigma are right to a bin, 0.001 degrees.
 //!
 //! Share within sigma: |a - centre| <= s sigma holds where the arc from a - s sigma to a + s sigma covers the centre. So only the
 //! beginnings and ends of arcs are counted, and the centre may become known afterwards.
@@ -10,7 +10,7 @@ use serde::Serialize;
 const BINS_PER_DEG: f64 = 1000.0;
 /// Bins of the circle.
 const BINS: usize = 360_000;
-/// Sigmas whose shares are told.
+/// Multiples of sigma whose shares are formed.
 const SIGMAS: [f64; 2] = [1.0, 2.0];
 /// Fewest rows a figure is formed from.
 pub(super) const FEWEST: usize = 50;

@@ -1,4 +1,4 @@
-//! The last calibration as JSON, which `magcomp::Calibration` reads.
+//! The last calibration as JSON, which `Calibration` reads in Rust, Kotlin and Swift.
 
 use crate::error::LabError;
 use crate::recording::write_atomically;
@@ -6,9 +6,9 @@ use magcomp::Compensator;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Writes the calibration in force to `path`: an object with `soft_iron` (M, three columns), `hard_iron_ut` (b) and
-/// `field_strength_ut` as `Calibration` reads and writes them, and beside them, which it passes over,
-/// `covariance` (nine rows, in the order of `covariance_order`; null where it is not known), `time_s` and `recording`.
+/// Writes the calibration in force to `path`: an object with `soft_iron` (the nine elements of M), `hard_iron_ut` (b) and
+/// `field_strength_ut` as `Calibration` reads and writes them. Beside them stand `covariance` (nine rows in the order of
+/// `covariance_order`; null where it is not known), `format`, `time_s` and `recording`, which `Calibration` passes over.
 ///
 /// # Errors
 /// [`LabError::Experiment`] when there is no calibration; [`LabError::Write`].

@@ -3,6 +3,7 @@
 
 use super::circle::{Circle, off_deg};
 use super::judge::azimuth_deg;
+use super::marks::marks;
 use super::player::Step;
 use super::sizes::Sizes;
 use super::sphere::Sphere;
@@ -23,13 +24,14 @@ const LANES: [(&str, Colour); 6] = [
     ("held", Colour::Blue),
     ("collecting", Colour::Grey),
 ];
-/// Shown of the heading error: this many times the two sigmas that most readings stay below, degrees at least and at most.
+/// Shown of the heading error: this many times the two sigmas that half of the readings stay below, degrees at least and at most.
+/// Of the total field: this many times the length that most corrected samples stay below.
 const ROOM: f64 = 2.0;
 const LEAST_DEG: f64 = 5.0;
 const MOST_DEG: f64 = 60.0;
-/// Least difference of total fields that is told, uT.
+/// Resolution of total fields, uT.
 const FIELD_STEP_UT: f64 = 0.001;
-/// Least difference of sigmas that is told, degrees.
+/// Resolution of sigmas, degrees.
 const SIGMA_STEP_DEG: f64 = 0.001;
 
 /// Pixels across a picture: the band has about one point a pixel, and spans of a lane that are less apart are drawn as one.
@@ -68,8 +70,8 @@ pub struct Figures {
     events: Vec<Event>,
 }
 
-/// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is told by its difference
-/// from another one, so that the lowest and the highest are those of one turn.
+/// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
+/// difference from another one, so that the lowest and the highest are those of one turn.
 #[derive(Clone, Debug)]
 struct ErrorLine {
     azimuths: Circle,
@@ -127,7 +129,7 @@ impl Figures {
         }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let Step { reading, calibration, sigma, .. } = step;
         self.sphere.add(row, step);
@@ -145,7 +147,7 @@ impl Figures {
         self.heading_error.add(time_s, azimuth(reading.filtered_field_ut.or(reading.field_ut)));
         let two_sigma = reading.heading.and_then(|heading| Some(2.0 * heading.heading_sigma_deg?));
         two_sigma.iter().for_each(|sigma| self.two_sigma.add(*sigma));
-        // what carries the heading goes through the noise of the samples: no more than one point a pixel is needed
+        // the heading's line runs within the noise of the samples: one point a pixel is enough
         let sampled = self.rows.is_multiple_of(self.extent.rows.div_ceil(PIXELS).max(1));
         if sampled {
             let sigma = two_sigma.unwrap_or(f64::NAN);
@@ -196,7 +198,7 @@ impl Figures {
         }
     }
 
-    /// Adds what a number cannot show; `recording` is its name.
+    /// Adds the pictures to a report; `recording` is the recording's name.
     ///
     /// # Errors
     /// [`LabError::Plot`].
@@ -236,7 +238,7 @@ impl Figures {
             ),
         ];
         if self.extent.first_reference.is_some() {
-            // everything's heading error, then that of what carries the heading, closer, with its band
+            // the heading errors of raw and corrected samples, then that of the published heading, closer, with its band
             panels.push(panel(
                 "heading error against the reference",
                 "deg",
@@ -245,7 +247,7 @@ impl Figures {
                     series("compensated", Colour::Blue, self.corrected_error.points()),
                 ],
             ));
-            let range = (ROOM * self.two_sigma.at(900).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
+            let range = (ROOM * self.two_sigma.at(500).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
             panels.push(Panel {
                 y_range: Some((-range, range)),
                 layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
@@ -284,26 +286,38 @@ impl Figures {
         let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
             spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
         });
-        let start_ns = self.extent.start_ns;
-        let mark = |event: &Event| ((event.since_ns - start_ns) as f64 / 1e9, format!("{:?}", event.kind));
+        let marks = marks(&self.events, self.extent.start_ns);
+        // the moments of the events in every panel; the lowest names them
+        for panel in &mut panels {
+            panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();
+        }
         panels.push(Panel {
             layers: Layers {
                 lanes: LANES.map(|(name, _)| name).to_vec(),
                 spans: spans.collect(),
-                marks: self.events.iter().map(mark).collect(),
+                marks,
                 ..Layers::default()
             },
             ..panel("status, and events since when", "", Vec::new())
         });
         let error = match self.extent.first_reference {
             Some(_) => {
-                " heading errors against the reference, the lower with the band of two sigmas that was given with it;"
+                " heading errors against the reference, up to one constant, the lower with the band of two sigmas that was given \
+                 with it;"
+            }
+            None => "",
+        };
+        let band = match self.extent.first_reference {
+            Some(_) => {
+                " The heading's band also allows for errors that few references show: an uneven place, axes of the sensors that \
+                 differ, an accelerometer that leans. A steep field multiplies them, and at rest they do not average out, so the \
+                 band stays wide where the line is still."
             }
             None => "",
         };
         let caption = format!(
             "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
-             true b, where it is known); status and events, each at the time since when it holds."
+             true b, where it is known); status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
         );
         show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);

@@ -23,7 +23,7 @@ use std::ops::Range;
 
 /// Seconds at the start that do not count, but never more than half of a recording.
 const WARM_UP_S: f64 = 20.0;
-/// Least difference of total fields that is told, uT: far below the noise of every sensor.
+/// Resolution of total fields, uT: far below the noise of every sensor.
 const FIELD_STEP_UT: f64 = 0.001;
 /// Length of a span of the heading's course, s, and the most spans of one.
 const SPAN_S: f64 = 1.0;
@@ -47,7 +47,7 @@ pub struct Disturbance {
 /// Something that the compensator declared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Declared {
-    /// What happened.
+    /// The kind of the event.
     pub kind: String,
     /// When it began, s after the first row.
     pub since_s: f64,
@@ -55,7 +55,7 @@ pub struct Declared {
     pub decided_s: f64,
 }
 
-/// What one replay came to.
+/// The figures of one replay.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
     /// Rows of the recording.
@@ -86,7 +86,7 @@ pub struct Judgement {
     pub legs: Option<LegJudgement>,
     /// How well a disturbed field was called so.
     pub disturbance: Option<Disturbance>,
-    /// What was declared, in the whole recording.
+    /// Events that were declared in the whole recording.
     pub events: Vec<Declared>,
     /// Rows by status.
     pub status: BTreeMap<&'static str, usize>,
@@ -202,7 +202,7 @@ impl Judge {
         }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let Step { reading, push_ns, .. } = step;
         let after_s = row.time_s - self.extent.start_s;
@@ -245,7 +245,7 @@ impl Judge {
         }
     }
 
-    /// What it came to.
+    /// The figures.
     #[must_use]
     pub fn finish(self) -> Judgement {
         let rows = self.rows.max(1) as f64;
@@ -316,7 +316,7 @@ fn published(row: &Row, step: &Step, axis: ReferenceAxis) -> Option<(Vector3<f64
     Some((to_device * Vector3::new(off.sin(), off.cos(), 0.0), published.heading_sigma_deg))
 }
 
-/// What the vectors of a method on a recording came to, without the first seconds.
+/// The figures of a method's vectors on a recording, without the first seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Vectors {
     /// Share of the rows with a vector, 0 to 1.
@@ -368,7 +368,7 @@ impl VectorsJudge {
         }
     }
 
-    /// What they came to.
+    /// The figures.
     #[must_use]
     pub fn vectors(&self) -> Vectors {
         Vectors {

@@ -85,7 +85,7 @@ impl Legs {
         Self { legs: legs.collect(), up: None, before_s: f64::NEG_INFINITY }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let raw_deg = self.raw_heading_deg(row);
         let (Some(heading), Some(raw_deg)) = (step.reading.heading, raw_deg) else { return };
@@ -96,7 +96,7 @@ impl Legs {
         }
     }
 
-    /// What it came to; none with fewer than two legs on which there was a heading.
+    /// The result; none with fewer than two legs on which there was a heading.
     #[must_use]
     pub fn finish(&self) -> Option<LegJudgement> {
         let errors = |of: fn(&Leg) -> (f64, f64)| {

@@ -5,6 +5,7 @@ mod export;
 mod figures;
 mod judge;
 mod legs;
+mod marks;
 mod output;
 mod player;
 mod sizes;

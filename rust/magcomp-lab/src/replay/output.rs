@@ -22,14 +22,14 @@ impl Output {
     /// Begins to write `path`; with a `true_heading_deg` column at the end when a declination was given.
     ///
     /// # Errors
-    /// [`LabError::Write`]; what was at `path` before is untouched then.
+    /// [`LabError::Write`]; a file that was at `path` before is untouched then.
     pub fn create(path: &Path, true_heading: bool) -> Result<Self, LabError> {
         let mut file = AtomicFile::create(path)?;
         file.write(|out| writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" }))?;
         Ok(Self { file, true_heading })
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     ///
     /// # Errors
     /// As of [`Output::create`].
@@ -78,7 +78,7 @@ fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io
     (0..3).try_for_each(|i| cell(out, value.map(|v| v[i]), digits))
 }
 
-/// A number, or an empty cell for what is not known.
+/// A number, or an empty cell where it is not known.
 fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
     match value {
         Some(v) => write!(out, ",{v:.digits$}"),

@@ -14,7 +14,7 @@ pub struct Ignore {
     pub accelerometer: bool,
 }
 
-/// What came out for one row.
+/// The compensator's step for one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// The reading.

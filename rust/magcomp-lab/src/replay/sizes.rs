@@ -4,7 +4,7 @@ use hdrhistogram::Histogram;
 
 /// Significant digits: below 262144 steps every step has a bin of its own.
 const DIGITS: u8 = 5;
-/// Steps above which sizes are not told apart.
+/// Number of steps; larger sizes all count as the largest.
 const MOST: f64 = 1e12;
 
 /// Counted sizes, 0 or more.
@@ -15,7 +15,7 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// None yet; `step` is the least difference that is told.
+    /// No sizes yet; `step` is the resolution.
     pub fn new(step: f64) -> Self {
         let counts = Histogram::new(DIGITS).expect("at most five digits are allowed");
         Self { step, counts }

@@ -1,6 +1,7 @@
 //! The sphere: raw samples lie on an ellipsoid h_m = M h + b, corrected ones on a sphere of radius |h|. Samples are thinned as they
 //! come, so that memory does not grow with a recording.
 
+use super::marks::marks;
 use super::player::Step;
 use crate::recording::{Extent, Row};
 use magcomp::nalgebra::Vector3;
@@ -30,7 +31,7 @@ pub(super) struct Sample {
 /// A stretch of time between two decided changes.
 #[derive(Clone, Debug)]
 pub(super) struct Epoch<'a> {
-    /// What began it; none for the first.
+    /// The event that began the stretch; none for the first.
     pub event: Option<Event>,
     /// From when to when, s after the first row.
     pub span_s: (f64, f64),
@@ -51,7 +52,7 @@ pub struct Sphere {
     course: Course,
 }
 
-/// What the page shows over time; as many of each as there are samples.
+/// The page's data over time; as many of each as there are samples.
 #[derive(Clone, Debug, Default, Serialize)]
 struct Course {
     heading: Vec<Option<f64>>,
@@ -75,7 +76,7 @@ impl Sphere {
         }
     }
 
-    /// The next row and what came out for it.
+    /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let Step { reading, calibration, .. } = step;
         if let Some(event) = reading.event.filter(|event| self.events.last() != Some(event)) {
@@ -120,7 +121,7 @@ impl Sphere {
         epochs.collect()
     }
 
-    /// The page that turns and scrubs; `recording` is what it is called.
+    /// The interactive page; `recording` is the recording's name.
     pub(super) fn page(&self, recording: &str) -> String {
         PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
     }
@@ -156,11 +157,7 @@ impl Sphere {
             m: std::array::from_fn(|i| rounded(calibration.soft_iron()[(i / 3, i % 3)], 1e5)),
             f: rounded(calibration.field_strength_ut(), 1000.0),
         };
-        let start_ns = self.extent.start_ns;
-        let mark = |event: &Event| Mark {
-            t: rounded((event.since_ns - start_ns) as f64 / 1e9, 1000.0),
-            kind: format!("{:?}", event.kind),
-        };
+        let marks = marks(&self.events, self.extent.start_ns).into_iter();
         let data = Data {
             title: recording,
             t: self.samples.iter().map(|sample| rounded(sample.time_s, 1000.0)).collect(),
@@ -168,7 +165,7 @@ impl Sphere {
             fixed: self.samples.iter().map(|sample| sample.corrected.as_ref().map(tenths)).collect(),
             fit: self.samples.iter().map(|sample| sample.calibration).collect(),
             fits: self.calibrations.iter().map(fit).collect(),
-            marks: self.events.iter().map(mark).collect(),
+            marks: marks.map(|(t, kind)| Mark { t: rounded(t, 1000.0), kind }).collect(),
             course: &self.course,
         };
         serde_json::to_string(&data).expect("numbers and names are JSON")

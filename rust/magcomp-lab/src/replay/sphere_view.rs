@@ -20,7 +20,7 @@ const MOST_POINTS: usize = 1500;
 /// Directions that are looked for, and the cosine of the angle within which a sample sees one: 12 degrees.
 const DIRECTIONS: usize = 200;
 const SEES: f64 = 0.978;
-/// What a panel shows, in radii of the sphere: at least, and at most.
+/// Half the width of a panel in radii of the sphere: at least, and at most.
 const SHOWN: (f64, f64) = (1.3, 2.5);
 /// The view from aside: turned about z, then tilted, degrees.
 const TURNED: f64 = 35.0;
@@ -32,7 +32,7 @@ const WIRE: usize = 30;
 const PROJECTIONS: [(usize, usize, &str); 3] =
     [(0, 1, "x right, y up"), (0, 2, "x right, z up"), (1, 2, "y right, z up")];
 
-/// Adds the picture `NAME_sphere.svg` and the page `NAME_sphere.html`; `recording` is what it is called.
+/// Adds the picture `NAME_sphere.svg` and the page `NAME_sphere.html`; `recording` is the recording's name.
 pub(super) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: &str) {
     let epochs = sphere.epochs();
     if epochs.is_empty() {
@@ -182,7 +182,7 @@ impl Square {
     fn begin(&self, out: &mut String, title: &str) {
         let (x, y, edge) = (self.left + 6.0, self.top - 8.0, PANEL - 12.0);
         text(out, x + 4.0, y, 12, title);
-        // the frame's corners clip what leaves it
+        // an inner svg clips points outside its frame
         let _ = writeln!(
             out,
             "<svg x=\"{x}\" y=\"{}\" width=\"{edge}\" height=\"{edge}\" viewBox=\"{x} {} {edge} {edge}\">\

@@ -36,8 +36,8 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     if let Some(disturbance) = judgement.disturbance {
         let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
         line("total field off by over 15 %, % of rows", String::new(), percent(Some(disturbance.share)));
-        line("of them called disturbed, %", String::new(), percent(disturbance.recall));
-        line("called disturbed rightly, %", String::new(), percent(disturbance.precision));
+        line("of these rows called disturbed, %", String::new(), percent(disturbance.recall));
+        line("of the rows called disturbed: field off, %", String::new(), percent(disturbance.precision));
     }
     for event in &judgement.events {
         let when = format!("{:.2}, {:.2}", event.since_s, event.decided_s);
@@ -49,8 +49,11 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     line("push, mean ns", String::new(), number(Some(judgement.mean_push_ns), 0));
     line("push, 99.9 % below ns", String::new(), judgement.p999_push_ns.to_string());
     line("push, longest ns", String::new(), judgement.max_push_ns.to_string());
-    let reference =
-        if judgement.heading.is_some() { "; heading against the reference, up to one constant" } else { "" };
+    let reference = if judgement.heading.is_some() {
+        " Headings are judged by the reference, up to one constant. Compensated: the corrected sample c. f: the field that the gyroscope carries. Published: the heading of the reading."
+    } else {
+        ""
+    };
     let (from_s, to_s) = judgement.counted_s;
     // beside raw and ours, where it was recorded
     if let Some(spread_percent) = judgement.system_spread_percent {
@@ -65,9 +68,9 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
             };
             row.insert(2, cell);
         }
-        table.note("the system's: the field that the operating system calibrated, on the rows that ours answered");
+        table.note("The system's: the field that the operating system calibrated, on the rows that ours answered.");
     }
-    table.note(&format!("errors, spread and disturbance from {from_s:.0} to {to_s:.0} s; spread: standard deviation over mean{reference}"));
+    table.note(&format!("Errors, spread and disturbance count from {from_s:.0} to {to_s:.0} s. Spread: standard deviation over mean.{reference}"));
     table
 }
 

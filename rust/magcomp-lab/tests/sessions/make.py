@@ -2,6 +2,7 @@
 pip install mcap-ros2-support==0.6.0 pyarrow==26.0.1"""
 
 import pyarrow as pa
+import pyarrow.feather as feather
 import pyarrow.parquet as pq
 from mcap_ros2.writer import Writer
 
@@ -92,3 +93,12 @@ columns = {
 pq.write_table(pa.table({"time": pa.array(times, pa.int64()), **columns}), "table.parquet")
 micros = pa.array([ns // 1000 for ns in times], pa.timestamp("us"))
 pq.write_table(pa.table({"time": micros, **columns}), "table_timestamps.parquet", compression="zstd")
+# as pandas stores its times
+nanos = pa.array(times, pa.timestamp("ns"))
+pq.write_table(pa.table({"time": nanos, **columns}), "table_nanoseconds.parquet")
+table = pa.table({"time": nanos, **columns})
+feather.write_feather(table, "table.feather", compression="lz4")
+feather.write_feather(pa.table({"time": pa.array(times, pa.int64()), **columns}), "table_numbers.feather", compression="zstd")
+with pa.ipc.new_stream("table.arrow", table.schema) as stream:
+    # two batches
+    stream.write_table(table, max_chunksize=3)

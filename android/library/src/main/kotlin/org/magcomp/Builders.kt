@@ -1,6 +1,6 @@
 package org.magcomp
 
-// For Java, which knows no named arguments. What is not set is the library's default; null takes back what was set.
+// For Java, which has no named arguments. A field that is not set has the library's default; null unsets a field.
 
 /** Makes a [Config] from Java: `new ConfigBuilder().method(...).build()`. */
 public class ConfigBuilder {

@@ -12,13 +12,15 @@ import kotlinx.coroutines.flow.flow
 /**
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
  *
- * Keep one for an app's whole life, or in a `ViewModel`: all its collectors share one estimator and one listener of each sensor,
- * and what it has learned stays in it. Another `Compass` of the same source is another estimator.
+ * Keep one `Compass` for an app's whole life, or in a `ViewModel`. All its collectors share one estimator and one
+ * listener of each sensor, and the estimator keeps the calibration it has learned. A second `Compass` of the same
+ * source has an estimator of its own.
  *
  * @param source where events come from
- * @param config what was left out is the library's default, that of [Compensator]: among them the heading's axis `AUTO`, which does not
- *   flip when the phone is raised, and `useReportedHardIron`: the system's own hard iron is the first calibration where there is no
- *   other, so that the first reading has a heading, with a wide sigma
+ * @param config a field left out has the library's default, as in [Compensator]. Two defaults serve a compass: the
+ *   heading's axis is `AUTO`, which does not flip when the phone is raised; and `useReportedHardIron` makes the
+ *   system's own hard iron the first calibration where there is no other, so that the first reading has a heading, with
+ *   a wide sigma
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
  *   turned comes back within it, and nothing has stopped. Default 5000
@@ -40,15 +42,15 @@ public class Compass @JvmOverloads constructor(
 
     private val frames = MutableStateFlow(config.headingFrame())
 
-    /** What it has learned, from one run to the next; runs follow one another. */
+    /** The estimation, kept from one run to the next. Only one run goes on at a time. */
     @Volatile
     internal var kept: Estimation? = null
         private set
     private val shared = SharedReadings(context, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
 
     /**
-     * The frame headings are in; may be set at any time, from any thread, for instance when the screen was turned. A
-     * declination out of range is refused with [MagcompException.Config], and the frame stays.
+     * The frame of the headings. It may be set at any time from any thread, for instance when the screen has turned. A
+     * declination out of range throws [MagcompException.Config] and leaves the frame as it was.
      */
     public var frame: HeadingFrame
         get() = frames.value
@@ -66,9 +68,9 @@ public class Compass @JvmOverloads constructor(
      * `Tracking`, then when it has changed and 10 s have passed since the save before, when the last collector leaves
      * (a screen's `onStop`), and when the sensors are released.
      *
-     * An error of the source ends the readings of every collector, after those before it; whoever collects again begins anew.
-     * The estimator itself goes on where it was, but from its calibration alone when the events' times begin again, as a
-     * recording's do.
+     * An error of the source ends the readings of every collector, after the readings before it. A later collector
+     * begins a new run. The estimator goes on where it was; where the times of the events begin again, as those of a
+     * recording do, it keeps its calibration alone.
      */
     public fun readings(): Flow<CompensatedReading> = shared.collected()
 
@@ -85,8 +87,8 @@ public class Compass @JvmOverloads constructor(
     }
 
     /**
-     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed. What the
-     * listener throws in `onReading` ends its readings, as every other error does, and is given to its `onEnd`.
+     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed. An
+     * exception from the listener's `onReading` ends its readings, as every other error does, and goes to its `onEnd`.
      *
      * @return closing it ends the readings; a call under way is finished
      */

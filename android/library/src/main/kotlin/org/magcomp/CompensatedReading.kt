@@ -19,8 +19,9 @@ import kotlinx.coroutines.flow.mapNotNull
  * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
  *   every sample all the same
  * @property sensors the phone's sensors that are used; null when the source knows none, as a recording
- * @property storeError what the calibration store threw last, or [MagcompException.SnapshotDamaged] or
- *   [MagcompException.SnapshotNewer] for what it had kept; null when it is well. Readings go on, and the next save tries again
+ * @property storeError the error that the calibration store threw last, or [MagcompException.SnapshotDamaged] or
+ *   [MagcompException.SnapshotNewer] for the text that it had kept; null without an error. Readings go on, and the next
+ *   save tries again
  */
 public data class CompensatedReading(
     public val reading: Reading,
@@ -37,7 +38,7 @@ public data class CompensatedReading(
  * Every collector has its own [Compensator], fed in [context], so a slow collector never holds it up: between
  * them a buffer drops the oldest reading and counts it. [Compass] has one for all its collectors.
  *
- * @param config what was left out is the library's default
+ * @param config a field left out has the library's default
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param frame the heading frame in force at each moment; null: the config's
  * @param capacity readings kept for a slow collector, at least 1

@@ -6,7 +6,8 @@ package org.magcomp
  * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
  * of the library calls throw [MagcompException.Panicked] until [reset].
  *
- * @property config what it was made with; what was left out is the library's default, as in [Compass] ([defaultConfig] shows all)
+ * @property config the config it was made with. A field left out has the library's default, as in [Compass]
+ *   ([defaultConfig] shows all)
  * @throws MagcompException.Config when a field of the config is out of range
  * @throws NativeLibraryException when the app holds no native library for this phone
  */
@@ -16,9 +17,10 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     internal val handle = native.fastHandle()
 
     /**
-     * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that can't be used comes back
-     * with status `Rejected` and changes nothing; but 50 in a row whose time follows that of one another, and not that of the
-     * latest, are from another clock: the calibration stays then, and all else begins anew.
+     * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that cannot be used comes
+     * back with status `Rejected` and changes nothing. After 50 such samples in a row whose times follow one another
+     * but not the latest used sample, the compensator assumes another clock: it keeps the calibration and begins anew
+     * with everything else.
      *
      * @param timeNs time of the event, nanoseconds
      * @param xUt raw field to the right of the screen, microtesla
@@ -130,7 +132,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      *
      * @param hardIronSigmaUt one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
      *   readings are as unsure as that
-     * @throws MagcompException.Calibration when it is none
+     * @throws MagcompException.Calibration when the numbers are no calibration
      * @throws MagcompException.Config when the standard deviation is out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
@@ -153,8 +155,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun coverage(): Coverage = unlessClosed { native.coverage() }
 
     /**
-     * Forgets everything but the config it was made with, a heading frame set since too, and makes it usable again after
-     * [MagcompException.Panicked].
+     * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
+     * compensator usable again after [MagcompException.Panicked].
      */
     @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
@@ -164,8 +166,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun snapshot(): String = unlessClosed { native.snapshot() }
 
     /**
-     * The calibration in force alone, as such a text of a few hundred characters, for [restoreCalibration]; null when there is
-     * none.
+     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
+     * [restoreCalibration]. Null without a calibration.
      */
     @Throws(MagcompException::class)
     public fun snapshotCalibration(): String? = unlessClosed { native.snapshotCalibration() }

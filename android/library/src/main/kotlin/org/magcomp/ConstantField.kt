@@ -7,8 +7,8 @@ package org.magcomp
  * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
  * of the library calls throw [MagcompException.Panicked] until [reset].
  *
- * @property samplesPerOrientation samples in a row that are averaged into one orientation; above 1 the phone must be
- *   held still meanwhile, 1 (the default, and what less counts as) is for a phone that is turned about
+ * @property samplesPerOrientation samples in a row that are averaged into one orientation. Above 1 the user must hold
+ *   the phone still meanwhile; 1, the default, is for a phone that is turned about. A smaller number counts as 1
  * @throws NativeLibraryException when the app holds no native library for this phone
  */
 public class ConstantField @JvmOverloads constructor(public val samplesPerOrientation: Int = 1) : AutoCloseable {
@@ -33,7 +33,7 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
     /**
      * The calibration with its covariance; `Config.initial` takes it.
      *
-     * @param options what was left out is the library's default
+     * @param options a field left out has the library's default
      * @throws MagcompException.Fit says what the orientations lack; the session can go on
      */
     @Throws(MagcompException::class)

@@ -5,10 +5,11 @@ package org.magcomp
  * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. [SensorManagerSource] has one; a source of your own
  * may need it.
  *
- * An event waits for every other sensor until that has delivered an event at or after its time. A sensor whose latest event, or else
- * the beginning of the stream, is more than 0.25 s older than the newest event of all is not waited for. Nothing waits for longer than
- * [holdS], counted in the time of the events. At equal times the rotation rate is first, then `up`, then the magnetometer. It
- * drops none: what comes more than [holdS] too late goes out at once, behind later ones. Not thread-safe.
+ * An event waits for every other sensor until that has delivered an event at or after its time. A sensor whose latest
+ * event, or else the beginning of the stream, is more than 0.25 s older than the newest event of all is not waited for.
+ * Nothing waits for longer than [holdS], counted in the time of the events. At equal times the rotation rate is first,
+ * then `up`, then the magnetometer. The queue drops no event: one that comes more than [holdS] too late goes out at
+ * once, behind later events. Not thread-safe.
  *
  * @property holdS longest that an event waits, 0 to 0.25 s; 0: every event goes out as it comes. For batches choose a little more
  *   than one batch takes. Default 0.05
@@ -71,7 +72,7 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
 
     private fun newestNs(): Long = maxOf(latestNs[0], latestNs[1], latestNs[2])
 
-    /** Times may be any: what is no 64-bit number is the nearest that is. */
+    /** Any two times may be subtracted: a difference beyond 64 bits becomes the nearest number of 64 bits. */
     private fun difference(oneNs: Long, otherNs: Long): Long {
         val difference = oneNs - otherNs
         val overflowed = (oneNs xor otherNs) and (oneNs xor difference) < 0
@@ -84,7 +85,7 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         is SensorSample.Magnetic -> 2
     }
 
-    /** What holds of every queue. */
+    /** Constants of every queue. */
     public companion object {
         /** Longest that an event waits unless another time is chosen, s. */
         public const val DEFAULT_HOLD_S: Double = 0.05

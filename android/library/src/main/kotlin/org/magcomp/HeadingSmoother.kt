@@ -3,9 +3,9 @@ package org.magcomp
 import kotlin.math.pow
 
 /**
- * Smooths an angle for a screen: s += (1 - 2^(-dt / h)) wrap(a - s), with half-life h, so that 359 and 1 degrees are 2 degrees apart. It
- * delays what it smooths by about 1.4 half-lives: a rose on a screen wants it, nothing that computes with headings does, and no reading
- * is smoothed unless an app does so. Not thread-safe.
+ * Smooths an angle for a screen: s += (1 - 2^(-dt / h)) wrap(a - s), with half-life h, so that 359 and 1 degrees are 2
+ * degrees apart. The smoothed angle lags by about 1.4 half-lives. Use it for a rose on a screen, not where an app
+ * computes with headings. The library itself smooths no reading. Not thread-safe.
  *
  * @property halfLifeS after so many seconds half of a step is followed; 0 or above, 0 smooths nothing
  */
@@ -18,8 +18,8 @@ public class HeadingSmoother(public val halfLifeS: Double) {
     private var latestNs = 0L
 
     /**
-     * Takes an angle, degrees, and gives the smoothed one, 0 to 360. One that is NaN or infinite, as a heading that is not known, gives NaN,
-     * and the next begins anew; so does one whose time is before that of the latest.
+     * Takes an angle, degrees, and gives the smoothed one, 0 to 360. An angle that is NaN or infinite, as an unknown
+     * heading is, gives NaN, and the next angle begins anew. An angle whose time is before the latest begins anew too.
      */
     public fun push(timeNs: Long, angleDeg: Double): Double {
         val elapsedS = (timeNs.toDouble() - latestNs.toDouble()) * 1e-9

@@ -3,7 +3,7 @@ package org.magcomp
 /**
  * A reading that is filled again and again, so that a stream of sensor events allocates nothing.
  *
- * What is not known is NaN here; [toReading] gives the same as an immutable [Reading], where it is null. A buffer is
+ * A value that is not known is NaN here; [toReading] makes an immutable [Reading] of it, where such a value is null. A buffer is
  * not thread-safe: give every thread its own.
  */
 public class ReadingBuffer {
