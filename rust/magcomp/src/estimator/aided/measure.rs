@@ -11,7 +11,6 @@
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use std::ops::Range;
 
 use super::state::{BIAS, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, STATES, iron_rows, scale_rows};
 
@@ -32,12 +31,12 @@ pub(crate) struct Innovation {
     whitened: Vector3<f64>,
 }
 
-/// No state is held.
-pub(crate) const NONE: &[Range<usize>] = &[];
+/// Which states an update holds, from and to: none.
+pub(crate) const NONE: &[(usize, usize)] = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
-pub(crate) const ALL_BUT_FIELD: &[Range<usize>] = &[OFFSET..LOCAL];
+pub(crate) const ALL_BUT_FIELD: &[(usize, usize)] = &[(OFFSET, LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
-const ALL_BUT_FIELD_AND_BIAS: &[Range<usize>] = &[OFFSET..BIAS, DELAY..LOCAL];
+const ALL_BUT_FIELD_AND_BIAS: &[(usize, usize)] = &[(OFFSET, BIAS), (DELAY, LOCAL)];
 
 /// h(x), uT.
 pub(crate) fn foretell(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Vector3<f64> {
@@ -113,7 +112,7 @@ impl Gaussian {
     }
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
-    pub(crate) fn update(&mut self, innovation: &Innovation, held: &[Range<usize>]) {
+    pub(crate) fn update(&mut self, innovation: &Innovation, held: &[(usize, usize)]) {
         self.correct(innovation.gain, &innovation.whitened, held);
     }
 
@@ -122,7 +121,7 @@ impl Gaussian {
         &mut self,
         mut gain: SMatrix<f64, STATES, N>,
         whitened: &SVector<f64, N>,
-        held: &[Range<usize>],
+        held: &[(usize, usize)],
     ) {
         // the lower half of P alone, by columns
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
@@ -133,7 +132,7 @@ impl Gaussian {
         add(&gain, -1.0);
         if !held.is_empty() {
             let mut kept = SMatrix::<f64, STATES, N>::zeros();
-            for k in held.iter().cloned().flatten() {
+            for k in held.iter().flat_map(|&(from, to)| from..to) {
                 kept.set_row(k, &gain.row(k));
                 gain.row_mut(k).fill(0.0);
             }
