@@ -17,6 +17,7 @@ pub mod situation;
 pub mod step;
 mod step_course;
 mod step_score;
+mod step_trace;
 mod step_view;
 
 use magcomp::{Config, HeadingConfig, Method};

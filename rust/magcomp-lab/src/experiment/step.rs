@@ -4,7 +4,8 @@
 //! parameters step after 2500 samples goes through the compensator, once for each normalisation of sigma_T.
 
 use super::bound::fit_options;
-use super::step_score::{AFTER, BEFORE, FIELD_UT, NormalisationResult, Score, Trace};
+use super::step_score::{AFTER, NormalisationResult, Score};
+use super::step_trace::{BEFORE, FIELD_UT, Trace};
 use crate::error::LabError;
 use crate::motion::Motion;
 use crate::parameters::{ParameterSet, Parameters, TrueParameters};

@@ -1,6 +1,6 @@
 //! All runs of the step experiment over time: what figs. 4 and 5 draw.
 
-use super::step_score::{BEFORE, Trace, size};
+use super::step_trace::{BEFORE, Trace, size};
 use crate::plot::Band;
 
 /// Samples between two points of fig. 4.

@@ -17,9 +17,10 @@
 //! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
 //! feigns one) and (e, g, tau, s) are plausible under their prior.
 
+use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{Groups, Mean};
+use super::groups::{GROUPS, Groups, Mean};
 use super::state::{
     BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron,
 };
@@ -105,6 +106,13 @@ struct Prior {
     noise_ut2: f64,
     /// Variance per axis of the unevenness of the place, correlated over `CORRELATION_S`, uT^2.
     place_ut2: f64,
+}
+
+impl Prior {
+    /// Variance per axis of a group's mean sample, uT^2.
+    fn variance(&self, mean: &Mean) -> f64 {
+        self.noise_ut2 / mean.count + self.place_ut2 * CORRELATION_S / mean.moved_s
+    }
 }
 
 /// The cost at x with its derivatives, and what the samples say of the residuals.
@@ -298,10 +306,13 @@ impl FirstFit {
         let assumed = white + prior.place_ut2 * CORRELATION_S / mean_t;
         let found = white + (tuning.place_ut.powi(2) + self.misfit_ut2) * CORRELATION_S / mean_t;
         let share = assumed / found;
-        let information = (normal.curvature - prior.precision) * share + before;
-        let mut p = information.cholesky()?.inverse();
         let q = normal.back;
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
+        let seen = (normal.curvature - prior.precision) * share;
+        let p = (seen + before).cholesky()?.inverse();
+        let feigned =
+            self.feigned(&p, &(eigen.eigenvectors.column(eigen.eigenvalues.imin()) * tuning.far_sd_ut), prior)?;
+        let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
         let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
         let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
@@ -322,6 +333,28 @@ impl FirstFit {
             }
         }
         Some(p)
+    }
+
+    /// Information of the samples that a bias of the gyroscope would feign. Where the least seen part of the field is found to be
+    /// small, no bias shows in it, and what a wrong one bends looks like motion: so that part is taken to be `unseen`, too,
+    /// and the bias to be known no better than the fit knows it.
+    fn feigned(&self, p: &Matrix, unseen_ut: &Vector3<f64>, prior: &Prior) -> Option<Matrix> {
+        let x = &self.x;
+        let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
+        let s = x.fixed_rows::<9>(S).into_owned();
+        let m = soft_iron(x.as_slice());
+        let mut bends = ArrayVec::<Matrix3<f64>, GROUPS>::new();
+        self.groups.each(unseen_ut, &vector(G), &s, |mean| bends.push(m * mean.by_gyroscope.fixed_columns::<3>(0)));
+        let mut bends = bends.iter();
+        let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
+        let mut own = p.fixed_view::<3, 3>(G, G).into_owned().try_inverse()?;
+        self.groups.each(&vector(FIELD), &vector(G), &s, |mean| {
+            let (Some(bend), v) = (bends.next(), prior.variance(mean)) else { return };
+            let (j, _) = model(x, mean);
+            cross += j.transpose() * bend / v;
+            own += bend.transpose() * bend / v;
+        });
+        Some(cross * own.try_inverse()? * cross.transpose())
     }
 }
 
@@ -405,26 +438,11 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         back: Matrix3::zeros(),
     };
     let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
+    let (h, g) = (vector(FIELD), vector(G));
     let s = x.fixed_rows::<9>(S).into_owned();
-    let m = soft_iron(x.as_slice());
     groups.each(&h, &g, &s, |mean: &Mean| {
-        let v = prior.noise_ut2 / mean.count + prior.place_ut2 * CORRELATION_S / mean.moved_s;
-        let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
-        let u = mean.back * h;
-        let late = Matrix3::identity() + w.cross_matrix() * tau;
-        let swing = w.cross(&u);
-        let seen = u + swing * tau;
-        let to_field = m * late;
-        let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-        j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
-        j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-        j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
-        let by_gyroscope = to_field * mean.by_gyroscope;
-        j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
-        j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
-        j.set_column(TAU, &(m * swing));
-        let residual = mean.raw_ut - m * seen - b;
+        let v = prior.variance(mean);
+        let (j, residual) = model(x, mean);
         let size = residual.norm_squared();
         it.cost += size / v;
         it.curvature += j.transpose() * j / v;
@@ -437,4 +455,27 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     });
     it.back /= it.count.max(1.0);
     it
+}
+
+/// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
+fn model(x: &Vector, mean: &Mean) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
+    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
+    let m = soft_iron(x.as_slice());
+    let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
+    let u = mean.back * h;
+    let late = Matrix3::identity() + w.cross_matrix() * tau;
+    let swing = w.cross(&u);
+    let seen = u + swing * tau;
+    let to_field = m * late;
+    let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
+    j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
+    j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
+    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
+    let by_gyroscope = to_field * mean.by_gyroscope;
+    j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
+    j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
+    j.set_column(TAU, &(m * swing));
+    let residual = mean.raw_ut - m * seen - b;
+    (j, residual)
 }

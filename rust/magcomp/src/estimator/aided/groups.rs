@@ -17,7 +17,7 @@ use super::propagate::turn;
 use super::state::scale_rows;
 
 /// Groups held.
-const GROUPS: usize = 32;
+pub(super) const GROUPS: usize = 32;
 /// Seconds of motion in a group at first: a fit is made after each.
 const SHORTEST_S: f64 = 0.125;
 /// And at last: the groups then hold 16 s. Longer ones would not tell motions of a second.

@@ -71,7 +71,7 @@ choices! {
         /// Split of the first sample into the field of the place and the offset
         far_sd_ut: 39.0, "uT", "the strongest field on Earth, 67 uT, an axis";
         /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
-        adopt_sd_ut: 4.0, "uT", "a filter that begins less sure trusts its first turns too much";
+        adopt_sd_ut: 6.0, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
         publish_deg: 10.0, "deg", "as the adaptive estimator";
         /// Rate of turn below which the device rests: slower turns cannot be told from bias
