@@ -160,7 +160,7 @@ impl FirstFit {
     }
 
     /// What is believed now, to tell noise from the device's motion.
-    pub(super) fn known(&self) -> Known {
+    pub(super) fn known(&self, tuning: &Tuning) -> Known {
         let (bias_rad_s, scale) = self.gyroscope();
         Known {
             offset_ut: self.x.fixed_rows::<3>(OFFSET).into_owned(),
@@ -168,6 +168,7 @@ impl FirstFit {
             bias_rad_s,
             bias_sd_rad_s: self.bias_variance.sqrt(),
             scale,
+            scale_sd: tuning.axes_sd,
         }
     }
 

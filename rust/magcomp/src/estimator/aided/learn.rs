@@ -29,12 +29,12 @@ impl Aided {
         up: Option<Vector3<f64>>,
         dt_s: f64,
     ) -> AidedOutput {
-        let known = self.filter.as_ref().map_or_else(|| self.first.known(), Known::of);
+        let known = self.filter.as_ref().map_or_else(|| self.first.known(&self.tuning), Known::of);
         let turned_rad = rotation.increment_rad - known.scale * rotation.increment_rad - known.bias_rad_s * dt_s;
         let (turn, _) = propagate::turn(&turned_rad);
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, &self.tuning);
-        self.motion.carry_up(&turn, up, known.bias_sd_rad_s, dt_s, &self.tuning);
+        self.motion.carry_up(&turn, up, &known, dt_s, &self.tuning);
         self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, &self.tuning);
         self.mode = match up {
             Some(_) => SensorMode::GyroscopeAndGravity,

@@ -14,7 +14,7 @@
 //! s += (dt / T_0) (accelerometer / G - u - s),   L = mean |s - u (u . s)|^2 / 2
 //! ```
 //! Averaged over T it leaves L T_0 / T in u. Meanwhile the gyroscope tilts u by D T, where D has the uncertainty of its bias
-//! and what its axes are off, times the rotation that does not cancel: D^2 = s_g^2 + axes^2 |net rate|^2. Hence
+//! and what its axes are off, times the rotation that does not cancel: D^2 = s_g^2 + P_ss |net rate|^2. Hence
 //! ```text
 //! T = max(5 s, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = L T_0 / T + D^2 T^2
 //! ```
@@ -121,7 +121,7 @@ impl Motion {
         &mut self,
         r: &Matrix3<f64>,
         measured: Option<Vector3<f64>>,
-        bias_sd: f64,
+        known: &Known,
         dt_s: f64,
         tuning: &Tuning,
     ) {
@@ -151,8 +151,9 @@ impl Motion {
                 self.up_age_s = (f64::from(self.up_age_s) + dt_s).min(OLDEST_S) as f32;
                 let age_s = f64::from(self.up_age_s);
                 // an unknown bias must not tilt up by more than about 0.03 rad
-                let time_s = (0.03 / bias_sd).max(0.5).min(tuning.settled_s).min(age_s);
-                self.drift_rad2_s2 = bias_sd.powi(2) + tuning.axes_sd.powi(2) * self.net_rad_s.norm_squared();
+                let time_s = (0.03 / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(age_s);
+                self.drift_rad2_s2 =
+                    known.bias_sd_rad_s.powi(2) + known.scale_sd.powi(2) * self.net_rad_s.norm_squared();
                 let best_s = (f64::from(self.leaning) * tuning.settled_s / (2.0 * self.drift_rad2_s2)).cbrt();
                 self.up_time_s = best_s.max(time_s).min(age_s);
                 *up += off * (dt_s / self.up_time_s).min(1.0);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, Gaussian, OFFSET};
+use super::state::{BIAS, Gaussian, OFFSET, SCALE};
 
 /// A sample, the turn before it, and what is known of noise and motion then.
 pub(crate) struct Step<'a> {
@@ -30,6 +30,8 @@ pub(crate) struct Known {
     /// Standard deviation of the bias about the worst axis, rad/s.
     pub(crate) bias_sd_rad_s: f64,
     pub(crate) scale: Matrix3<f64>,
+    /// Standard deviation of an element of it.
+    pub(crate) scale_sd: f64,
 }
 
 impl Known {
@@ -40,6 +42,7 @@ impl Known {
             bias_rad_s: filter.vector(BIAS),
             bias_sd_rad_s: filter.block(BIAS, BIAS).diagonal().max().sqrt(),
             scale: filter.scale(),
+            scale_sd: (filter.p.fixed_view::<9, 9>(SCALE, SCALE).trace() / 9.0).sqrt(),
         }
     }
 }

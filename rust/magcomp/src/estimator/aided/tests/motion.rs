@@ -4,7 +4,14 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::motion::Motion;
 use super::super::propagate::turn;
+use super::super::state::Gaussian;
+use super::super::step::Known;
 use super::super::tuning::Tuning;
+
+/// A bias known to 0.001 rad/s.
+fn known() -> Known {
+    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::zero()) }
+}
 
 #[test]
 fn a_turn_on_an_arm_does_not_tilt_up() {
@@ -16,7 +23,7 @@ fn a_turn_on_an_arm_does_not_tilt_up() {
     let mut motion = Motion::new();
     let mut worst_deg: f64 = 0.0;
     for k in 0..4_000 {
-        motion.carry_up(&r, Some(felt), 0.001, dt_s, &tuning);
+        motion.carry_up(&r, Some(felt), &known(), dt_s, &tuning);
         if k > 2_000 {
             worst_deg = worst_deg.max(motion.up.unwrap().angle(&Vector3::z()).to_degrees());
         }
@@ -37,7 +44,7 @@ fn a_car_that_speeds_up_and_brakes_is_told() {
         for k in 0..12_000 {
             let t_s = f64::from(k) * 0.01;
             let felt = Vector3::new(if (t_s / half_s) as i64 % 2 == 0 { 2.0 } else { -2.0 }, 0.0, 9.80665);
-            motion.carry_up(&Matrix3::identity(), Some(felt), 0.001, 0.01, &tuning);
+            motion.carry_up(&Matrix3::identity(), Some(felt), &known(), 0.01, &tuning);
             if t_s > 20.0 {
                 // the angle is that about both horizontal axes
                 squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
