@@ -1,18 +1,13 @@
-//! The first calibration: one fit of all samples of the start, made anew after each group of them.
-//!
-//! ```text
-//! mean raw of a group = M (u + tau w x u) + b,   u = back h,   M = I + E
-//! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 25 numbers
-//! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
-//! ```
-//! b and e enter linearly for given (h, g, tau, s): each step solves for them exactly, so that the valley along which the field and
-//! the offset trade places is crossed and not climbed (variable projection; a joint step stalls there, and its
-//! covariance is falsely small). Nothing is linearised for good, so no sample says more than it knows.
+//! The first calibration: one fit (`batch`) of all samples of the start, made anew after each group of them.
 //!
 //! What the motion shows of the split between field and offset is judged by the rotations alone: the chain of a gyroscope is off
 //! in shape by `chain` = 0.05 deg, so that with Q = mean back, (lambda_i, v_i) = eig(I - Q' Q)
 //! ```text
 //! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i',  w_i = Q v_i / |Q v_i|
+//! ```
+//! And a bias of the gyroscope can feign motion where the least seen part of the field is found to be zero (`feigned`):
+//! ```text
+//! bend_k = M d(back_k far v_i)/dg,   information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v
 //! ```
 //! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
 //! feigns one) and (e, g, tau, s) are plausible under their prior.
@@ -20,10 +15,9 @@
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{GROUPS, Groups, Mean};
-use super::state::{
-    BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron,
-};
+use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model};
+use super::groups::{GROUPS, Groups};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, scale, soft_iron};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -32,26 +26,15 @@ use crate::quadric::FitError;
 use crate::reading::Missing;
 use crate::sound::checked;
 
-/// Length of x = (h, b, e, g, tau, s): the state without d.
-const UNKNOWNS: usize = LOCAL;
-/// Steps of a fit at most; one that has not converged then goes on with the next group.
-const STEPS: usize = 8;
-/// A step that lowers the cost by less than this is the last.
-const CONVERGED: f64 = 0.01;
 /// Offset of a phone before anything is known, uT: several hundred at the most.
 const OFFSET_SD_UT: f64 = 150.0;
 /// Variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
-/// Correlation of a room's field along the way of a hand, s.
-const CORRELATION_S: f64 = 1.0;
 /// A device that was turned so far, root mean square, about one axis lacks others.
 const ONE_AXIS_RAD2: f64 = 0.1;
 
 /// Strength of the Earth's field with what buildings do to it, uT (world magnetic model: 22 to 67).
 const EARTH_UT: (f64, f64) = (18.0, 72.0);
-
-type Vector = SVector<f64, UNKNOWNS>;
-type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// A start under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,36 +81,6 @@ pub(super) struct Before {
 }
 
 checked!(Before, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0.0);
-
-/// What a fit knows beside the samples.
-struct Prior {
-    mean: Vector,
-    precision: Matrix,
-    noise_ut2: f64,
-    /// Variance per axis of the unevenness of the place, correlated over `CORRELATION_S`, uT^2.
-    place_ut2: f64,
-}
-
-impl Prior {
-    /// Variance per axis of a group's mean sample, uT^2.
-    fn variance(&self, mean: &Mean) -> f64 {
-        self.noise_ut2 / mean.count + self.place_ut2 * CORRELATION_S / mean.moved_s
-    }
-}
-
-/// The cost at x with its derivatives, and what the samples say of the residuals.
-struct Normal {
-    cost: f64,
-    curvature: Matrix,
-    slope: Vector,
-    /// Sum of |raw - model|^2, groups, their samples and seconds.
-    residual_ut2: f64,
-    groups: f64,
-    count: f64,
-    moved_s: f64,
-    /// Mean of `back`.
-    back: Matrix3<f64>,
-}
 
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
@@ -383,100 +336,4 @@ fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
     filter.p.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
     filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));
     filter.is_finite().then_some(filter)
-}
-
-/// Levenberg-Marquardt over (h, g, tau, s), damped by the curvature that is left once b and e have adapted; b and e are solved
-/// for exactly. Returns x, what is known there, and whether it has converged.
-fn descend(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
-    let mut x = with_linear(groups, prior, from)?;
-    let mut normal = normal(groups, prior, &x);
-    let mut damping = 1e-4;
-    for _ in 0..STEPS {
-        let l = normal.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
-        let cross = normal.curvature.fixed_rows::<9>(OFFSET).into_owned();
-        let adapted = l.solve(&cross);
-        let mut damped = normal.curvature;
-        for k in (FIELD..OFFSET).chain(G..UNKNOWNS) {
-            let reduced = normal.curvature[(k, k)] - cross.column(k).dot(&adapted.column(k));
-            damped[(k, k)] += damping * reduced.max(0.0);
-        }
-        let next = with_linear(groups, prior, x + damped.cholesky()?.solve(&normal.slope))?;
-        let found = self::normal(groups, prior, &next);
-        let lower = normal.cost - found.cost;
-        if lower >= 0.0 {
-            (x, normal) = (next, found);
-            damping *= 0.1;
-        } else {
-            damping *= 10.0;
-        }
-        if lower.abs() < CONVERGED {
-            return Some((x, normal, true));
-        }
-    }
-    Some((x, normal, false))
-}
-
-/// x with b and e at their best for its (h, g, tau, s).
-fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> {
-    x.fixed_rows_mut::<9>(OFFSET).fill(0.0);
-    let at = normal(groups, prior, &x);
-    let linear = at.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
-    x.fixed_rows_mut::<9>(OFFSET).copy_from(&linear.solve(&at.slope.fixed_rows::<9>(OFFSET).into_owned()));
-    Some(x)
-}
-
-fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
-    let off = x - prior.mean;
-    let pull = prior.precision * off;
-    let mut it = Normal {
-        cost: off.dot(&pull),
-        curvature: prior.precision,
-        slope: -pull,
-        residual_ut2: 0.0,
-        groups: 0.0,
-        count: 0.0,
-        moved_s: 0.0,
-        back: Matrix3::zeros(),
-    };
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, g) = (vector(FIELD), vector(G));
-    let s = x.fixed_rows::<9>(S).into_owned();
-    groups.each(&h, &g, &s, |mean: &Mean| {
-        let v = prior.variance(mean);
-        let (j, residual) = model(x, mean);
-        let size = residual.norm_squared();
-        it.cost += size / v;
-        it.curvature += j.transpose() * j / v;
-        it.slope += j.transpose() * residual / v;
-        it.residual_ut2 += size;
-        it.groups += 1.0;
-        it.count += mean.count;
-        it.moved_s += mean.moved_s;
-        it.back += mean.back * mean.count;
-    });
-    it.back /= it.count.max(1.0);
-    it
-}
-
-/// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-fn model(x: &Vector, mean: &Mean) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
-    let m = soft_iron(x.as_slice());
-    let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
-    let u = mean.back * h;
-    let late = Matrix3::identity() + w.cross_matrix() * tau;
-    let swing = w.cross(&u);
-    let seen = u + swing * tau;
-    let to_field = m * late;
-    let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-    j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
-    j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
-    let by_gyroscope = to_field * mean.by_gyroscope;
-    j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
-    j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
-    j.set_column(TAU, &(m * swing));
-    let residual = mean.raw_ut - m * seen - b;
-    (j, residual)
 }
