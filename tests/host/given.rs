@@ -94,7 +94,8 @@ fn the_first_headings_err_as_their_sigma_says() {
                 // 68 and 95 %, three standard deviations of 200 runs either way, and some points for a b that is off by a third of
                 // the horizontal field. While it learns, sigma is too wide: README's limits.
                 let learns = turning && *at > 0;
-                let most = if learns { [1.0, 1.0] } else { [0.80, 0.99] };
+                // sigma also allows for frames of the sensors that differ, which these do not
+                let most = if learns { [1.0, 1.0] } else { [0.88, 1.0] };
                 if !(0.57..=most[0]).contains(&one) || !(0.86..=most[1]).contains(&two) {
                     wrong.push(format!("{run}, sample {at}: {one} {two}"));
                 }
