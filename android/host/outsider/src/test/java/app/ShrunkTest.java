@@ -37,7 +37,7 @@ class ShrunkTest {
             arguments.addAll(List.of("-libraryjars", System.getProperty("java.home") + "/jmods/" + module + ".jmod(!**.jar;!module-info.class)"));
         }
         // Android's classes are not here, nor R, which Android's tools make; an app's own entry point
-        arguments.addAll(List.of("-dontoptimize", "-dontwarn", "android.**,org.magcomp.R,org.magcomp.R$string,kotlinx.coroutines.**,kotlin.**,java.lang.instrument.**,sun.**", "-dontnote", "**"));
+        arguments.addAll(List.of("-dontoptimize", "-dontwarn", "android.**,org.json.**,org.magcomp.R,org.magcomp.R$string,kotlinx.coroutines.**,kotlin.**,java.lang.instrument.**,sun.**", "-dontnote", "**"));
         arguments.addAll(List.of("-keep", "class app.Main { public static void main(java.lang.String[]); }"));
         Configuration configuration = new Configuration();
         try (ConfigurationParser parser = new ConfigurationParser(arguments.toArray(new String[0]), System.getProperties())) {
