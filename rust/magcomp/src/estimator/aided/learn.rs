@@ -10,6 +10,7 @@
 
 use nalgebra::Vector3;
 
+use super::earth::Earth;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
@@ -68,8 +69,9 @@ impl Aided {
         if step.dt_s > self.tuning.gap_s {
             self.drift(&mut filter, step.dt_s);
         }
-        self.displaced_ut = (step.turn * self.displaced_ut.cast()).cast();
-        self.displaced_s += step.dt_s as f32;
+        if let Some(earth) = &mut self.earth {
+            earth.step(step, &filter, &self.tuning);
+        }
         filter.propagate(step.increment_rad, step.dt_s, step.noise);
         self.learn(step, &mut filter);
         if let Some(strength_ut) = self.lost_strength_ut.take() {
@@ -173,21 +175,24 @@ impl Aided {
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
+                if trial.was_place {
+                    self.earth.get_or_insert_with(|| Earth::of(filter, trial.onset_ns));
+                }
                 return self.go_on_with(winner, filter);
             }
             Verdict::Unchanged => return self.go_on_with(trial.place, filter),
             Verdict::NewPlace | Verdict::Place => {
-                let winner = trial.place.clone();
-                let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
-                let moved_ut = displaced_ut + winner.vector(FIELD) - filter.vector(FIELD);
-                let back = moved_ut.norm() < self.tuning.smallest_step_ut.min(0.5 * displaced_ut.norm());
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
                 }
-                if verdict == Verdict::NewPlace || back {
-                    self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
-                    self.displaced_s = 0.0;
-                    return self.go_on_with(winner, filter);
+                let back = self.earth.as_ref().is_some_and(|it| it.is_that_of(&trial.place, filter, &self.tuning));
+                if back {
+                    self.earth = None;
+                } else if verdict == Verdict::NewPlace {
+                    self.earth.get_or_insert_with(|| Earth::of(filter, trial.onset_ns));
+                }
+                if back || verdict == Verdict::NewPlace {
+                    return self.go_on_with(trial.place, filter);
                 }
             }
             Verdict::Open => {}
