@@ -176,7 +176,7 @@ impl Aided {
                     self.former = Some(Former::of(filter));
                 }
                 if trial.was_place {
-                    self.earth.get_or_insert_with(|| Earth::of(filter, trial.onset_ns));
+                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
                 }
                 return self.go_on_with(winner, filter);
             }
@@ -189,7 +189,7 @@ impl Aided {
                 if back {
                     self.earth = None;
                 } else if verdict == Verdict::NewPlace {
-                    self.earth.get_or_insert_with(|| Earth::of(filter, trial.onset_ns));
+                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
                 }
                 if back || verdict == Verdict::NewPlace {
                     return self.go_on_with(trial.place, filter);

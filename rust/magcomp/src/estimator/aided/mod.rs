@@ -124,12 +124,13 @@ impl Aided {
     /// |m|, uT.
     fn strength_of(&self, filter: &Gaussian) -> f64 {
         // where the field points is lost: m is but the latest sample
-        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).norm())
+        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).0.norm())
     }
 
-    /// The Earth's field, device frame, uT.
-    fn earth_ut(&self, filter: &Gaussian) -> Vector3<f64> {
-        self.earth.as_ref().map_or_else(|| filter.vector(FIELD), |earth| earth.field_ut)
+    /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
+    fn earth_ut(&self, filter: &Gaussian) -> (Vector3<f64>, Matrix3<f64>) {
+        let m = filter.vector(FIELD);
+        self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
     }
 
     /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::earth::Earth;
 use super::events::Phase;
 use super::output::calibration_covariance;
 use super::state::{DELAY, FIELD, Gaussian, OFFSET};
@@ -40,7 +39,7 @@ impl Aided {
         let still = w * (step.raw_ut - filter.vector(OFFSET));
         let delay_s = filter.x[DELAY];
         let c = still - rate.cross(&still) * delay_s.max(0.0);
-        let m = self.earth_ut(filter);
+        let (m, elsewhere) = self.earth_ut(filter);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
         let swing = rate.cross(&f);
         let timing = swing * swing.transpose() * filter.p[(DELAY, DELAY)];
@@ -56,7 +55,8 @@ impl Aided {
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
         let p_f = filter.block(FIELD, FIELD)
-            + Matrix3::identity() * (floor + self.earth.as_ref().map_or(0.0, |earth| earth.variance_ut2))
+            + elsewhere
+            + Matrix3::identity() * floor
             + frames
             + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
@@ -82,8 +82,7 @@ impl Aided {
                 Phase::Undecided => Status::Suspect { since_ns },
             };
         }
-        let elsewhere = |earth: &&Earth| (filter.vector(FIELD) - earth.field_ut).norm() > self.tuning.smallest_step_ut;
-        if let Some(earth) = self.earth.as_ref().filter(elsewhere) {
+        if let Some(earth) = self.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
             return Status::Disturbed { since_ns: earth.since_ns };
         }
         if let Some(error) = impossible {
