@@ -2,7 +2,7 @@
 //!
 //! Between two samples the field in the device frame turns by the inverse of the device's own rotation, which the
 //! gyroscope measures. So raw = M h + b is linear in (b, M) with a known h, and any rotation makes them observable.
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `watch` (samples
+//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `events` (hypotheses) · `start`, `first_fit`, `batch`, `groups` · `step`, `learn` (one sample) ·
 //! `output`, `publish`. The derivation is in docs/METHOD-AIDED.md.
 

@@ -54,11 +54,7 @@ impl Aided {
             calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
-        let p_f = filter.block(FIELD, FIELD)
-            + elsewhere
-            + Matrix3::identity() * floor
-            + frames
-            + timing;
+        let p_f = filter.block(FIELD, FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }
