@@ -224,10 +224,12 @@ impl Aided {
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
         let c = &self.tuning;
+        // warming goes on at rest; what else is learned shows in motion only
+        let excess = self.adaptation.walk_ut.powi(2) - c.offset_walk_ut.powi(2);
         ProcessNoise {
             angle_rad: c.angle_walk_rad,
             bridged_rad2,
-            offset_ut: self.adaptation.walk_ut * self.motion.amount(&self.tuning).sqrt(),
+            offset_ut: (c.offset_walk_ut.powi(2) + excess * self.motion.amount(c)).sqrt(),
             bias_rad_s: c.bias_walk_rad_s,
             local_ut: self.adaptation.local_ut,
             local_time_s: self.tuning.local_time_s,

@@ -18,7 +18,7 @@ choices! {
         angle_walk_rad: 3e-4, "rad/s^0.5", "data sheets: 1e-4 to 3e-4";
         /// Random walk of the gyroscope's bias
         bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
-        /// Least random walk of the hard iron in motion
+        /// Least random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.05, "uT/s^0.5", "0.4 uT in a minute; families";
         /// Time over which corrections of the hard iron are gathered to see whether they go one way
         walk_s: 2.0, "s", "families";
