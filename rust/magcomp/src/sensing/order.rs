@@ -8,7 +8,7 @@
 //! Kotlin and Swift have the same rules in their own language; `tests/vectors/event_order.json` holds all three to them.
 
 use super::pairing::{MAX_LEAD_S, STALE_S};
-use crate::range::{ConfigError, first_failed, range};
+use crate::range::{ConfigError, in_range};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use std::collections::VecDeque;
 
@@ -95,7 +95,7 @@ impl EventQueue {
     /// # Errors
     /// [`ConfigError`] when `hold_s` is out of range.
     pub fn new(hold_s: f64) -> Result<Self, ConfigError> {
-        first_failed(&[range!("hold_s", hold_s, 0.0, 0.25, "s")])?;
+        in_range("hold_s", hold_s, 0.0..=0.25, "s")?;
         let waiting = VecDeque::with_capacity(ROOM);
         Ok(Self { hold_ns: (hold_s * 1e9) as i64, waiting, begin_ns: 0, latest_ns: [NEVER; 3] })
     }
