@@ -7,7 +7,6 @@ mod check;
 #[cfg(feature = "serde")]
 mod keep;
 
-use crate::answer::Answer;
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
 use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
 use crate::config::{Config, Method, validate_heading, validate_sigma};
@@ -22,7 +21,7 @@ use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::tilt::Tilt;
 use crate::sound::{LARGEST_COUNT, checked};
-use active::Active;
+use active::{Active, Answer};
 use nalgebra::SMatrix;
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
@@ -202,7 +201,8 @@ impl Compensator {
         if let Err(reason) = self.check(&sample)
             && !self.begins_another_clock(sample.time_ns, reason)
         {
-            return self.reading(sample.time_ns, Answer::none(self.inputs.mode, Status::Rejected(reason)));
+            let answer = Answer { mode: self.inputs.mode, ..Answer::default() };
+            return self.reading(sample.time_ns, Status::Rejected(reason), answer);
         }
         (self.inputs.astray, self.inputs.astray_ns) = (0, 0);
         let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
@@ -217,7 +217,7 @@ impl Compensator {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
         let paired = self.hand_over(paired, previous_ns);
-        let answer = self.active.push(&sample, &paired, &mut self.clerk);
+        let (status, answer) = self.active.push(&sample, &paired, &mut self.clerk);
         if let Active::Aided(aided) = &*self.active {
             let (bias_rad_s, scale) = aided.gyroscope();
             self.pairing.assume(bias_rad_s, scale.diagonal());
@@ -225,7 +225,7 @@ impl Compensator {
         }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
-        self.reading(sample.time_ns, answer)
+        self.reading(sample.time_ns, status, answer)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force. Returns what it may use of them.
@@ -254,7 +254,7 @@ impl Compensator {
         }
     }
 
-    fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
+    fn reading(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
         let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: least_deg } = self.config.heading;
@@ -289,7 +289,7 @@ impl Compensator {
             coverage: self.clerk.coverage().share(),
             mode: answer.mode,
             event: self.inputs.event,
-            status: answer.status,
+            status,
         }
     }
 

@@ -9,9 +9,11 @@
 //! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
 //! the latest N_min and grows from there.
 
+#[cfg(test)]
+mod tests;
+
 use super::clerk::Clerk;
 use super::config::WindowedConfig;
-use super::window::window_length;
 use crate::calibration::Calibration;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
@@ -28,14 +30,23 @@ const SUSPECT_SPREAD: f64 = 0.1;
 /// Samples from a refused fit to the next try.
 const RETRY_SAMPLES: usize = 10;
 
+/// (16) N = N_max - (N_max - N_min) sigma_T, kept in [N_min, N_max]: how many of the latest samples a fit uses, rounded to a whole
+/// number. Even orientations need few samples, poor ones many.
+#[must_use]
+pub fn window_length(sigma_t: f64, n_min: usize, n_max: usize) -> usize {
+    let n = n_max as f64 - (n_max as f64 - n_min as f64) * sigma_t;
+    if n.is_nan() { n_max } else { (n.round() as usize).clamp(n_min, n_max.max(n_min)) }
+}
+
 /// The paper's estimator, over the samples of a clerk.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Windowed {
     /// The first good fit is kept.
-    constant: bool,
-    calibration: Option<Calibration>,
-    fit: Option<EllipsoidFit>,
+    pub constant: bool,
+    pub calibration: Option<Calibration>,
+    /// The latest that was accepted.
+    pub fit: Option<EllipsoidFit>,
     since_fit: usize,
     /// Samples since the last change that was noticed: older ones are not used.
     since_change: usize,
@@ -52,19 +63,6 @@ impl Windowed {
     /// With a calibration to begin with. `constant`: the first good fit is kept.
     pub fn new(constant: bool, initial: Option<Calibration>) -> Self {
         Self { constant, calibration: initial, ..Self::default() }
-    }
-
-    pub fn is_constant(&self) -> bool {
-        self.constant
-    }
-
-    pub fn calibration(&self) -> Option<Calibration> {
-        self.calibration
-    }
-
-    /// The latest fit that was accepted.
-    pub fn fit(&self) -> Option<&EllipsoidFit> {
-        self.fit.as_ref()
     }
 
     /// One step of fig. 3; (15) is the clerk's then.
