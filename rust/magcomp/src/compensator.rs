@@ -34,7 +34,9 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 /// use magcomp::nalgebra::{Rotation3, Vector3};
 /// use magcomp::{Compensator, Config, MagneticSample, Status, UpSample};
 ///
-/// let mut compensator = Compensator::new(Config::default())?;
+/// let mut config = Config::default();
+/// config.heading.declination_deg = Some(2.5);
+/// let mut compensator = Compensator::new(config)?;
 /// for k in 0..1000_i64 {
 ///     let time_ns = k * 10_000_000;
 ///     // a device turned about in a field of 50 uT, with an offset of (120, -80, 300) uT
@@ -286,7 +288,7 @@ impl Compensator {
             worst_sigma_deg: answer.worst_sigma_deg,
             model_order: answer.model_order,
             window: self.active.window(&self.clerk),
-            coverage: self.clerk.coverage().share(),
+            coverage: self.clerk.coverage.share(),
             mode: answer.mode,
             event: self.inputs.event,
             status,
@@ -314,7 +316,7 @@ impl Compensator {
     /// Which directions the window has seen, for guidance.
     #[must_use]
     pub fn coverage(&self) -> &Coverage {
-        self.clerk.coverage()
+        &self.clerk.coverage
     }
 
     /// Forgets everything but the config.

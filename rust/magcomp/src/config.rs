@@ -25,16 +25,7 @@ pub enum Method {
 }
 
 /// Everything a [`crate::Compensator`] can be told: sixteen settings. `Config::default()` suits a phone; a setting is changed
-/// on it.
-///
-/// ```
-/// use magcomp::{Config, Method};
-///
-/// let mut config = Config::default();
-/// config.method = Method::Adaptive;
-/// config.heading.declination_deg = Some(2.5);
-/// assert!(config.validate().is_ok());
-/// ```
+/// on it, as the example there shows.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
@@ -53,9 +44,8 @@ pub struct Config {
     /// The magnetometer's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
     /// saturated. 1 to 100 000. Default none: not known.
     pub rail_ut: Option<f64>,
-    /// |h| in uT, 1 to 1000, where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
-    /// sensor's scale. Every method listens to it. None (the default): the strength is found, and M has a gauge of its own, det M = 1;
-    /// for the aided method tr M = 3.
+    /// |h| in uT, 1 to 1000, where it is known, as [`crate::FitOptions::field_strength_ut`]. Every method listens to it. None (the
+    /// default): the strength is found, and M has a gauge of its own, det M = 1; for the aided method tr M = 3.
     pub field_strength_ut: Option<f64>,
     /// How headings are reported.
     pub heading: HeadingConfig,

@@ -109,7 +109,7 @@ impl Active {
                     field_ut: output.corrected_ut.map(|(field, _)| field),
                     field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2),
                     up,
-                    sigma_t: clerk.sigma_t(),
+                    sigma_t: clerk.noted.sigma_t,
                     direction_sigma_deg: output.direction_sigma_deg,
                     worst_sigma_deg: output.worst_sigma_deg,
                     model_order: output.corrected_ut.map(|_| output.order),
@@ -132,7 +132,7 @@ impl Active {
                     field_ut,
                     field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2),
                     up,
-                    sigma_t: clerk.sigma_t(),
+                    sigma_t: clerk.noted.sigma_t,
                     direction_sigma_deg: windowed.fit.map(|fit| fit.direction_sigma_deg),
                     mode,
                     ..Answer::default()
@@ -182,7 +182,7 @@ impl Active {
     pub fn window(&self, clerk: &Clerk) -> usize {
         match self {
             Self::Adaptive(adaptive) => adaptive.window(),
-            Self::Aided(_) | Self::Windowed(_) => clerk.window(),
+            Self::Aided(_) | Self::Windowed(_) => clerk.window,
         }
     }
 }

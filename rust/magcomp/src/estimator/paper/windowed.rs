@@ -67,18 +67,18 @@ impl Windowed {
 
     /// One step of fig. 3; (15) is the clerk's then.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> Status {
-        let WindowedConfig { n_min, n_max, sigma_th, .. } = *clerk.config();
+        let WindowedConfig { n_min, n_max, sigma_th, .. } = clerk.config;
         clerk.enter(raw_ut);
         self.since_change += 1;
         self.since_fit += 1;
         let spread = clerk.measure();
-        let status = match clerk.sigma_t() {
+        let status = match clerk.noted.sigma_t {
             _ if self.constant && self.calibration.is_some() => {
-                clerk.resize(clerk.window().min(n_min));
+                clerk.resize(clerk.window.min(n_min));
                 Status::Held(HoldReason::Constant)
             }
             Some(sigma_t) if sigma_t < sigma_th => {
-                clerk.resize(clerk.window() - 1);
+                clerk.resize(clerk.window - 1);
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
@@ -103,7 +103,8 @@ impl Windowed {
         let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
         if self.since_fit >= wait {
             self.since_fit = 0;
-            match clerk.moments().fit_from(self.calibration.as_ref(), &clerk.fit_options()) {
+            match clerk.moments.fit_from(self.calibration.as_ref(), &clerk.config.fit_options(clerk.field_strength_ut))
+            {
                 Ok(fit) if self.constant && !settled(&fit, clerk) => {}
                 Ok(fit) => {
                     (self.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
@@ -113,7 +114,7 @@ impl Windowed {
                     self.refused = Some(error);
                     if matches!(error, FitError::Inconsistent { .. }) {
                         // something changed inside the window: only its latest samples may still agree
-                        self.since_change = clerk.config().n_min;
+                        self.since_change = clerk.config.n_min;
                         clerk.resize(self.since_change);
                     }
                 }
@@ -129,7 +130,7 @@ impl Windowed {
     fn collecting(&self, clerk: &Clerk) -> Status {
         Status::Collecting(match self.refused {
             Some(error) => Missing::Fit(error),
-            None => Missing::Samples { have: clerk.len(), need: clerk.config().n_min },
+            None => Missing::Samples { have: clerk.len(), need: clerk.config.n_min },
         })
     }
 
@@ -142,5 +143,5 @@ impl Windowed {
 
 /// Whether the constant method keeps this fit.
 fn settled(fit: &EllipsoidFit, clerk: &Clerk) -> bool {
-    fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || clerk.window() == clerk.config().n_max
+    fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || clerk.window == clerk.config.n_max
 }
