@@ -26,6 +26,7 @@ use nalgebra::SMatrix;
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
+
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
 /// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
@@ -107,7 +108,7 @@ impl Compensator {
         Ok(Self {
             pairing: InertialPairing::default(),
             active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
-            clerk: Self::clerk(&config),
+            clerk: Clerk::new(config.windowed, config.field_strength_ut, config.initial),
             inputs: Inputs::default(),
             tunings,
             config,
@@ -116,11 +117,6 @@ impl Compensator {
 
     fn initial(config: &Config) -> Option<Given> {
         config.initial.map(|calibration| Given { calibration, sigma_ut: config.initial_sigma_ut })
-    }
-
-    /// A clerk for a config.
-    fn clerk(config: &Config) -> Clerk {
-        Clerk::new(config.windowed, config.field_strength_ut, config.initial)
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -158,7 +154,7 @@ impl Compensator {
     fn begin_anew(&mut self, given: Given) {
         self.inputs.adopted_sigma_ut = Some(given.sigma_ut);
         match &mut *self.active {
-            Active::Windowed(windowed) => windowed.adopt(given.calibration),
+            Active::Windowed(windowed) => windowed.fit = None,
             // the aided one takes over with the next rotation
             other => *other = Active::new(&self.config, &self.tunings, Some(given)),
         }
@@ -175,7 +171,7 @@ impl Compensator {
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
     fn in_force(&self) -> Option<Given> {
-        let given = self.active.in_force()?;
+        let given = self.active.in_force(&self.clerk)?;
         let adopted_ut = self.inputs.adopted_sigma_ut.or(self.config.initial.map(|_| self.config.initial_sigma_ut));
         Some(Given { sigma_ut: given.sigma_ut.max(adopted_ut.unwrap_or(USUAL_SIGMA_UT).min(USUAL_SIGMA_UT)), ..given })
     }
@@ -259,11 +255,9 @@ impl Compensator {
     fn reading(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
-        let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: least_deg } = self.config.heading;
-        let tilt_sigma_deg = match answer.tilt_rad2 {
-            Some(variance) => least_deg.hypot(variance.sqrt().to_degrees()),
-            None => self.inputs.tilt.sigma_deg(least_deg),
-        };
+        let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: at_rest_deg } = self.config.heading;
+        let motion_rad2 = answer.tilt_rad2.unwrap_or(self.inputs.tilt.variance_rad2);
+        let tilt_sigma_deg = at_rest_deg.hypot(motion_rad2.sqrt().to_degrees());
         Reading {
             time_ns,
             field_ut: answer.field_ut,
@@ -298,7 +292,7 @@ impl Compensator {
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        self.active.calibration()
+        self.active.calibration(&self.clerk)
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.

@@ -44,9 +44,7 @@ impl Active {
     /// What a method begins with; of the two of `Auto` the one that needs no gyroscope.
     pub fn new(config: &Config, tunings: &Tunings, initial: Option<Given>) -> Self {
         match config.method {
-            Method::Windowed | Method::Constant => {
-                Self::Windowed(Windowed::new(config.method == Method::Constant, initial.map(|given| given.calibration)))
-            }
+            Method::Windowed | Method::Constant => Self::Windowed(Windowed::new(config.method == Method::Constant)),
             Method::Auto | Method::Aided | Method::Adaptive => {
                 Self::Adaptive(Adaptive::new(tunings.adaptive, config.field_strength_ut, initial))
             }
@@ -121,7 +119,7 @@ impl Active {
             }
             Self::Windowed(windowed) => {
                 let status = windowed.push(time_ns, raw_ut, clerk);
-                let field_ut = windowed.calibration.map(|calibration| calibration.correct(raw_ut));
+                let field_ut = clerk.noted.calibration.map(|calibration| calibration.correct(raw_ut));
                 let field_ut = field_ut.filter(|field| field.norm().is_finite());
                 let covariance = windowed.fit.zip(field_ut).map(|(fit, field)| {
                     let w = fit.calibration.soft_iron_inverse();
@@ -142,16 +140,16 @@ impl Active {
         }
     }
 
-    pub fn calibration(&self) -> Option<Calibration> {
+    pub fn calibration(&self, clerk: &Clerk) -> Option<Calibration> {
         match self {
             Self::Aided(aided) => aided.calibration(),
             Self::Adaptive(adaptive) => adaptive.calibration(),
-            Self::Windowed(windowed) => windowed.calibration,
+            Self::Windowed(_) => clerk.noted.calibration,
         }
     }
 
     /// The calibration in force, and the root of the mean variance of a component of b.
-    pub fn in_force(&self) -> Option<Given> {
+    pub fn in_force(&self, clerk: &Clerk) -> Option<Given> {
         if let Self::Adaptive(adaptive) = self
             && let Some(given) = adaptive.untouched()
         {
@@ -159,7 +157,7 @@ impl Active {
         }
         let variance_ut2 = self.covariance().map(|p| p.fixed_view::<3, 3>(0, 0).trace() / 3.0);
         let sigma_ut = variance_ut2.map_or(USUAL_SIGMA_UT, |variance| variance.max(0.0).sqrt());
-        Some(Given { calibration: self.calibration()?, sigma_ut })
+        Some(Given { calibration: self.calibration(clerk)?, sigma_ut })
     }
 
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {

@@ -38,6 +38,7 @@ pub(crate) struct Clerk {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Noted {
+    /// In force; of an estimator without a window as of the last time it was asked.
     pub calibration: Option<Calibration>,
     /// Directions are counted as seen through this.
     seen_through: Option<Calibration>,
@@ -151,7 +152,7 @@ impl Clerk {
     }
 
     /// Directions are counted anew when the calibration they are seen through is no longer right.
-    fn recount(&mut self) {
+    pub(super) fn recount(&mut self) {
         let through = match (&self.noted.calibration, &self.noted.seen_through) {
             (Some(now), Some(then)) => {
                 let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();

@@ -14,7 +14,6 @@ mod tests;
 
 use super::clerk::Clerk;
 use super::config::WindowedConfig;
-use crate::calibration::Calibration;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sound::{LARGEST_COUNT, checked, is_covariance};
@@ -38,13 +37,12 @@ pub fn window_length(sigma_t: f64, n_min: usize, n_max: usize) -> usize {
     if n.is_nan() { n_max } else { (n.round() as usize).clamp(n_min, n_max.max(n_min)) }
 }
 
-/// The paper's estimator, over the samples of a clerk.
+/// The paper's estimator, over the samples of a clerk, who has the calibration in force too.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Windowed {
     /// The first good fit is kept.
     pub constant: bool,
-    pub calibration: Option<Calibration>,
     /// The latest that was accepted.
     pub fit: Option<EllipsoidFit>,
     since_fit: usize,
@@ -60,9 +58,9 @@ checked!(Windowed, |it| {
 });
 
 impl Windowed {
-    /// With a calibration to begin with. `constant`: the first good fit is kept.
-    pub fn new(constant: bool, initial: Option<Calibration>) -> Self {
-        Self { constant, calibration: initial, ..Self::default() }
+    /// `constant`: the first good fit is kept.
+    pub fn new(constant: bool) -> Self {
+        Self { constant, ..Self::default() }
     }
 
     /// One step of fig. 3; (15) is the clerk's then.
@@ -73,7 +71,7 @@ impl Windowed {
         self.since_fit += 1;
         let spread = clerk.measure();
         let status = match clerk.noted.sigma_t {
-            _ if self.constant && self.calibration.is_some() => {
+            _ if self.constant && clerk.noted.calibration.is_some() => {
                 clerk.resize(clerk.window.min(n_min));
                 Status::Held(HoldReason::Constant)
             }
@@ -89,7 +87,7 @@ impl Windowed {
             None if clerk.len() >= n_min => self.refit(clerk),
             None => self.collecting(clerk),
         };
-        clerk.look_through(self.calibration);
+        clerk.recount();
         if spread <= SUSPECT_SPREAD {
             self.suspect_since_ns = None;
             return status;
@@ -103,11 +101,11 @@ impl Windowed {
         let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
         if self.since_fit >= wait {
             self.since_fit = 0;
-            match clerk.moments.fit_from(self.calibration.as_ref(), &clerk.config.fit_options(clerk.field_strength_ut))
-            {
+            let options = clerk.config.fit_options(clerk.field_strength_ut);
+            match clerk.moments.fit_from(clerk.noted.calibration.as_ref(), &options) {
                 Ok(fit) if self.constant && !settled(&fit, clerk) => {}
                 Ok(fit) => {
-                    (self.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
+                    (clerk.noted.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
                     clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
                 }
                 Err(error) => {
@@ -120,7 +118,7 @@ impl Windowed {
                 }
             }
         }
-        match (self.calibration, self.refused) {
+        match (clerk.noted.calibration, self.refused) {
             (None, _) => self.collecting(clerk),
             (_, None) => Status::Tracking,
             (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
@@ -132,12 +130,6 @@ impl Windowed {
             Some(error) => Missing::Fit(error),
             None => Missing::Samples { have: clerk.len(), need: clerk.config.n_min },
         })
-    }
-
-    /// What was found elsewhere.
-    pub fn adopt(&mut self, calibration: Calibration) {
-        self.calibration = Some(calibration);
-        self.fit = None;
     }
 }
 
