@@ -18,7 +18,7 @@ use crate::quadric::EllipsoidFit;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
-use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::sensing::pairing::{EventRejection, InertialPairing};
 use crate::sensing::tilt::Tilt;
 use crate::sound::{LARGEST_COUNT, checked};
 use active::{Active, Answer};
@@ -207,14 +207,17 @@ impl Compensator {
         let previous_ns = self.inputs.latest.map(|latest| latest.time_ns);
         self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
         self.inputs.latest = Some(sample);
-        let paired = self.pairing.pair(sample.time_ns);
+        let mut paired = self.pairing.pair(sample.time_ns);
         if paired.rotation.is_some() {
             self.inputs.rotated_ns = Some(sample.time_ns);
         }
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
-        let paired = self.hand_over(paired, previous_ns);
+        if self.hand_over(sample.time_ns, previous_ns) {
+            // it does not know yet where the field points: this sample goes in as one after a pause
+            paired.rotation = None;
+        }
         let (status, answer) = self.active.push(&sample, &paired, &mut self.clerk);
         if let Active::Aided(aided) = &*self.active {
             let (bias_rad_s, scale) = aided.gyroscope();
@@ -226,30 +229,23 @@ impl Compensator {
         self.reading(sample.time_ns, status, answer)
     }
 
-    /// The estimator that the sensors allow takes over, from the calibration in force. Returns what it may use of them.
-    fn hand_over(&mut self, paired: PairedInertial, previous_ns: Option<i64>) -> PairedInertial {
-        let (Method::Auto | Method::Aided, Some(latest)) = (self.config.method, self.inputs.latest) else {
-            return paired;
+    /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
+    fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>) -> bool {
+        let (Method::Auto | Method::Aided, Some(rotated_ns)) = (self.config.method, self.inputs.rotated_ns) else {
+            return false;
         };
-        let Some(rotated_ns) = self.inputs.rotated_ns else { return paired };
-        let is_gone = latest.time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
+        let is_gone = time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
         if is_gone {
             self.inputs.is_gyroscope_useless = false;
         }
         // a pause of all sensors is no loss of the gyroscope
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
-        match (&*self.active, is_usable) {
-            (Active::Adaptive(_), true) => {
-                *self.active = Active::aided(&self.config, &self.tunings, self.in_force());
-                // it does not know yet where the field points: this sample goes in as one after a pause
-                PairedInertial { rotation: None, ..paired }
-            }
-            (Active::Aided(_), false) => {
-                *self.active = Active::new(&self.config, &self.tunings, self.in_force());
-                paired
-            }
-            _ => paired,
-        }
+        *self.active = match (&*self.active, is_usable) {
+            (Active::Adaptive(_), true) => Active::aided(&self.config, &self.tunings, self.in_force()),
+            (Active::Aided(_), false) => Active::new(&self.config, &self.tunings, self.in_force()),
+            _ => return false,
+        };
+        is_usable
     }
 
     fn reading(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {

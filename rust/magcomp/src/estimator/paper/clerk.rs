@@ -153,15 +153,12 @@ impl Clerk {
 
     /// Directions are counted anew when the calibration they are seen through is no longer right.
     pub(super) fn recount(&mut self) {
+        let is_near = |now: &Calibration, then: &Calibration| {
+            (now.hard_iron_ut() - then.hard_iron_ut()).norm() <= RECOUNT_SHIFT * then.field_strength_ut()
+        };
         let through = match (&self.noted.calibration, &self.noted.seen_through) {
-            (Some(now), Some(then)) => {
-                let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
-                if shift <= RECOUNT_SHIFT * then.field_strength_ut() {
-                    return;
-                }
-                *now
-            }
-            (Some(now), None) => *now,
+            (Some(now), Some(then)) if is_near(now, then) => return,
+            (Some(now), _) => *now,
             // where the centre seems to be before any fit is good enough to report
             (None, _) if self.is_due() => {
                 Calibration::about(self.moments.provisional_centre_ut(), typical_field_ut(self.field_strength_ut))
