@@ -29,10 +29,8 @@ pub struct Reading {
     /// many and a calibration.
     pub sigma_t: Option<f64>,
     /// Samples in the window of the estimator.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub coverage: f64,
     /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None
     /// without a calibration or a known covariance.
@@ -44,7 +42,6 @@ pub struct Reading {
     /// Which parameters the latest change set free. Adaptive method only.
     pub model_order: Option<ModelOrder>,
     /// The sensors the estimator runs on.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub mode: SensorMode,
     /// The latest change that was decided, kept until the next. None before the first.
     pub event: Option<Event>,
