@@ -69,7 +69,7 @@ fn deliveries_of_the_reference() {
 fn a_hold_out_of_range_is_named() {
     for hold_s in [-0.01, 0.26, f64::NAN] {
         let error = EventQueue::new(hold_s).unwrap_err();
-        assert_eq!((error.field, error.expected), ("hold_s", "0.0 to 0.25 s"));
+        assert_eq!((error.field, error.expected.as_str()), ("hold_s", "0.0 to 0.25 s"));
     }
     assert!(EventQueue::new(0.0).is_ok() && EventQueue::new(0.25).is_ok());
 }

@@ -117,7 +117,7 @@ fn what_is_given_without_a_standard_deviation_in_range_is_refused_and_changes_no
         let before = compensator.snapshot();
         for sigma_ut in [0.0, -1.0, 1e9, f64::NAN] {
             let error = compensator.adopt(given, sigma_ut).unwrap_err();
-            assert_eq!((error.field, error.expected), ("hard_iron_sigma_ut", "0.01 to 1000.0 uT"));
+            assert_eq!((error.field, error.expected.as_str()), ("hard_iron_sigma_ut", "0.01 to 1000.0 uT"));
         }
         assert_eq!(compensator.snapshot(), before);
         compensator.adopt(given, 0.01).unwrap();

@@ -85,7 +85,7 @@ impl std::error::Error for MagcompError {}
 
 impl From<magcomp::ConfigError> for MagcompError {
     fn from(e: magcomp::ConfigError) -> Self {
-        Self::Config { field: e.field.to_owned(), value: e.value, expected: e.expected.to_owned() }
+        Self::Config { field: e.field.to_owned(), value: e.value, expected: e.expected }
     }
 }
 

@@ -29,31 +29,23 @@ pub enum CalibrationError {
     Mirrored,
     /// An element of M or of its inverse is larger than any sensor's: the error model does not hold, or the unit is wrong.
     #[error(
-        "an element of the soft iron matrix or of its inverse is {value}, outside +-{limit}; is the field in microtesla?"
+        "an element of the soft iron matrix or of its inverse is {value}, outside +-{LARGEST_ELEMENT}; is the field in microtesla?"
     )]
     SoftIron {
         /// The element, dimensionless.
         value: f64,
-        /// The limit.
-        limit: f64,
     },
     /// A component of b is larger than any sensor reads.
-    #[error("hard iron component {value_ut} uT is outside +-{limit_ut} uT; is the unit microtesla?")]
+    #[error("hard iron component {value_ut} uT is outside +-{LARGEST_RAW_UT} uT; is the unit microtesla?")]
     HardIron {
         /// The component, microtesla.
         value_ut: f64,
-        /// The limit, microtesla.
-        limit_ut: f64,
     },
     /// The field strength is none that a device is used in.
-    #[error("field strength is {field_strength_ut} uT, expected {low_ut} to {high_ut} uT")]
+    #[error("field strength is {field_strength_ut} uT, expected {} to {} uT", FIELD_STRENGTHS_UT.0, FIELD_STRENGTHS_UT.1)]
     FieldStrength {
         /// The value given, microtesla.
         field_strength_ut: f64,
-        /// The least that is accepted, microtesla.
-        low_ut: f64,
-        /// The most that is accepted, microtesla.
-        high_ut: f64,
     },
 }
 
@@ -82,19 +74,17 @@ pub(crate) fn typical_field_ut(known_ut: Option<f64>) -> f64 {
 
 /// M, b and the strength of the field they were found in: h_m = M h + b.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "CalibrationParts", into = "CalibrationParts")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "CalibrationParts"))]
 pub struct Calibration {
     soft_iron: Matrix3<f64>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     soft_iron_inverse: Matrix3<f64>,
     hard_iron_ut: Vector3<f64>,
     field_strength_ut: f64,
 }
 
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+/// What is stored of a calibration.
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 struct CalibrationParts {
     soft_iron: Matrix3<f64>,
     hard_iron_ut: Vector3<f64>,
@@ -105,12 +95,6 @@ impl TryFrom<CalibrationParts> for Calibration {
     type Error = CalibrationError;
     fn try_from(parts: CalibrationParts) -> Result<Self, CalibrationError> {
         Self::new(parts.soft_iron, parts.hard_iron_ut, parts.field_strength_ut)
-    }
-}
-
-impl From<Calibration> for CalibrationParts {
-    fn from(c: Calibration) -> Self {
-        Self { soft_iron: c.soft_iron, hard_iron_ut: c.hard_iron_ut, field_strength_ut: c.field_strength_ut }
     }
 }
 
@@ -165,17 +149,16 @@ impl Calibration {
         hard_iron_ut: Vector3<f64>,
         field_strength_ut: f64,
     ) -> Result<Self, CalibrationError> {
-        let (low_ut, high_ut) = FIELD_STRENGTHS_UT;
-        if !(low_ut..=high_ut).contains(&field_strength_ut) {
-            return Err(CalibrationError::FieldStrength { field_strength_ut, low_ut, high_ut });
+        if !(FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&field_strength_ut) {
+            return Err(CalibrationError::FieldStrength { field_strength_ut });
         }
         // no comparison with NaN holds
         if let Some(&value_ut) = hard_iron_ut.iter().find(|b| !(-LARGEST_RAW_UT..=LARGEST_RAW_UT).contains(*b)) {
-            return Err(CalibrationError::HardIron { value_ut, limit_ut: LARGEST_RAW_UT });
+            return Err(CalibrationError::HardIron { value_ut });
         }
         let bounded = |m: &Matrix3<f64>| {
             let beyond = m.iter().find(|element| !(-LARGEST_ELEMENT..=LARGEST_ELEMENT).contains(*element));
-            beyond.map_or(Ok(()), |&value| Err(CalibrationError::SoftIron { value, limit: LARGEST_ELEMENT }))
+            beyond.map_or(Ok(()), |&value| Err(CalibrationError::SoftIron { value }))
         };
         // first M: of huge numbers the determinant overflows
         bounded(&soft_iron)?;

@@ -7,7 +7,6 @@ mod check;
 #[cfg(feature = "serde")]
 mod keep;
 
-use crate::answer::Answer;
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
 use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
 use crate::config::{Config, Method, validate_heading, validate_sigma};
@@ -19,14 +18,15 @@ use crate::quadric::EllipsoidFit;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
-use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::sensing::pairing::{EventRejection, InertialPairing};
 use crate::sensing::tilt::Tilt;
 use crate::sound::{LARGEST_COUNT, checked};
-use active::Active;
+use active::{Active, Answer};
 use nalgebra::SMatrix;
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
+
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
 /// No clock, no thread, no allocation in `push`. It never panics and never returns NaN.
@@ -35,7 +35,9 @@ const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
 /// use magcomp::nalgebra::{Rotation3, Vector3};
 /// use magcomp::{Compensator, Config, MagneticSample, Status, UpSample};
 ///
-/// let mut compensator = Compensator::new(Config::default())?;
+/// let mut config = Config::default();
+/// config.heading.declination_deg = Some(2.5);
+/// let mut compensator = Compensator::new(config)?;
 /// for k in 0..1000_i64 {
 ///     let time_ns = k * 10_000_000;
 ///     // a device turned about in a field of 50 uT, with an offset of (120, -80, 300) uT
@@ -106,7 +108,7 @@ impl Compensator {
         Ok(Self {
             pairing: InertialPairing::default(),
             active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
-            clerk: Self::clerk(&config),
+            clerk: Clerk::new(config.windowed, config.field_strength_ut, config.initial),
             inputs: Inputs::default(),
             tunings,
             config,
@@ -115,11 +117,6 @@ impl Compensator {
 
     fn initial(config: &Config) -> Option<Given> {
         config.initial.map(|calibration| Given { calibration, sigma_ut: config.initial_sigma_ut })
-    }
-
-    /// A clerk for a config.
-    fn clerk(config: &Config) -> Clerk {
-        Clerk::new(config.windowed, config.field_strength_ut, config.initial)
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -157,7 +154,7 @@ impl Compensator {
     fn begin_anew(&mut self, given: Given) {
         self.inputs.adopted_sigma_ut = Some(given.sigma_ut);
         match &mut *self.active {
-            Active::Windowed(windowed) => windowed.adopt(given.calibration),
+            Active::Windowed(windowed) => windowed.fit = None,
             // the aided one takes over with the next rotation
             other => *other = Active::new(&self.config, &self.tunings, Some(given)),
         }
@@ -174,7 +171,7 @@ impl Compensator {
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
     fn in_force(&self) -> Option<Given> {
-        let given = self.active.in_force()?;
+        let given = self.active.in_force(&self.clerk)?;
         let adopted_ut = self.inputs.adopted_sigma_ut.or(self.config.initial.map(|_| self.config.initial_sigma_ut));
         Some(Given { sigma_ut: given.sigma_ut.max(adopted_ut.unwrap_or(USUAL_SIGMA_UT).min(USUAL_SIGMA_UT)), ..given })
     }
@@ -202,22 +199,26 @@ impl Compensator {
         if let Err(reason) = self.check(&sample)
             && !self.begins_another_clock(sample.time_ns, reason)
         {
-            return self.reading(sample.time_ns, Answer::none(self.inputs.mode, Status::Rejected(reason)));
+            let answer = Answer { mode: self.inputs.mode, ..Answer::default() };
+            return self.reading(sample.time_ns, Status::Rejected(reason), answer);
         }
         (self.inputs.astray, self.inputs.astray_ns) = (0, 0);
         let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
         let previous_ns = self.inputs.latest.map(|latest| latest.time_ns);
         self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
         self.inputs.latest = Some(sample);
-        let paired = self.pairing.pair(sample.time_ns);
+        let mut paired = self.pairing.pair(sample.time_ns);
         if paired.rotation.is_some() {
             self.inputs.rotated_ns = Some(sample.time_ns);
         }
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
-        let paired = self.hand_over(paired, previous_ns);
-        let answer = self.active.push(&sample, &paired, &mut self.clerk);
+        if self.hand_over(sample.time_ns, previous_ns) {
+            // it does not know yet where the field points: this sample goes in as one after a pause
+            paired.rotation = None;
+        }
+        let (status, answer) = self.active.push(&sample, &paired, &mut self.clerk);
         if let Active::Aided(aided) = &*self.active {
             let (bias_rad_s, scale) = aided.gyroscope();
             self.pairing.assume(bias_rad_s, scale.diagonal());
@@ -225,43 +226,34 @@ impl Compensator {
         }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
-        self.reading(sample.time_ns, answer)
+        self.reading(sample.time_ns, status, answer)
     }
 
-    /// The estimator that the sensors allow takes over, from the calibration in force. Returns what it may use of them.
-    fn hand_over(&mut self, paired: PairedInertial, previous_ns: Option<i64>) -> PairedInertial {
-        let (Method::Auto | Method::Aided, Some(latest)) = (self.config.method, self.inputs.latest) else {
-            return paired;
+    /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
+    fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>) -> bool {
+        let (Method::Auto | Method::Aided, Some(rotated_ns)) = (self.config.method, self.inputs.rotated_ns) else {
+            return false;
         };
-        let Some(rotated_ns) = self.inputs.rotated_ns else { return paired };
-        let is_gone = latest.time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
+        let is_gone = time_ns.saturating_sub(rotated_ns) > GYROSCOPE_GONE_NS;
         if is_gone {
             self.inputs.is_gyroscope_useless = false;
         }
         // a pause of all sensors is no loss of the gyroscope
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
-        match (&*self.active, is_usable) {
-            (Active::Adaptive(_), true) => {
-                *self.active = Active::aided(&self.config, &self.tunings, self.in_force());
-                // it does not know yet where the field points: this sample goes in as one after a pause
-                PairedInertial { rotation: None, ..paired }
-            }
-            (Active::Aided(_), false) => {
-                *self.active = Active::new(&self.config, &self.tunings, self.in_force());
-                paired
-            }
-            _ => paired,
-        }
+        *self.active = match (&*self.active, is_usable) {
+            (Active::Adaptive(_), true) => Active::aided(&self.config, &self.tunings, self.in_force()),
+            (Active::Aided(_), false) => Active::new(&self.config, &self.tunings, self.in_force()),
+            _ => return false,
+        };
+        is_usable
     }
 
-    fn reading(&self, time_ns: i64, answer: Answer) -> Reading {
+    fn reading(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
         let pointing = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up);
         let covariance = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
-        let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: least_deg } = self.config.heading;
-        let tilt_sigma_deg = match answer.tilt_rad2 {
-            Some(variance) => least_deg.hypot(variance.sqrt().to_degrees()),
-            None => self.inputs.tilt.sigma_deg(least_deg),
-        };
+        let HeadingConfig { axis, screen_rotation, declination_deg, tilt_sigma_deg: at_rest_deg } = self.config.heading;
+        let motion_rad2 = answer.tilt_rad2.unwrap_or(self.inputs.tilt.variance_rad2);
+        let tilt_sigma_deg = at_rest_deg.hypot(motion_rad2.sqrt().to_degrees());
         Reading {
             time_ns,
             field_ut: answer.field_ut,
@@ -286,17 +278,17 @@ impl Compensator {
             worst_sigma_deg: answer.worst_sigma_deg,
             model_order: answer.model_order,
             window: self.active.window(&self.clerk),
-            coverage: self.clerk.coverage().share(),
+            coverage: self.clerk.coverage.share(),
             mode: answer.mode,
             event: self.inputs.event,
-            status: answer.status,
+            status,
         }
     }
 
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        self.active.calibration()
+        self.active.calibration(&self.clerk)
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
@@ -314,7 +306,7 @@ impl Compensator {
     /// Which directions the window has seen, for guidance.
     #[must_use]
     pub fn coverage(&self) -> &Coverage {
-        self.clerk.coverage()
+        &self.clerk.coverage
     }
 
     /// Forgets everything but the config.

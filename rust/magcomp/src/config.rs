@@ -4,7 +4,7 @@ use crate::calibration::{Calibration, USUAL_SIGMA_UT};
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
-use crate::range::{Check, ConfigError, first_failed, range};
+use crate::range::{ConfigError, in_range};
 
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,16 +25,7 @@ pub enum Method {
 }
 
 /// Everything a [`crate::Compensator`] can be told: sixteen settings. `Config::default()` suits a phone; a setting is changed
-/// on it.
-///
-/// ```
-/// use magcomp::{Config, Method};
-///
-/// let mut config = Config::default();
-/// config.method = Method::Adaptive;
-/// config.heading.declination_deg = Some(2.5);
-/// assert!(config.validate().is_ok());
-/// ```
+/// on it, as the example there shows.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
@@ -53,9 +44,8 @@ pub struct Config {
     /// The magnetometer's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
     /// saturated. 1 to 100 000. Default none: not known.
     pub rail_ut: Option<f64>,
-    /// |h| in uT, 1 to 1000, where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
-    /// sensor's scale. Every method listens to it. None (the default): the strength is found, and M has a gauge of its own, det M = 1;
-    /// for the aided method tr M = 3.
+    /// |h| in uT, 1 to 1000, where it is known, as [`crate::FitOptions::field_strength_ut`]. Every method listens to it. None (the
+    /// default): the strength is found, and M has a gauge of its own, det M = 1; for the aided method tr M = 3.
     pub field_strength_ut: Option<f64>,
     /// How headings are reported.
     pub heading: HeadingConfig,
@@ -86,39 +76,28 @@ impl Config {
     pub fn validate(&self) -> Result<(), ConfigError> {
         let w = &self.windowed;
         validate_sigma("initial_sigma_ut", self.initial_sigma_ut)?;
-        first_failed(&[
-            range!("range_ut", self.range_ut, 1.0, 100000.0, "uT"),
-            range!("rail_ut", self.rail_ut, none, 1.0, 100000.0, "uT"),
-            range!("field_strength_ut", self.field_strength_ut, none, 1.0, 1000.0, "uT"),
-            range!("windowed.n_max", w.n_max, 9, 100000, "samples"),
-            Check {
-                ok: w.n_min >= SMALLEST_SAMPLE_COUNT,
-                field: "windowed.n_min",
-                value: &w.n_min,
-                expected: "at least 9 samples",
-            },
-            Check {
-                ok: w.n_min <= w.n_max,
-                field: "windowed.n_min",
-                value: &w.n_min,
-                expected: "at most windowed.n_max",
-            },
-            range!("windowed.sigma_th", w.sigma_th, 0.0, 10.0),
-            range!("windowed.noise_floor_ut", w.noise_floor_ut, 0.0, 1000.0, "uT"),
-        ])?;
+        in_range("range_ut", self.range_ut, 1.0..=100_000.0, "uT")?;
+        in_range("rail_ut", self.rail_ut, 1.0..=100_000.0, "uT, or none")?;
+        in_range("field_strength_ut", self.field_strength_ut, 1.0..=1000.0, "uT, or none")?;
+        in_range("windowed.n_max", w.n_max, SMALLEST_SAMPLE_COUNT..=100_000, "samples")?;
+        if !(SMALLEST_SAMPLE_COUNT..=w.n_max).contains(&w.n_min) {
+            let is_small = w.n_min < SMALLEST_SAMPLE_COUNT;
+            let expected = if is_small { "at least 9 samples" } else { "at most windowed.n_max" }.to_owned();
+            return Err(ConfigError { field: "windowed.n_min", value: w.n_min.to_string(), expected });
+        }
+        in_range("windowed.sigma_th", w.sigma_th, 0.0..=10.0, "")?;
+        in_range("windowed.noise_floor_ut", w.noise_floor_ut, 0.0..=1000.0, "uT")?;
         validate_heading(&self.heading)
     }
 }
 
 /// Whether a calibration may be believed so far, uT.
 pub(crate) fn validate_sigma(field: &'static str, sigma_ut: f64) -> Result<(), ConfigError> {
-    first_failed(&[Check { field, ..range!("", sigma_ut, 0.01, 1000.0, "uT") }])
+    in_range(field, sigma_ut, 0.01..=1000.0, "uT")
 }
 
 /// Whether every field of the heading's is inside its range.
 pub(crate) fn validate_heading(heading: &HeadingConfig) -> Result<(), ConfigError> {
-    first_failed(&[
-        range!("heading.declination_deg", heading.declination_deg, none, -180.0, 180.0, "deg"),
-        range!("heading.tilt_sigma_deg", heading.tilt_sigma_deg, 0.0, 90.0, "deg"),
-    ])
+    in_range("heading.declination_deg", heading.declination_deg, -180.0..=180.0, "deg, or none")?;
+    in_range("heading.tilt_sigma_deg", heading.tilt_sigma_deg, 0.0..=90.0, "deg")
 }

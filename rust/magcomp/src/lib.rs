@@ -9,7 +9,8 @@
 //!
 //! # Where each equation lives
 //!
-//! Files are those of `src/`. Each opens with its equations and their source; `docs/METHOD.md` derives them.
+//! Files are those of `src/`. Each opens with its equations and their source; `docs/METHOD.md` derives them. For our two estimators the
+//! headings of `docs/METHOD-AIDED.md` and `docs/METHOD-ADAPTIVE.md` name the file of each equation.
 //!
 //! | equation, idea | item | file |
 //! |---|---|---|
@@ -21,7 +22,7 @@
 //! | its covariance; what is refused | [`EllipsoidFit`], [`direction_sigma_deg`] | `quadric/report.rs` |
 //! | (11) h = M^-1 (h_m - b) | [`Calibration::correct`] | `calibration.rs` |
 //! | (12) to (15) sigma_T | [`uniformity`] | `estimator/paper/uniformity.rs` |
-//! | (16) the window N | [`window_length`] | `estimator/paper/window.rs` |
+//! | (16) the window N | [`window_length`] | `estimator/paper/windowed.rs` |
 //! | fig. 3, the real-time loop | [`Method::Windowed`], [`WindowedConfig`] | `estimator/paper/windowed.rs` |
 //! | section III, a constant field | [`ConstantField`], [`Method::Constant`] | `estimator/paper/constant.rs` |
 //! | the gauge: M symmetric, M = P R | [`Calibration::from_any`] | `calibration.rs` |
@@ -46,7 +47,6 @@
 
 pub use nalgebra;
 
-mod answer;
 mod attitude;
 mod calibration;
 mod compensator;

@@ -29,10 +29,8 @@ pub struct Reading {
     /// many and a calibration.
     pub sigma_t: Option<f64>,
     /// Samples in the window of the estimator.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub coverage: f64,
     /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None
     /// without a calibration or a known covariance.
@@ -44,7 +42,6 @@ pub struct Reading {
     /// Which parameters the latest change set free. Adaptive method only.
     pub model_order: Option<ModelOrder>,
     /// The sensors the estimator runs on.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub mode: SensorMode,
     /// The latest change that was decided, kept until the next. None before the first.
     pub event: Option<Event>,
@@ -131,17 +128,17 @@ pub enum Status {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
-    /// This sample was not used; nothing has changed, but that 50 in a row which agree on another clock begin it (see
-    /// `Compensator::push`).
+    /// This sample was not used; nothing has changed. 50 in a row may begin another clock: see [`crate::Compensator::push`].
     Rejected(RejectReason),
 }
 
 /// What a first calibration still lacks.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Missing {
     /// More samples before a first fit is tried.
+    #[error("{have} of {need} samples; turn the device about")]
     Samples {
         /// Samples so far.
         have: usize,
@@ -149,29 +146,38 @@ pub enum Missing {
         need: usize,
     },
     /// The samples allow no fit yet; the error says why.
+    #[error("{0}")]
     Fit(FitError),
     /// The device must be turned.
+    #[error("turn the device")]
     Rotation,
     /// More directions, turned about more than one axis.
+    #[error("turn the device about more axes")]
     Directions,
 }
 
 /// Why nothing is learned at the moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum HoldReason {
-    /// sigma_T is below its threshold: the latest orientations are too much alike.
+    /// sigma_T is below its threshold.
+    #[error("the latest orientations are too much alike")]
     LowUniformity,
     /// The latest fit was refused, or with the gyroscope the field is one that no place on Earth has; the error says why.
+    #[error("{0}")]
     FitRefused(FitError),
     /// The device lies still.
+    #[error("the device lies still")]
     AtRest,
     /// The device has hardly been turned of late.
+    #[error("turn the device to learn more")]
     TooLittleRotation,
     /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+    #[error("the gyroscope is gone; turn the device about")]
     NoGyroscope,
     /// The method is a constant calibration: by choice it does not follow changes.
+    #[error("constant calibration")]
     Constant,
 }
 
@@ -248,22 +254,12 @@ impl std::fmt::Display for Status {
     /// One sentence an app may show.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Collecting(Missing::Samples { have, need }) => {
-                write!(f, "collecting: {have} of {need} samples; turn the device about")
-            }
-            Self::Collecting(Missing::Fit(error)) => write!(f, "collecting: {error}"),
-            Self::Collecting(Missing::Rotation) => write!(f, "collecting: turn the device"),
-            Self::Collecting(Missing::Directions) => write!(f, "collecting: turn the device about more axes"),
+            Self::Collecting(missing) => write!(f, "collecting: {missing}"),
             Self::Tracking => write!(f, "tracking"),
             Self::Suspect { .. } => {
                 write!(f, "suspect: the field changed; not yet known whether the device's or the place's")
             }
-            Self::Held(HoldReason::LowUniformity) => write!(f, "held: the latest orientations are too much alike"),
-            Self::Held(HoldReason::FitRefused(error)) => write!(f, "held: {error}"),
-            Self::Held(HoldReason::AtRest) => write!(f, "held: the device lies still"),
-            Self::Held(HoldReason::TooLittleRotation) => write!(f, "held: turn the device to learn more"),
-            Self::Held(HoldReason::NoGyroscope) => write!(f, "held: the gyroscope is gone; turn the device about"),
-            Self::Held(HoldReason::Constant) => write!(f, "held: constant calibration"),
+            Self::Held(reason) => write!(f, "held: {reason}"),
             Self::Disturbed { .. } => write!(f, "disturbed: a magnetic object is near; move away from it"),
             Self::Rejected(reason) => write!(f, "rejected: {reason}"),
         }

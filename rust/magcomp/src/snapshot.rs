@@ -62,7 +62,7 @@ const MARK: &str = "{\"magcomp_snapshot\":";
 pub(crate) fn seal<S: Serialize>(calibration: Option<Calibration>, state: &S) -> String {
     let (calibration, state) = (encode(&calibration), encode(state));
     let body = format!("\"library\":\"{LIBRARY}\",\"calibration\":\"{calibration}\",\"state\":\"{state}\"}}");
-    format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32(body.as_bytes()))
+    format!("{MARK}{SNAPSHOT_VERSION},\"crc32\":\"{:08x}\",{body}", crc32fast::hash(body.as_bytes()))
 }
 
 /// What a text holds.
@@ -78,7 +78,7 @@ pub(crate) fn open(text: &str) -> Result<Opened<'_>, SnapshotError> {
 
 fn opened(version: u32, rest: &str) -> Option<Opened<'_>> {
     let (checksum, body) = rest.strip_prefix("\"crc32\":\"")?.split_once("\",")?;
-    if checksum != format!("{:08x}", crc32(body.as_bytes())) {
+    if checksum != format!("{:08x}", crc32fast::hash(body.as_bytes())) {
         return None;
     }
     let (library, rest) = body.strip_prefix("\"library\":\"")?.split_once("\",\"calibration\":\"")?;
@@ -95,27 +95,13 @@ impl Opened<'_> {
     }
 }
 
-/// The checksum of zip and PNG: division by the polynomial 0x04c11db7, lowest bit first.
-fn crc32(bytes: &[u8]) -> u32 {
-    let remainder = bytes.iter().fold(u32::MAX, |remainder, byte| {
-        (0..8).fold(remainder ^ u32::from(*byte), |r, _| if r & 1 == 1 { r >> 1 ^ 0xedb8_8320 } else { r >> 1 })
-    });
-    !remainder
-}
-
-const DIGITS: &[u8; 16] = b"0123456789abcdef";
-
 /// Empty only if memory runs out.
 fn encode<S: Serialize>(value: &S) -> String {
-    let bytes = postcard::to_allocvec(value).unwrap_or_default();
-    let digit = |nibble: u8| char::from(DIGITS[usize::from(nibble)]);
-    bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
+    hex::encode(postcard::to_allocvec(value).unwrap_or_default())
 }
 
 fn decode<S: DeserializeOwned>(digits: &str) -> Option<S> {
-    let nibble = |digit: &u8| char::from(*digit).to_digit(16).map(|nibble| nibble as u8);
-    let (pairs, []) = digits.as_bytes().as_chunks::<2>() else { return None };
-    let bytes = pairs.iter().map(|[high, low]| Some(nibble(high)? << 4 | nibble(low)?)).collect::<Option<Vec<u8>>>()?;
+    let bytes = hex::decode(digits).ok()?;
     let mut deserializer = Deserializer::from_flavor(Finite(Slice::new(&bytes)));
     let value = S::deserialize(&mut deserializer).ok()?;
     deserializer.finalize().ok()?.is_empty().then_some(value)

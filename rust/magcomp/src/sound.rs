@@ -41,14 +41,11 @@ const ROUNDING: f64 = 1e-4;
 /// Whether a matrix is symmetric and positive semi-definite, within rounding.
 pub(crate) fn is_covariance<const N: usize>(p: &SMatrix<f64, N, N>) -> bool {
     let sd = p.diagonal().map(f64::sqrt);
-    let correlation = SMatrix::<f64, N, N>::from_fn(|i, j| {
-        let own = if i == j { 1.0 + ROUNDING } else { 0.0 };
-        let both = sd[i] * sd[j];
-        if i == j || both == 0.0 { own } else { p[(i, j)] / both }
-    });
     let near = |i: usize, j: usize| {
         let both = sd[i] * sd[j];
         p[(i, j)].abs() <= both * (1.0 + ROUNDING) && (p[(i, j)] - p[(j, i)]).abs() <= both * ROUNDING
     };
+    let mut correlation = p.zip_map(&(sd * sd.transpose()), |p, both| if both == 0.0 { 0.0 } else { p / both });
+    correlation.fill_diagonal(1.0 + ROUNDING);
     sd.iter().all(|sd| *sd >= 0.0) && (0..N).all(|i| (0..i).all(|j| near(i, j))) && correlation.cholesky().is_some()
 }

@@ -1,6 +1,5 @@
 //! The estimator that answers. There is one at a time; another takes its place in the same memory.
 
-use crate::answer::Answer;
 use crate::calibration::{Calibration, Given, UNEVEN_UT, USUAL_SIGMA_UT};
 use crate::config::{Config, Method};
 use crate::estimator::Tunings;
@@ -8,10 +7,28 @@ use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::paper::{Clerk, Windowed};
 use crate::quadric::EllipsoidFit;
-use crate::reading::SensorMode;
+use crate::reading::{Event, ModelOrder, SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+/// What an estimator says of one sample, before a heading is formed from it.
+#[derive(Default)]
+pub(super) struct Answer {
+    pub field_ut: Option<Vector3<f64>>,
+    pub field_covariance_ut2: Option<Matrix3<f64>>,
+    pub filtered_field_ut: Option<Vector3<f64>>,
+    pub filtered_covariance_ut2: Option<Matrix3<f64>>,
+    pub up: Option<Vector3<f64>>,
+    /// Variance of `up` about a horizontal axis for the motion it was averaged over, rad^2; `None`: it is the accelerometer's.
+    pub tilt_rad2: Option<f64>,
+    pub sigma_t: Option<f64>,
+    pub direction_sigma_deg: Option<f64>,
+    pub worst_sigma_deg: Option<f64>,
+    pub model_order: Option<ModelOrder>,
+    pub mode: SensorMode,
+    pub event: Option<Event>,
+}
 
 /// One of the estimators.
 #[derive(Clone, Debug)]
@@ -27,9 +44,7 @@ impl Active {
     /// What a method begins with; of the two of `Auto` the one that needs no gyroscope.
     pub fn new(config: &Config, tunings: &Tunings, initial: Option<Given>) -> Self {
         match config.method {
-            Method::Windowed | Method::Constant => {
-                Self::Windowed(Windowed::new(config.method == Method::Constant, initial.map(|given| given.calibration)))
-            }
+            Method::Windowed | Method::Constant => Self::Windowed(Windowed::new(config.method == Method::Constant)),
             Method::Auto | Method::Aided | Method::Adaptive => {
                 Self::Adaptive(Adaptive::new(tunings.adaptive, config.field_strength_ut, initial))
             }
@@ -53,31 +68,88 @@ impl Active {
                 adaptive.belongs_to(config.field_strength_ut)
             }
             (Self::Windowed(windowed), Method::Windowed | Method::Constant) => {
-                windowed.is_constant() == (config.method == Method::Constant)
+                windowed.constant == (config.method == Method::Constant)
             }
             _ => false,
         }
     }
 
     /// One sample that was checked, with what the other sensors said; the clerk takes it down.
-    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
+    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> (Status, Answer) {
+        let (time_ns, raw_ut, up) = (sample.time_ns, &sample.field_ut, paired.up_m_s2);
+        let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
+        // what no calibration knows
+        let uneven_ut2 = Matrix3::identity() * UNEVEN_UT.powi(2);
         match self {
-            Self::Aided(aided) => by_aided(aided, sample, paired, clerk),
-            Self::Adaptive(adaptive) => by_adaptive(adaptive, sample, paired, clerk),
-            Self::Windowed(windowed) => by_windowed(windowed, sample, paired, clerk),
+            Self::Aided(aided) => {
+                let output = aided.push(time_ns, *raw_ut, paired);
+                clerk.note(raw_ut, || aided.calibration());
+                let answer = Answer {
+                    field_ut: output.corrected_ut,
+                    field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
+                    filtered_field_ut: output.filtered_ut,
+                    filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
+                    up: output.up,
+                    tilt_rad2: output.tilt_rad2,
+                    mode: output.mode,
+                    event: output.event,
+                    ..Answer::default()
+                };
+                (output.status, answer)
+            }
+            Self::Adaptive(adaptive) => {
+                adaptive.level(up);
+                let output = adaptive.push(time_ns, raw_ut);
+                if clerk.note(raw_ut, || adaptive.calibration()) {
+                    clerk.measure();
+                }
+                let answer = Answer {
+                    field_ut: output.corrected_ut.map(|(field, _)| field),
+                    field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2),
+                    up,
+                    sigma_t: clerk.noted.sigma_t,
+                    direction_sigma_deg: output.direction_sigma_deg,
+                    worst_sigma_deg: output.worst_sigma_deg,
+                    model_order: output.corrected_ut.map(|_| output.order),
+                    mode,
+                    event: output.event,
+                    ..Answer::default()
+                };
+                (output.status, answer)
+            }
+            Self::Windowed(windowed) => {
+                let status = windowed.push(time_ns, raw_ut, clerk);
+                let field_ut = clerk.noted.calibration.map(|calibration| calibration.correct(raw_ut));
+                let field_ut = field_ut.filter(|field| field.norm().is_finite());
+                let covariance = windowed.fit.zip(field_ut).map(|(fit, field)| {
+                    let w = fit.calibration.soft_iron_inverse();
+                    let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
+                    calibration_covariance(&fit.covariance, w, &field) + noise
+                });
+                let answer = Answer {
+                    field_ut,
+                    field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2),
+                    up,
+                    sigma_t: clerk.noted.sigma_t,
+                    direction_sigma_deg: windowed.fit.map(|fit| fit.direction_sigma_deg),
+                    mode,
+                    ..Answer::default()
+                };
+                (status, answer)
+            }
         }
     }
 
-    pub fn calibration(&self) -> Option<Calibration> {
+    pub fn calibration(&self, clerk: &Clerk) -> Option<Calibration> {
         match self {
             Self::Aided(aided) => aided.calibration(),
             Self::Adaptive(adaptive) => adaptive.calibration(),
-            Self::Windowed(windowed) => windowed.calibration(),
+            Self::Windowed(_) => clerk.noted.calibration,
         }
     }
 
     /// The calibration in force, and the root of the mean variance of a component of b.
-    pub fn in_force(&self) -> Option<Given> {
+    pub fn in_force(&self, clerk: &Clerk) -> Option<Given> {
         if let Self::Adaptive(adaptive) = self
             && let Some(given) = adaptive.untouched()
         {
@@ -85,21 +157,21 @@ impl Active {
         }
         let variance_ut2 = self.covariance().map(|p| p.fixed_view::<3, 3>(0, 0).trace() / 3.0);
         let sigma_ut = variance_ut2.map_or(USUAL_SIGMA_UT, |variance| variance.max(0.0).sqrt());
-        Some(Given { calibration: self.calibration()?, sigma_ut })
+        Some(Given { calibration: self.calibration(clerk)?, sigma_ut })
     }
 
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         match self {
             Self::Aided(aided) => aided.covariance(),
             Self::Adaptive(adaptive) => adaptive.covariance(),
-            Self::Windowed(windowed) => windowed.fit().map(|fit| fit.covariance),
+            Self::Windowed(windowed) => windowed.fit.map(|fit| fit.covariance),
         }
     }
 
     /// The latest ellipsoid fit that was accepted.
     pub fn fit(&self) -> Option<&EllipsoidFit> {
         match self {
-            Self::Windowed(windowed) => windowed.fit(),
+            Self::Windowed(windowed) => windowed.fit.as_ref(),
             _ => None,
         }
     }
@@ -108,69 +180,7 @@ impl Active {
     pub fn window(&self, clerk: &Clerk) -> usize {
         match self {
             Self::Adaptive(adaptive) => adaptive.window(),
-            Self::Aided(_) | Self::Windowed(_) => clerk.window(),
+            Self::Aided(_) | Self::Windowed(_) => clerk.window,
         }
     }
-}
-
-fn by_aided(aided: &mut Aided, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
-    let output = aided.push(sample.time_ns, sample.field_ut, paired);
-    clerk.note(&sample.field_ut, || aided.calibration());
-    Answer {
-        field_ut: output.corrected_ut,
-        field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
-        filtered_field_ut: output.filtered_ut,
-        filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
-        up: output.up,
-        tilt_rad2: output.tilt_rad2,
-        event: output.event,
-        ..Answer::none(output.mode, output.status)
-    }
-}
-
-fn by_adaptive(adaptive: &mut Adaptive, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
-    adaptive.level(paired.up_m_s2);
-    let output = adaptive.push(sample.time_ns, &sample.field_ut);
-    if clerk.note(&sample.field_ut, || adaptive.calibration()) {
-        clerk.measure();
-    }
-    Answer {
-        field_ut: output.corrected_ut.map(|(field, _)| field),
-        field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2()),
-        up: paired.up_m_s2,
-        sigma_t: clerk.sigma_t(),
-        direction_sigma_deg: output.direction_sigma_deg,
-        worst_sigma_deg: output.worst_sigma_deg,
-        model_order: output.corrected_ut.map(|_| output.order),
-        event: output.event,
-        ..Answer::none(mode_without_gyroscope(paired), output.status)
-    }
-}
-
-fn by_windowed(windowed: &mut Windowed, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> Answer {
-    let status = windowed.push(sample.time_ns, &sample.field_ut, clerk);
-    let field_ut = windowed.calibration().map(|calibration| calibration.correct(&sample.field_ut));
-    let field_ut = field_ut.filter(|field| field.norm().is_finite());
-    let covariance = windowed.fit().zip(field_ut).map(|(fit, field)| {
-        let w = fit.calibration.soft_iron_inverse();
-        let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
-        calibration_covariance(&fit.covariance, w, &field) + noise
-    });
-    Answer {
-        field_ut,
-        field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2()),
-        up: paired.up_m_s2,
-        sigma_t: clerk.sigma_t(),
-        direction_sigma_deg: windowed.fit().map(|fit| fit.direction_sigma_deg),
-        ..Answer::none(mode_without_gyroscope(paired), status)
-    }
-}
-
-fn mode_without_gyroscope(paired: &PairedInertial) -> SensorMode {
-    if paired.up_m_s2.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly }
-}
-
-/// Covariance of what no calibration knows, uT^2.
-fn uneven_ut2() -> Matrix3<f64> {
-    Matrix3::identity() * UNEVEN_UT.powi(2)
 }

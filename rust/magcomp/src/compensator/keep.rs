@@ -4,7 +4,7 @@ use super::active::Active;
 use super::{Compensator, Inputs};
 use crate::calibration::Given;
 use crate::config::Config;
-use crate::estimator::paper::ClerkState;
+use crate::estimator::paper::{Clerk, ClerkState};
 use crate::heading::HeadingConfig;
 use crate::sensing::pairing::InertialPairing;
 use crate::snapshot::{Restored, SnapshotError, open, seal};
@@ -46,7 +46,8 @@ impl Compensator {
             let sound = inputs.latest.is_none_or(|latest| latest.field_ut.amax() <= config.range_ut)
                 && pairing.belongs_to(inputs.latest.map(|latest| latest.time_ns))
                 && active.belongs_to(&config);
-            let clerk = Self::clerk(&config).resume(state, config.range_ut).filter(|_| sound);
+            let clerk = Clerk::new(config.windowed, config.field_strength_ut, config.initial);
+            let clerk = clerk.resume(state, config.range_ut).filter(|_| sound);
             self.clerk = clerk.ok_or(SnapshotError::Damaged)?;
             (self.inputs, self.pairing, self.active) = (inputs, pairing, active);
             return Ok(Restored::Everything);

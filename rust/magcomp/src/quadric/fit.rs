@@ -1,6 +1,6 @@
 //! The least-squares ellipsoid (eq. 9, 10) of a set of samples or of the window of a stream: start, iteration (`iteration`), report.
 
-use super::iteration::Problem;
+use super::iteration::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::report::EllipsoidFit;
@@ -38,8 +38,7 @@ impl Moments {
     /// # Errors
     /// [`FitError`] when there are too few samples or no ellipsoid.
     pub fn refine(&self, previous: &Calibration, options: &FitOptions) -> Result<Calibration, FitError> {
-        let solution = self.problem(options)?.solve(Some(self.shape_of(previous)), options);
-        let solution = solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?;
+        let (_, solution) = self.minimum(Some(previous), options)?;
         self.calibration_of(&solution, options).map(|(calibration, _)| calibration)
     }
 
@@ -49,13 +48,12 @@ impl Moments {
         previous: Option<&Calibration>,
         options: &FitOptions,
     ) -> Result<EllipsoidFit, FitError> {
-        let problem = self.problem(options)?;
-        let solution = problem.solve(previous.map(|calibration| self.shape_of(calibration)), options);
-        self.report(&problem, &solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?, options)
+        let (problem, solution) = self.minimum(previous, options)?;
+        self.report(&problem, &solution, options)
     }
 
-    /// The cost of these samples.
-    fn problem(&self, options: &FitOptions) -> Result<Problem, FitError> {
+    /// The cost of these samples, and its minimum.
+    fn minimum(&self, previous: Option<&Calibration>, options: &FitOptions) -> Result<(Problem, Solution), FitError> {
         if self.count() < SMALLEST_SAMPLE_COUNT {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
@@ -63,7 +61,9 @@ impl Moments {
         if !self.is_finite() || !s.iter().all(|v| v.is_finite()) {
             return Err(FitError::NotFinite);
         }
-        Ok(Problem { s, n, residual: options.residual })
+        let problem = Problem { s, n, residual: options.residual };
+        let solution = problem.solve(previous.map(|calibration| self.shape_of(calibration)), options);
+        Ok((problem, solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?))
     }
 
     /// Where the centre seems to be, uT, however poor the coverage: for showing directions, not for correcting.
@@ -74,7 +74,7 @@ impl Moments {
     }
 
     /// A calibration, seen in these coordinates: the warm start.
-    pub(crate) fn shape_of(&self, calibration: &Calibration) -> Shape {
+    fn shape_of(&self, calibration: &Calibration) -> Shape {
         let t = calibration.soft_iron_inverse() * (self.scale_ut() / calibration.field_strength_ut());
         let a = t * t;
         let beta = (calibration.hard_iron_ut() - self.centre_ut()) / self.scale_ut();

@@ -163,42 +163,14 @@ impl Moments {
         let u = (raw_ut - self.centre_ut) / self.scale_ut;
         let (x, y, z) = (u.x, u.y, u.z);
         let (xx, xy, xz, yy, yz, zz) = (x * x, x * y, x * z, y * y, y * z, z * z);
-        let (xxx, yyy, yyz, yzz, zzz) = (xx * x, yy * y, yy * z, y * zz, zz * z);
+        let (xxx, xxy, xxz, xyy, xyz, xzz) = (xx * x, xx * y, xx * z, x * yy, xy * z, x * zz);
+        let (yyy, yyz, yzz, zzz) = (yy * y, yy * z, y * zz, zz * z);
+        let (xxxx, xxxy, xxxz, xxyy, xxyz, xxzz) = (xx * xx, xxx * y, xxx * z, xx * yy, xx * yz, xx * zz);
+        let (xyyy, xyyz, xyzz, xzzz) = (x * yyy, x * yyz, x * yzz, x * zzz);
+        let (yyyy, yyyz, yyzz, yzzz, zzzz) = (yy * yy, yyy * z, yy * zz, y * zzz, zz * zz);
         [
-            x,
-            y,
-            z,
-            xx,
-            xy,
-            xz,
-            yy,
-            yz,
-            zz,
-            xxx,
-            xx * y,
-            xx * z,
-            x * yy,
-            xy * z,
-            x * zz,
-            yyy,
-            yyz,
-            yzz,
-            zzz,
-            xx * xx,
-            xxx * y,
-            xxx * z,
-            xx * yy,
-            xx * yz,
-            xx * zz,
-            x * yyy,
-            x * yyz,
-            x * yzz,
-            x * zzz,
-            yy * yy,
-            yyy * z,
-            yy * zz,
-            y * zzz,
-            zz * zz,
+            x, y, z, xx, xy, xz, yy, yz, zz, xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz, xxxx, xxxy, xxxz, xxyy,
+            xxyz, xxzz, xyyy, xyyz, xyzz, xzzz, yyyy, yyyz, yyzz, yzzz, zzzz,
         ]
     }
 

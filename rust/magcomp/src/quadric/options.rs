@@ -25,8 +25,7 @@ pub struct FitOptions {
     /// What is squared and summed. Default [`Residual::Corrected`].
     pub residual: Residual,
     /// |h| in uT, 1 to 1000, where it is known (the paper sets it to 1; a world magnetic model gives it): then M carries the
-    /// sensor's scale. Every method listens to it. None (the default): |h| is the geometric mean of the half axes, so
-    /// det M = 1; for the aided method tr M = 3.
+    /// sensor's scale. None (the default): |h| is the geometric mean of the half axes, so det M = 1.
     pub field_strength_ut: Option<f64>,
     /// Half axes' geometric mean that is accepted, uT, within 1 to 1000. Default 22 to 67: what the Earth's field spans.
     pub field_range_ut: (f64, f64),

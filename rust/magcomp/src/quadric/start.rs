@@ -81,13 +81,8 @@ fn ellipsoid_specific(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
     let reduced = (reduced + reduced.transpose()) * 0.5;
     // exact points leave S_r singular: a floor far below any real noise keeps the factorisation going
     let lower = (reduced + Matrix6::identity() * (1e-14 * reduced.trace())).cholesky()?.l();
-    let mut constraint = Matrix6::zeros();
-    for i in 0..3 {
-        for j in 0..3 {
-            constraint[(i, j)] = if i == j { -1.0 } else { 1.0 };
-        }
-        constraint[(i + 3, i + 3)] = -4.0;
-    }
+    let mut constraint = Matrix6::from_diagonal(&Vector6::new(-2.0, -2.0, -2.0, -4.0, -4.0, -4.0));
+    constraint.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(1.0);
     let left = lower.solve_lower_triangular(&constraint)?;
     let both = lower.solve_lower_triangular(&left.transpose())?;
     let eigen = ((both + both.transpose()) * 0.5).symmetric_eigen();

@@ -8,7 +8,7 @@
 //! Kotlin and Swift have the same rules in their own language; `tests/vectors/event_order.json` holds all three to them.
 
 use super::pairing::{MAX_LEAD_S, STALE_S};
-use crate::range::{ConfigError, first_failed, range};
+use crate::range::{ConfigError, in_range};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use std::collections::VecDeque;
 
@@ -34,19 +34,15 @@ impl SensorEvent {
     /// Its time, nanoseconds.
     #[must_use]
     pub fn time_ns(&self) -> i64 {
-        match self {
-            Self::RotationRate(sample) => sample.time_ns,
-            Self::Up(sample) => sample.time_ns,
-            Self::Magnetic(sample) => sample.time_ns,
-        }
+        self.place().0
     }
 
-    /// The place of its sensor among events of one time.
-    fn sensor(&self) -> usize {
+    /// Its time, and the place of its sensor among events of one time: events go out in the order of both.
+    fn place(&self) -> (i64, usize) {
         match self {
-            Self::RotationRate(_) => 0,
-            Self::Up(_) => 1,
-            Self::Magnetic(_) => 2,
+            Self::RotationRate(sample) => (sample.time_ns, 0),
+            Self::Up(sample) => (sample.time_ns, 1),
+            Self::Magnetic(sample) => (sample.time_ns, 2),
         }
     }
 }
@@ -95,7 +91,7 @@ impl EventQueue {
     /// # Errors
     /// [`ConfigError`] when `hold_s` is out of range.
     pub fn new(hold_s: f64) -> Result<Self, ConfigError> {
-        first_failed(&[range!("hold_s", hold_s, 0.0, 0.25, "s")])?;
+        in_range("hold_s", hold_s, 0.0..=0.25, "s")?;
         let waiting = VecDeque::with_capacity(ROOM);
         Ok(Self { hold_ns: (hold_s * 1e9) as i64, waiting, begin_ns: 0, latest_ns: [NEVER; 3] })
     }
@@ -103,16 +99,15 @@ impl EventQueue {
     /// Takes the event that was delivered next, and gives `out` those whose turn it is now, in order: none, one or several. When 256
     /// wait, the first goes out whatever it waits for.
     pub fn push(&mut self, event: SensorEvent, mut out: impl FnMut(SensorEvent)) {
-        let time_ns = event.time_ns();
+        let (time_ns, sensor) = event.place();
         let since_ns = time_ns.saturating_sub(self.newest_ns());
         if self.newest_ns() == NEVER || !(-ANOTHER_CLOCK_NS..=PAUSE_NS).contains(&since_ns) {
             self.flush(&mut out);
             self.begin_ns = time_ns;
         }
-        let key = |event: &SensorEvent| (event.time_ns(), event.sensor());
-        let place = self.waiting.partition_point(|other| key(other) <= key(&event));
+        let place = self.waiting.partition_point(|other| other.place() <= event.place());
         self.waiting.insert(place, event);
-        self.latest_ns[event.sensor()] = time_ns;
+        self.latest_ns[sensor] = time_ns;
         while self.waiting.front().is_some_and(|first| self.is_due(first.time_ns())) {
             self.waiting.pop_front().into_iter().for_each(&mut out);
         }

@@ -21,7 +21,8 @@ const LARGEST_RAD: f64 = 1.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tilt {
-    variance_rad2: f64,
+    /// Of `up` about a horizontal axis, what it has at rest aside.
+    pub variance_rad2: f64,
     last_ns: Option<i64>,
 }
 
@@ -35,10 +36,5 @@ impl Tilt {
         let gain = (dt_s / MEMORY_S).clamp(0.0, 1.0);
         self.variance_rad2 += gain * (off * off - self.variance_rad2);
         self.last_ns = Some(time_ns);
-    }
-
-    /// Standard deviation of `up` about a horizontal axis, degrees; `least_deg` when nothing moves.
-    pub fn sigma_deg(&self, least_deg: f64) -> f64 {
-        least_deg.hypot(self.variance_rad2.sqrt().to_degrees())
     }
 }

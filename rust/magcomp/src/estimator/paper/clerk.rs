@@ -6,7 +6,7 @@ use super::config::WindowedConfig;
 use super::uniformity::uniformity;
 use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT, typical_field_ut};
 use crate::coverage::Coverage;
-use crate::quadric::{FitOptions, Moments};
+use crate::quadric::Moments;
 use crate::sound::LARGEST_COUNT;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
@@ -23,26 +23,28 @@ const RECOUNT_SHIFT: f64 = 0.2;
 /// Keeps the latest samples and counts.
 #[derive(Clone, Debug)]
 pub(crate) struct Clerk {
-    config: WindowedConfig,
-    field_strength_ut: Option<f64>,
+    pub(super) config: WindowedConfig,
+    pub(super) field_strength_ut: Option<f64>,
     /// The latest N_max samples at the most, oldest first.
     kept: VecDeque<Slot>,
-    /// The latest `window` of them are in the moments and in the cells.
-    window: usize,
-    moments: Moments,
-    cells: Coverage,
-    noted: Noted,
+    /// The latest `window` of them are in the moments and in the coverage.
+    pub window: usize,
+    pub(super) moments: Moments,
+    pub coverage: Coverage,
+    pub noted: Noted,
 }
 
 /// What is carried from sample to sample besides the samples themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Noted {
-    calibration: Option<Calibration>,
+    /// In force; of an estimator without a window as of the last time it was asked.
+    pub calibration: Option<Calibration>,
     /// Directions are counted as seen through this.
     seen_through: Option<Calibration>,
     since_recentred: usize,
-    sigma_t: Option<f64>,
+    /// (15) over the latest N_min samples, as they were at [`Clerk::measure`].
+    pub sigma_t: Option<f64>,
 }
 
 /// The state as a snapshot holds it: samples (oldest first), window, centre and scale of the moments (uT), and what is noted.
@@ -55,30 +57,17 @@ impl Clerk {
     pub fn new(config: WindowedConfig, field_strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
         let moments = Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut));
         let noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
-        let (kept, cells) = (VecDeque::with_capacity(config.n_max), Coverage::default());
-        Self { config, field_strength_ut, kept, window: 0, moments, cells, noted }
+        let (kept, coverage) = (VecDeque::with_capacity(config.n_max), Coverage::default());
+        Self { config, field_strength_ut, kept, window: 0, moments, coverage, noted }
     }
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self, initial: Option<Calibration>) {
         self.kept.clear();
-        self.cells.clear();
+        self.coverage.clear();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
         self.noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
-    }
-
-    pub fn window(&self) -> usize {
-        self.window
-    }
-
-    pub fn coverage(&self) -> &Coverage {
-        &self.cells
-    }
-
-    /// (15) over the latest N_min samples, as they were at [`Clerk::measure`].
-    pub fn sigma_t(&self) -> Option<f64> {
-        self.noted.sigma_t
     }
 
     /// A sample that an estimator without a window has answered. Now and then it is asked for its calibration: whether it was.
@@ -97,19 +86,6 @@ impl Clerk {
 
     fn is_due(&self) -> bool {
         self.noted.since_recentred.is_multiple_of(RECOUNT_SAMPLES)
-    }
-
-    pub(super) fn config(&self) -> &WindowedConfig {
-        &self.config
-    }
-
-    /// What a fit of the window accepts.
-    pub(super) fn fit_options(&self) -> FitOptions {
-        self.config.fit_options(self.field_strength_ut)
-    }
-
-    pub(super) fn moments(&self) -> &Moments {
-        &self.moments
     }
 
     /// Samples kept.
@@ -153,7 +129,7 @@ impl Clerk {
         }
         self.kept.push_back(Slot { raw_ut: *raw_ut, cell });
         self.moments.add(raw_ut);
-        self.cells.add(cell);
+        self.coverage.add(cell);
         self.window += 1;
         self.noted.since_recentred += 1;
     }
@@ -164,44 +140,38 @@ impl Clerk {
         while self.window > length {
             let oldest = self.kept[kept - self.window];
             self.moments.remove(&oldest.raw_ut);
-            self.cells.remove(oldest.cell);
+            self.coverage.remove(oldest.cell);
             self.window -= 1;
         }
         while self.window < length {
             let next = self.kept[kept - 1 - self.window];
             self.moments.add(&next.raw_ut);
-            self.cells.add(next.cell);
+            self.coverage.add(next.cell);
             self.window += 1;
         }
     }
 
     /// Directions are counted anew when the calibration they are seen through is no longer right.
-    fn recount(&mut self) {
+    pub(super) fn recount(&mut self) {
+        let is_near = |now: &Calibration, then: &Calibration| {
+            (now.hard_iron_ut() - then.hard_iron_ut()).norm() <= RECOUNT_SHIFT * then.field_strength_ut()
+        };
         let through = match (&self.noted.calibration, &self.noted.seen_through) {
-            (Some(now), Some(then)) => {
-                let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
-                if shift <= RECOUNT_SHIFT * then.field_strength_ut() {
-                    return;
-                }
-                *now
+            (Some(now), Some(then)) if is_near(now, then) => return,
+            (Some(now), _) => *now,
+            // where the centre seems to be before any fit is good enough to report
+            (None, _) if self.is_due() => {
+                Calibration::about(self.moments.provisional_centre_ut(), typical_field_ut(self.field_strength_ut))
             }
-            (Some(now), None) => *now,
-            (None, _) if self.is_due() => self.provisional(),
             (None, _) => return,
         };
         self.noted.seen_through = Some(through);
-        self.cells.clear();
+        self.coverage.clear();
         for (age, slot) in self.kept.iter_mut().rev().enumerate() {
             let counted = age < self.window.min(RECOUNT_SPAN);
             slot.cell = counted.then(|| Coverage::cell(&through.correct(&slot.raw_ut)) as u8);
-            self.cells.add(slot.cell);
+            self.coverage.add(slot.cell);
         }
-    }
-
-    /// Where the centre seems to be before any fit is good enough to report.
-    fn provisional(&self) -> Calibration {
-        let centre = self.moments.provisional_centre_ut();
-        Calibration::about(centre, typical_field_ut(self.field_strength_ut))
     }
 
     /// Moments about a far centre lose digits: take them about the new one, at most once in N_min samples.

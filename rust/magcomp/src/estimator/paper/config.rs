@@ -27,9 +27,7 @@ pub struct WindowedConfig {
     /// What is squared and summed. Default [`Residual::Corrected`]. With [`Residual::Algebraic`] the paper is followed as
     /// written: a window is fitted however far its samples lie from one ellipsoid.
     pub residual: Residual,
-    /// White noise, uT per axis, 0 to 1000, that a fit is judged by at the least: does its coverage determine the directions well
-    /// enough? Default 5, more than any sensor's own: rooms bend the field by 1 to 2 uT over half a second, some 20 samples.
-    /// Smaller accepts poorer coverage where the residual is small; 0 trusts the residual alone, for simulated data.
+    /// White noise, uT per axis, 0 to 1000, that a fit is judged by at the least, as [`FitOptions::noise_floor_ut`]. Default 5.
     pub noise_floor_ut: f64,
 }
 

@@ -1,11 +1,10 @@
-//! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) in `window`; fig. 3 in `windowed`;
+//! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) and fig. 3 in `windowed`;
 //! section III, a constant external field, in `constant`. The samples it looks at are kept by a clerk, who counts for all methods: `clerk`.
 
 mod clerk;
 mod config;
 mod constant;
 mod uniformity;
-mod window;
 mod windowed;
 
 pub(crate) use clerk::Clerk;
@@ -14,5 +13,5 @@ pub(crate) use clerk::ClerkState;
 pub use config::WindowedConfig;
 pub use constant::ConstantField;
 pub use uniformity::{Normalisation, uniformity};
-pub use window::window_length;
 pub(crate) use windowed::Windowed;
+pub use windowed::window_length;

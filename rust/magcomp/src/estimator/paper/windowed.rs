@@ -9,10 +9,11 @@
 //! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
 //! the latest N_min and grows from there.
 
+#[cfg(test)]
+mod tests;
+
 use super::clerk::Clerk;
 use super::config::WindowedConfig;
-use super::window::window_length;
-use crate::calibration::Calibration;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sound::{LARGEST_COUNT, checked, is_covariance};
@@ -28,14 +29,22 @@ const SUSPECT_SPREAD: f64 = 0.1;
 /// Samples from a refused fit to the next try.
 const RETRY_SAMPLES: usize = 10;
 
-/// The paper's estimator, over the samples of a clerk.
+/// (16) N = N_max - (N_max - N_min) sigma_T, kept in [N_min, N_max]: how many of the latest samples a fit uses, rounded to a whole
+/// number. Even orientations need few samples, poor ones many.
+#[must_use]
+pub fn window_length(sigma_t: f64, n_min: usize, n_max: usize) -> usize {
+    let n = n_max as f64 - (n_max as f64 - n_min as f64) * sigma_t;
+    if n.is_nan() { n_max } else { (n.round() as usize).clamp(n_min, n_max.max(n_min)) }
+}
+
+/// The paper's estimator, over the samples of a clerk, who has the calibration in force too.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Windowed {
     /// The first good fit is kept.
-    constant: bool,
-    calibration: Option<Calibration>,
-    fit: Option<EllipsoidFit>,
+    pub constant: bool,
+    /// The latest that was accepted.
+    pub fit: Option<EllipsoidFit>,
     since_fit: usize,
     /// Samples since the last change that was noticed: older ones are not used.
     since_change: usize,
@@ -49,38 +58,25 @@ checked!(Windowed, |it| {
 });
 
 impl Windowed {
-    /// With a calibration to begin with. `constant`: the first good fit is kept.
-    pub fn new(constant: bool, initial: Option<Calibration>) -> Self {
-        Self { constant, calibration: initial, ..Self::default() }
-    }
-
-    pub fn is_constant(&self) -> bool {
-        self.constant
-    }
-
-    pub fn calibration(&self) -> Option<Calibration> {
-        self.calibration
-    }
-
-    /// The latest fit that was accepted.
-    pub fn fit(&self) -> Option<&EllipsoidFit> {
-        self.fit.as_ref()
+    /// `constant`: the first good fit is kept.
+    pub fn new(constant: bool) -> Self {
+        Self { constant, ..Self::default() }
     }
 
     /// One step of fig. 3; (15) is the clerk's then.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> Status {
-        let WindowedConfig { n_min, n_max, sigma_th, .. } = *clerk.config();
+        let WindowedConfig { n_min, n_max, sigma_th, .. } = clerk.config;
         clerk.enter(raw_ut);
         self.since_change += 1;
         self.since_fit += 1;
         let spread = clerk.measure();
-        let status = match clerk.sigma_t() {
-            _ if self.constant && self.calibration.is_some() => {
-                clerk.resize(clerk.window().min(n_min));
+        let status = match clerk.noted.sigma_t {
+            _ if self.constant && clerk.noted.calibration.is_some() => {
+                clerk.resize(clerk.window.min(n_min));
                 Status::Held(HoldReason::Constant)
             }
             Some(sigma_t) if sigma_t < sigma_th => {
-                clerk.resize(clerk.window() - 1);
+                clerk.resize(clerk.window - 1);
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
@@ -91,7 +87,7 @@ impl Windowed {
             None if clerk.len() >= n_min => self.refit(clerk),
             None => self.collecting(clerk),
         };
-        clerk.look_through(self.calibration);
+        clerk.recount();
         if spread <= SUSPECT_SPREAD {
             self.suspect_since_ns = None;
             return status;
@@ -105,23 +101,24 @@ impl Windowed {
         let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
         if self.since_fit >= wait {
             self.since_fit = 0;
-            match clerk.moments().fit_from(self.calibration.as_ref(), &clerk.fit_options()) {
+            let options = clerk.config.fit_options(clerk.field_strength_ut);
+            match clerk.moments.fit_from(clerk.noted.calibration.as_ref(), &options) {
                 Ok(fit) if self.constant && !settled(&fit, clerk) => {}
                 Ok(fit) => {
-                    (self.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
+                    (clerk.noted.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
                     clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
                 }
                 Err(error) => {
                     self.refused = Some(error);
                     if matches!(error, FitError::Inconsistent { .. }) {
                         // something changed inside the window: only its latest samples may still agree
-                        self.since_change = clerk.config().n_min;
+                        self.since_change = clerk.config.n_min;
                         clerk.resize(self.since_change);
                     }
                 }
             }
         }
-        match (self.calibration, self.refused) {
+        match (clerk.noted.calibration, self.refused) {
             (None, _) => self.collecting(clerk),
             (_, None) => Status::Tracking,
             (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
@@ -131,18 +128,12 @@ impl Windowed {
     fn collecting(&self, clerk: &Clerk) -> Status {
         Status::Collecting(match self.refused {
             Some(error) => Missing::Fit(error),
-            None => Missing::Samples { have: clerk.len(), need: clerk.config().n_min },
+            None => Missing::Samples { have: clerk.len(), need: clerk.config.n_min },
         })
-    }
-
-    /// What was found elsewhere.
-    pub fn adopt(&mut self, calibration: Calibration) {
-        self.calibration = Some(calibration);
-        self.fit = None;
     }
 }
 
 /// Whether the constant method keeps this fit.
 fn settled(fit: &EllipsoidFit, clerk: &Clerk) -> bool {
-    fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || clerk.window() == clerk.config().n_max
+    fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || clerk.window == clerk.config.n_max
 }

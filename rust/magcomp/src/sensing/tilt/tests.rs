@@ -8,10 +8,11 @@ fn motion_shows_in_the_size_and_is_forgotten() {
         // 1 m/s^2 rms along gravity
         step(&mut tilt, k, 2f64.sqrt() * (k as f64 * 0.2).sin());
     }
-    let shaken = tilt.sigma_deg(0.5);
+    let sigma_deg = |tilt: &Tilt| 0.5_f64.hypot(tilt.variance_rad2.sqrt().to_degrees());
+    let shaken = sigma_deg(&tilt);
     assert!((shaken - 5.87).abs() < 0.6, "{shaken}: atan(1 / g) = 5.8 deg, 0.5 deg beside");
     for k in 300..1300 {
         step(&mut tilt, k, 0.0);
     }
-    assert!(tilt.sigma_deg(0.5) < 0.51);
+    assert!(sigma_deg(&tilt) < 0.51);
 }
