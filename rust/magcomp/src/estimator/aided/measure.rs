@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::state::{BIAS, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, STATES, iron_rows, scale_rows};
+use super::state::{BIAS, Change, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, STATES, covariance};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -45,24 +45,42 @@ pub(crate) fn foretell(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Vector3<f64> 
     x.soft_iron() * (h0 + w.cross(&h0) * x.x[DELAY]) + x.vector(OFFSET)
 }
 
-/// dh/dx.
-pub(crate) fn jacobian(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
-    let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = x.true_rate(rate_rad_s);
-    let tau = x.x[DELAY];
-    let wh = w.cross(&h0);
-    let m = x.soft_iron();
-    let to_field = m * (Matrix3::identity() + w.cross_matrix() * tau);
-    let to_bias = m * h0.cross_matrix() * tau;
-    let mut h = SMatrix::<f64, 3, STATES>::zeros();
-    h.fixed_columns_mut::<3>(FIELD).copy_from(&to_field);
-    h.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    h.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&(h0 + wh * tau)));
-    h.fixed_columns_mut::<3>(BIAS).copy_from(&to_bias);
-    h.set_column(DELAY, &(m * wh));
-    h.fixed_columns_mut::<9>(SCALE).copy_from(&(to_bias * scale_rows(rate_rad_s)));
-    h.fixed_columns_mut::<3>(LOCAL).copy_from(&to_field);
-    h
+/// dh/dx, by its parts.
+pub(crate) struct Slope {
+    by_field: Matrix3<f64>,
+    by_bias: Matrix3<f64>,
+    by_delay: Vector3<f64>,
+    /// What E acts on.
+    seen: Vector3<f64>,
+    /// What S acts on.
+    rate: Vector3<f64>,
+}
+
+impl Slope {
+    pub(crate) fn at(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Self {
+        let h0 = x.vector(FIELD) + x.vector(LOCAL);
+        let w = x.true_rate(rate_rad_s);
+        let tau = x.x[DELAY];
+        let m = x.soft_iron();
+        let swing = w.cross(&h0);
+        Self {
+            by_field: m + m * w.cross_matrix() * tau,
+            by_bias: m * h0.cross_matrix() * tau,
+            by_delay: m * swing,
+            seen: h0 + swing * tau,
+            rate: *rate_rad_s,
+        }
+    }
+
+    /// H dx.
+    #[inline(always)]
+    pub(crate) fn times(&self, dx: &Change) -> Vector3<f64> {
+        self.by_field * (dx.field + dx.local)
+            + dx.offset
+            + dx.iron * self.seen
+            + self.by_bias * (dx.bias + dx.scale * self.rate)
+            + self.by_delay * dx.delay
+    }
 }
 
 /// Index of E_ij in e.
@@ -92,9 +110,10 @@ impl Gaussian {
         rate_rad_s: &Vector3<f64>,
         sigma_ut: f64,
     ) -> Option<Innovation> {
-        let h = jacobian(self, rate_rad_s);
-        let ph = self.p * h.transpose();
-        let s = h * ph + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
+        let h = Slope::at(self, rate_rad_s);
+        let [ph] = covariance(&self.p, |dx| [h.times(dx)]);
+        let [s] = covariance(&ph.transpose(), |dx| [h.times(dx)]);
+        let s = s + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
         let v = raw_ut - foretell(self, rate_rad_s);
@@ -123,10 +142,14 @@ impl Gaussian {
         whitened: &SVector<f64, N>,
         held: &[(usize, usize)],
     ) {
-        // the lower half of P alone, by columns
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
-            for column in v.column_iter() {
-                self.p.syger(sign, &column, &column, 1.0);
+            for j in 0..STATES {
+                let own = v.row(j) * sign;
+                for i in 0..STATES {
+                    for n in 0..N {
+                        self.p[(i, j)] += v[(i, n)] * own[n];
+                    }
+                }
             }
         };
         add(&gain, -1.0);
@@ -138,13 +161,19 @@ impl Gaussian {
             }
             add(&kept, 1.0);
         }
-        self.p.fill_upper_triangle_with_lower_triangle();
         self.x += gain * whitened;
         // no variance below what rounding can carry: P stays positive definite for ever
-        const FLOORS: [(usize, f64); 5] = [(FIELD, 1e-8), (IRON, 1e-12), (BIAS, 1e-14), (DELAY, 1e-12), (LOCAL, 1e-8)];
-        for i in 0..STATES {
-            let floor = FLOORS.iter().rev().find(|(from, _)| *from <= i).map_or(0.0, |(_, floor)| *floor);
-            self.p[(i, i)] = self.p[(i, i)].max(floor);
+        const FLOORS: [(usize, usize, f64); 5] = [
+            (FIELD, IRON, 1e-8),
+            (IRON, BIAS, 1e-12),
+            (BIAS, DELAY, 1e-14),
+            (DELAY, LOCAL, 1e-12),
+            (LOCAL, STATES, 1e-8),
+        ];
+        for (from, to, floor) in FLOORS {
+            for i in from..to {
+                self.p[(i, i)] = self.p[(i, i)].max(floor);
+            }
         }
     }
 

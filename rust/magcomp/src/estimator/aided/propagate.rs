@@ -13,9 +13,9 @@
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES, scale_rows};
+use super::state::{BIAS, Change, FIELD, Gaussian, LOCAL, OFFSET, covariance};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +45,26 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
+/// F's rows of m and d, by their parts.
+struct Transition {
+    field: Matrix3<f64>,
+    local: Matrix3<f64>,
+    field_by_angle: Matrix3<f64>,
+    local_by_angle: Matrix3<f64>,
+    /// What S acts on.
+    increment_rad: Vector3<f64>,
+    dt_s: f64,
+}
+
+impl Transition {
+    /// F dx, of m and d.
+    #[inline(always)]
+    fn times(&self, dx: &Change) -> [Vector3<f64>; 2] {
+        let dtheta = dx.scale * self.increment_rad + dx.bias * self.dt_s;
+        [self.field * dx.field - self.field_by_angle * dtheta, self.local * dx.local - self.local_by_angle * dtheta]
+    }
+}
+
 impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
@@ -56,26 +76,25 @@ impl Gaussian {
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let by_bias = j * -dt_s;
-        let by_scale = -j * scale_rows(increment_rad);
-        let row =
-            |turn: Matrix3<f64>, v: &Vector3<f64>| (turn, v.cross_matrix() * by_bias, v.cross_matrix() * by_scale);
-        let turning = [(FIELD, row(r, &m)), (LOCAL, row(r * fade, &d))];
-        // P F^T first, whose other columns are those of P; then F (P F^T). By columns, as they lie in memory
-        let pf: [SMatrix<f64, STATES, 3>; 2] = turning.map(|(i, (f, g, s))| {
-            let p = |k| self.p.fixed_columns::<3>(k);
-            p(i) * f.transpose() + p(BIAS) * g.transpose() + self.p.fixed_columns::<9>(SCALE) * s.transpose()
-        });
-        for ((i, _), columns) in turning.iter().zip(&pf) {
-            self.p.fixed_columns_mut::<3>(*i).copy_from(columns);
-            self.p.fixed_rows_mut::<3>(*i).copy_from(&columns.transpose());
+        let f = Transition {
+            field: r,
+            local: r * fade,
+            field_by_angle: m.cross_matrix() * j,
+            local_by_angle: d.cross_matrix() * j,
+            increment_rad: *increment_rad,
+            dt_s,
+        };
+        // of P F^T and of F (P F^T) the columns of m and d
+        let mut columns = covariance(&self.p, |dx| f.times(dx));
+        for columns in &mut columns {
+            let [m, d] = covariance(&columns.transpose(), |dx| f.times(dx));
+            columns.fixed_rows_mut::<3>(FIELD).tr_copy_from(&m);
+            columns.fixed_rows_mut::<3>(LOCAL).tr_copy_from(&d);
         }
-        for ((i, _), columns) in turning.iter().zip(&pf) {
-            for (k, (f, g, s)) in &turning {
-                let p = |k| columns.fixed_rows::<3>(k);
-                let block = f * p(*k) + g * p(BIAS) + s * columns.fixed_rows::<9>(SCALE);
-                self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block);
-                self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block.transpose());
+        for (i, columns) in [FIELD, LOCAL].into_iter().zip(&columns) {
+            for (k, column) in columns.column_iter().enumerate() {
+                self.p.set_column(i + k, &column);
+                self.p.row_mut(i + k).tr_copy_from(&column);
             }
         }
 

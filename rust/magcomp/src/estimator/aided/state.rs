@@ -54,7 +54,7 @@ impl Gaussian {
 
     /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
     pub(crate) fn is_finite(&self) -> bool {
-        self.x.iter().all(|v| v.is_finite()) && (0..STATES).all(|i| self.p[(i, i)].is_finite())
+        (self.x.sum() + self.p.trace()).is_finite()
     }
 
     /// The 3x3 block of the covariance whose first indices are given.
@@ -118,6 +118,43 @@ impl Gaussian {
         self.p.fixed_columns_mut::<N>(i).fill(0.0);
         self.p.fixed_view_mut::<N, N>(i, i).copy_from(own);
     }
+}
+
+/// A small change of the state, by its parts: E and S as matrices.
+pub(crate) struct Change {
+    pub(crate) field: Vector3<f64>,
+    pub(crate) offset: Vector3<f64>,
+    pub(crate) iron: Matrix3<f64>,
+    pub(crate) bias: Vector3<f64>,
+    pub(crate) delay: f64,
+    pub(crate) scale: Matrix3<f64>,
+    pub(crate) local: Vector3<f64>,
+}
+
+/// The covariance of N states with vectors that are linear in the state; `p` has the rows of P of those states.
+#[inline(always)]
+pub(crate) fn covariance<const N: usize, const C: usize>(
+    p: &SMatrix<f64, N, STATES>,
+    linear: impl Fn(&Change) -> [Vector3<f64>; C],
+) -> [SMatrix<f64, N, 3>; C] {
+    let mut to = [SMatrix::<f64, N, 3>::zeros(); C];
+    for k in 0..N {
+        let vector = |i| Vector3::new(p[(k, i)], p[(k, i + 1)], p[(k, i + 2)]);
+        let e = |i| p[(k, IRON + i)];
+        let linear = linear(&Change {
+            field: vector(FIELD),
+            offset: vector(OFFSET),
+            iron: Matrix3::new(e(0), e(3), e(4), e(3), e(1), e(5), e(4), e(5), e(2)),
+            bias: vector(BIAS),
+            delay: p[(k, DELAY)],
+            scale: Matrix3::from_columns(&[vector(SCALE), vector(SCALE + 3), vector(SCALE + 6)]),
+            local: vector(LOCAL),
+        });
+        for (to, v) in to.iter_mut().zip(linear) {
+            to.set_row(k, &v.transpose());
+        }
+    }
+    to
 }
 
 /// M of a state, or of one that begins as the state does.
