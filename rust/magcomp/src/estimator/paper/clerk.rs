@@ -30,6 +30,8 @@ pub(crate) struct Clerk {
     /// The latest `window` of them are in the moments and in the cells.
     window: usize,
     moments: Moments,
+    /// Nobody needs the moments any more: a method that has no window looks at them until it has a calibration.
+    without_moments: bool,
     cells: Coverage,
     noted: Noted,
 }
@@ -56,7 +58,7 @@ impl Clerk {
         let moments = Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut));
         let noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
         let (kept, cells) = (VecDeque::with_capacity(config.n_max), Coverage::default());
-        Self { config, field_strength_ut, kept, window: 0, moments, cells, noted }
+        Self { config, field_strength_ut, kept, window: 0, moments, without_moments: false, cells, noted }
     }
 
     /// As new, in the memory that is there.
@@ -65,6 +67,7 @@ impl Clerk {
         self.cells.clear();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
+        self.without_moments = false;
         self.noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
     }
 
@@ -86,6 +89,7 @@ impl Clerk {
         let asks = self.is_due();
         self.enter(raw_ut);
         self.look_through(if asks { calibration() } else { None });
+        self.without_moments = self.noted.calibration.is_some();
         asks
     }
 
@@ -152,7 +156,9 @@ impl Clerk {
             self.kept.pop_front();
         }
         self.kept.push_back(Slot { raw_ut: *raw_ut, cell });
-        self.moments.add(raw_ut);
+        if !self.without_moments {
+            self.moments.add(raw_ut);
+        }
         self.cells.add(cell);
         self.window += 1;
         self.noted.since_recentred += 1;
@@ -163,7 +169,9 @@ impl Clerk {
         let (length, kept) = (length.min(self.len()), self.len());
         while self.window > length {
             let oldest = self.kept[kept - self.window];
-            self.moments.remove(&oldest.raw_ut);
+            if !self.without_moments {
+                self.moments.remove(&oldest.raw_ut);
+            }
             self.cells.remove(oldest.cell);
             self.window -= 1;
         }
