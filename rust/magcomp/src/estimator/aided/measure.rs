@@ -111,9 +111,9 @@ impl Gaussian {
         sigma_ut: f64,
     ) -> Option<Innovation> {
         let h = Slope::at(self, rate_rad_s);
-        let [ph] = covariance(&self.p, |dx| [h.times(dx)]);
-        let [s] = covariance(&ph.transpose(), |dx| [h.times(dx)]);
-        let s = s + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
+        let ph = covariance(&self.p, |dx| h.times(dx));
+        let s = covariance(&ph.transpose(), |dx| h.times(dx))
+            + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
         let v = raw_ut - foretell(self, rate_rad_s);
@@ -145,7 +145,8 @@ impl Gaussian {
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
             for j in 0..STATES {
                 let own = v.row(j) * sign;
-                for i in 0..STATES {
+                // rows in fours
+                for i in j - j % 4..STATES {
                     for n in 0..N {
                         self.p[(i, j)] += v[(i, n)] * own[n];
                     }
@@ -161,6 +162,7 @@ impl Gaussian {
             }
             add(&kept, 1.0);
         }
+        self.p.fill_upper_triangle_with_lower_triangle();
         self.x += gain * whitened;
         // no variance below what rounding can carry: P stays positive definite for ever
         const FLOORS: [(usize, usize, f64); 5] = [

@@ -13,7 +13,7 @@
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 use super::state::{BIAS, Change, FIELD, Gaussian, LOCAL, OFFSET, covariance};
 
@@ -59,9 +59,11 @@ struct Transition {
 impl Transition {
     /// F dx, of m and d.
     #[inline(always)]
-    fn times(&self, dx: &Change) -> [Vector3<f64>; 2] {
+    fn times(&self, dx: &Change) -> Vector6<f64> {
         let dtheta = dx.scale * self.increment_rad + dx.bias * self.dt_s;
-        [self.field * dx.field - self.field_by_angle * dtheta, self.local * dx.local - self.local_by_angle * dtheta]
+        let m = self.field * dx.field - self.field_by_angle * dtheta;
+        let d = self.local * dx.local - self.local_by_angle * dtheta;
+        Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
     }
 }
 
@@ -86,16 +88,12 @@ impl Gaussian {
         };
         // of P F^T and of F (P F^T) the columns of m and d
         let mut columns = covariance(&self.p, |dx| f.times(dx));
-        for columns in &mut columns {
-            let [m, d] = covariance(&columns.transpose(), |dx| f.times(dx));
-            columns.fixed_rows_mut::<3>(FIELD).tr_copy_from(&m);
-            columns.fixed_rows_mut::<3>(LOCAL).tr_copy_from(&d);
-        }
-        for (i, columns) in [FIELD, LOCAL].into_iter().zip(&columns) {
-            for (k, column) in columns.column_iter().enumerate() {
-                self.p.set_column(i + k, &column);
-                self.p.row_mut(i + k).tr_copy_from(&column);
-            }
+        let rows = covariance(&columns.transpose(), |dx| f.times(dx));
+        columns.fixed_rows_mut::<3>(FIELD).tr_copy_from(&rows.fixed_columns::<3>(0));
+        columns.fixed_rows_mut::<3>(LOCAL).tr_copy_from(&rows.fixed_columns::<3>(3));
+        for (column, i) in columns.column_iter().zip((FIELD..FIELD + 3).chain(LOCAL..LOCAL + 3)) {
+            self.p.set_column(i, &column);
+            self.p.row_mut(i).tr_copy_from(&column);
         }
 
         let turn2 = noise.angle_rad.powi(2) * dt_s + noise.bridged_rad2;

@@ -131,13 +131,13 @@ pub(crate) struct Change {
     pub(crate) local: Vector3<f64>,
 }
 
-/// The covariance of N states with vectors that are linear in the state; `p` has the rows of P of those states.
+/// The covariance of N states with R numbers that are linear in the state; `p` has the rows of P of those states.
 #[inline(always)]
-pub(crate) fn covariance<const N: usize, const C: usize>(
+pub(crate) fn covariance<const N: usize, const R: usize>(
     p: &SMatrix<f64, N, STATES>,
-    linear: impl Fn(&Change) -> [Vector3<f64>; C],
-) -> [SMatrix<f64, N, 3>; C] {
-    let mut to = [SMatrix::<f64, N, 3>::zeros(); C];
+    linear: impl Fn(&Change) -> SVector<f64, R>,
+) -> SMatrix<f64, N, R> {
+    let mut to = SMatrix::<f64, N, R>::zeros();
     for k in 0..N {
         let vector = |i| Vector3::new(p[(k, i)], p[(k, i + 1)], p[(k, i + 2)]);
         let e = |i| p[(k, IRON + i)];
@@ -150,9 +150,7 @@ pub(crate) fn covariance<const N: usize, const C: usize>(
             scale: Matrix3::from_columns(&[vector(SCALE), vector(SCALE + 3), vector(SCALE + 6)]),
             local: vector(LOCAL),
         });
-        for (to, v) in to.iter_mut().zip(linear) {
-            to.set_row(k, &v.transpose());
-        }
+        to.row_mut(k).tr_copy_from(&linear);
     }
     to
 }

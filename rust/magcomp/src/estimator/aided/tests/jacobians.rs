@@ -83,7 +83,7 @@ fn measurement_jacobian_is_the_derivative() {
         let state = random_state(&mut random);
         let rate = random.vector(3.0);
         let h = Slope::at(&state, &rate);
-        let [h] = covariance(&SMatrix::<f64, STATES, STATES>::identity(), |dx| [h.times(dx)]);
+        let h = covariance(&SMatrix::<f64, STATES, STATES>::identity(), |dx| h.times(dx));
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
             let (mut low, mut high) = (state.clone(), state.clone());
