@@ -12,7 +12,8 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Groups, Mean};
-use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron};
+use super::measure::Model;
+use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, vector};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL;
@@ -110,12 +111,9 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         moved_s: 0.0,
         back: Matrix3::zeros(),
     };
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, g) = (vector(FIELD), vector(G));
-    let s = x.fixed_rows::<9>(S).into_owned();
-    groups.each(&h, &g, &s, |mean: &Mean| {
-        let v = prior.variance(mean);
-        let (j, residual) = model(x, mean);
+    for mean in groups.means(vector(x.as_slice(), FIELD), x) {
+        let v = prior.variance(&mean);
+        let (j, residual) = model(x, &mean);
         let size = residual.norm_squared();
         it.cost += size / v;
         it.curvature += j.transpose() * j / v;
@@ -125,30 +123,21 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         it.count += mean.count;
         it.moved_s += mean.moved_s;
         it.back += mean.back * mean.count;
-    });
+    }
     it.back /= it.count.max(1.0);
     it
 }
 
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
 pub(super) fn model(x: &Vector, mean: &Mean) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
-    let m = soft_iron(x.as_slice());
-    let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
-    let u = mean.back * h;
-    let late = Matrix3::identity() + w.cross_matrix() * tau;
-    let swing = w.cross(&u);
-    let seen = u + swing * tau;
-    let to_field = m * late;
+    let model = Model::at(x.as_slice(), &(mean.back * x.fixed_rows::<3>(FIELD)), &mean.rate_rad_s);
+    let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-    j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
+    j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));
     j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
-    let by_gyroscope = to_field * mean.by_gyroscope;
+    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&model.seen));
     j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
     j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
-    j.set_column(TAU, &(m * swing));
-    let residual = mean.raw_ut - m * seen - b;
-    (j, residual)
+    j.set_column(TAU, &model.by_delay);
+    (j, mean.raw_ut - model.raw_ut)
 }

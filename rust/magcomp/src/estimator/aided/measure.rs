@@ -12,7 +12,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::state::{BIAS, Change, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, STATES, covariance};
+use super::state::{
+    BIAS, Change, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, STATES, covariance, soft_iron, true_rate, vector,
+};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -38,38 +40,36 @@ pub(crate) const ALL_BUT_FIELD: &[(usize, usize)] = &[(OFFSET, LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
 const ALL_BUT_FIELD_AND_BIAS: &[(usize, usize)] = &[(OFFSET, BIAS), (DELAY, LOCAL)];
 
-/// h(x), uT.
-pub(crate) fn foretell(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Vector3<f64> {
-    let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = x.true_rate(rate_rad_s);
-    x.soft_iron() * (h0 + w.cross(&h0) * x.x[DELAY]) + x.vector(OFFSET)
-}
-
-/// dh/dx, by its parts.
-pub(crate) struct Slope {
-    by_field: Matrix3<f64>,
+/// What a state foretells of a raw sample, and dr/dx by its parts.
+pub(crate) struct Model {
+    pub(crate) raw_ut: Vector3<f64>,
+    pub(super) by_field: Matrix3<f64>,
     by_bias: Matrix3<f64>,
-    by_delay: Vector3<f64>,
-    /// What E acts on.
-    seen: Vector3<f64>,
+    pub(super) by_delay: Vector3<f64>,
+    /// h: what E acts on.
+    pub(super) seen: Vector3<f64>,
     /// What S acts on.
     rate: Vector3<f64>,
 }
 
-impl Slope {
-    pub(crate) fn at(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Self {
-        let h0 = x.vector(FIELD) + x.vector(LOCAL);
-        let w = x.true_rate(rate_rad_s);
-        let tau = x.x[DELAY];
-        let m = x.soft_iron();
-        let swing = w.cross(&h0);
+impl Model {
+    /// For h0 and a state, or what begins as the state does.
+    pub(super) fn at(x: &[f64], h0: &Vector3<f64>, rate_rad_s: &Vector3<f64>) -> Self {
+        let (w, tau, m) = (true_rate(x, rate_rad_s), x[DELAY], soft_iron(x));
+        let swing = w.cross(h0);
+        let seen = h0 + swing * tau;
         Self {
+            raw_ut: m * seen + vector(x, OFFSET),
             by_field: m + m * w.cross_matrix() * tau,
             by_bias: m * h0.cross_matrix() * tau,
             by_delay: m * swing,
-            seen: h0 + swing * tau,
+            seen,
             rate: *rate_rad_s,
         }
+    }
+
+    pub(crate) fn of(filter: &Gaussian, rate_rad_s: &Vector3<f64>) -> Self {
+        Self::at(filter.x.as_slice(), &(filter.vector(FIELD) + filter.vector(LOCAL)), rate_rad_s)
     }
 
     /// H dx.
@@ -110,13 +110,13 @@ impl Gaussian {
         rate_rad_s: &Vector3<f64>,
         sigma_ut: f64,
     ) -> Option<Innovation> {
-        let h = Slope::at(self, rate_rad_s);
-        let ph = covariance(&self.p, |dx| h.times(dx));
-        let s = covariance(&ph.transpose(), |dx| h.times(dx))
+        let model = Model::of(self, rate_rad_s);
+        let ph = covariance(&self.p, |dx| model.times(dx));
+        let s = covariance(&ph.transpose(), |dx| model.times(dx))
             + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
-        let v = raw_ut - foretell(self, rate_rad_s);
+        let v = raw_ut - model.raw_ut;
         let whitened = l_inverse * v;
         let nis = whitened.norm_squared();
         let ln_det = 2.0 * (l.m11 * l.m22 * l.m33).ln();

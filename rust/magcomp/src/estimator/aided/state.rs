@@ -68,7 +68,7 @@ impl Gaussian {
     }
 
     pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
-        self.x.fixed_rows::<3>(i).into_owned()
+        vector(self.x.as_slice(), i)
     }
 
     pub(crate) fn set_vector(&mut self, i: usize, v: &Vector3<f64>) {
@@ -84,9 +84,9 @@ impl Gaussian {
         scale(self.x.as_slice())
     }
 
-    /// The device's rate for a gyroscope's reading: (I - S) reading - g.
+    /// The device's rate for a gyroscope's reading.
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        reading - self.scale() * reading - self.vector(BIAS)
+        true_rate(self.x.as_slice(), reading)
     }
 
     /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
@@ -155,6 +155,16 @@ pub(crate) fn covariance<const N: usize, const R: usize>(
     to
 }
 
+/// A vector of a state, or of what begins as the state does.
+pub(crate) fn vector(x: &[f64], i: usize) -> Vector3<f64> {
+    Vector3::from_column_slice(&x[i..i + 3])
+}
+
+/// (I - S) reading - g of a state, or of what begins as the state does.
+pub(crate) fn true_rate(x: &[f64], reading: &Vector3<f64>) -> Vector3<f64> {
+    reading - scale(x) * reading - vector(x, BIAS)
+}
+
 /// M of a state, or of one that begins as the state does.
 pub(crate) fn soft_iron(x: &[f64]) -> Matrix3<f64> {
     let e = &x[IRON..IRON + 6];
@@ -164,11 +174,6 @@ pub(crate) fn soft_iron(x: &[f64]) -> Matrix3<f64> {
 /// S of a state, or of one that begins as the state does.
 pub(crate) fn scale(x: &[f64]) -> Matrix3<f64> {
     Matrix3::from_column_slice(&x[SCALE..SCALE + 9])
-}
-
-/// The 3x9 matrix that makes S v linear in s.
-pub(crate) fn scale_rows(v: &Vector3<f64>) -> SMatrix<f64, 3, 9> {
-    v.transpose().kronecker(&Matrix3::identity())
 }
 
 /// D(h) e = E h: the 3x6 matrix that makes M h linear in e.
