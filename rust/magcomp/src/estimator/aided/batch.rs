@@ -11,9 +11,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{Groups, Mean};
+use super::groups::{Group, Groups};
 use super::measure::Model;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, vector};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, Parts, SCALE as S, iron_rows};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL;
@@ -38,7 +38,7 @@ pub(super) struct Prior {
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
-    pub(super) fn variance(&self, mean: &Mean) -> f64 {
+    pub(super) fn variance(&self, mean: &Group) -> f64 {
         self.noise_ut2 / mean.count + self.place_ut2 * CORRELATION_S / mean.moved_s
     }
 }
@@ -111,7 +111,7 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         moved_s: 0.0,
         back: Matrix3::zeros(),
     };
-    for mean in groups.means(vector(x.as_slice(), FIELD), x) {
+    for mean in groups.means(parts(x).field, x) {
         let v = prior.variance(&mean);
         let (j, residual) = model(x, &mean);
         let size = residual.norm_squared();
@@ -128,9 +128,14 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     it
 }
 
+pub(super) fn parts(x: &Vector) -> Parts {
+    Parts::of(|i| if i < UNKNOWNS { x[i] } else { 0.0 })
+}
+
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-pub(super) fn model(x: &Vector, mean: &Mean) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let model = Model::at(x.as_slice(), &(mean.back * x.fixed_rows::<3>(FIELD)), &mean.rate_rad_s);
+pub(super) fn model(x: &Vector, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+    let x = parts(x);
+    let model = Model::at(&x, &(mean.back * x.field), &mean.rate_rad_s);
     let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));

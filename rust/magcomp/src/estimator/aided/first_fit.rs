@@ -14,11 +14,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model};
+use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
 use super::groups::Groups;
-use super::state::{
-    BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, scale, soft_iron, vector,
-};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -115,10 +113,10 @@ impl FirstFit {
 
     /// What is believed now, to tell noise from the device's motion.
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
-        let (bias_rad_s, scale) = self.gyroscope();
+        let (x, (bias_rad_s, scale)) = (parts(&self.x), self.gyroscope());
         Known {
-            offset_ut: vector(self.x.as_slice(), OFFSET),
-            soft_iron: soft_iron(self.x.as_slice()),
+            offset_ut: x.offset,
+            soft_iron: x.soft_iron(),
             bias_rad_s,
             bias_sd_rad_s: self.bias_variance.sqrt(),
             scale,
@@ -133,11 +131,9 @@ impl FirstFit {
 
     /// Bias (rad/s) and scale error of the gyroscope.
     pub(super) fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        match self.answer {
-            Some(_) => (vector(self.x.as_slice(), G), scale(self.x.as_slice())),
-            // a fit that counts for nothing says nothing of the gyroscope either
-            None => (self.bias_rad_s, Matrix3::zeros()),
-        }
+        let x = parts(&self.x);
+        // a fit that counts for nothing says nothing of the gyroscope either
+        self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.scale))
     }
 
     /// At rest the rate is the bias.
@@ -171,7 +167,7 @@ impl FirstFit {
     }
 
     fn field(&self) -> Vector3<f64> {
-        vector(self.x.as_slice(), FIELD)
+        parts(&self.x).field
     }
 
     /// A sample taken in motion; `up` as far as it is known.
@@ -289,7 +285,7 @@ impl FirstFit {
     /// small, no bias shows in it, and what a wrong one bends looks like motion: so that part is taken to be `unseen`, too,
     /// and the bias to be known no better than the fit knows it.
     fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
-        let m = soft_iron(self.x.as_slice());
+        let m = parts(&self.x).soft_iron();
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
         let mut own = p.fixed_view::<3, 3>(G, G).into_owned().try_inverse()?;
         let unseen = self.groups.means(unseen_ut, &self.x);

@@ -24,17 +24,19 @@ const SHORTEST_S: f64 = 0.125;
 /// And at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
 const LONGEST_S: f64 = 0.5;
 
-/// Sums over the samples of a group.
+/// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Group {
+pub(super) struct Group {
     turn: Matrix3<f64>,
-    back: Matrix3<f64>,
-    by_gyroscope: SMatrix<f64, 3, 12>,
-    raw_ut: Vector3<f64>,
-    rate_rad_s: Vector3<f64>,
-    count: f64,
-    moved_s: f64,
+    /// R' to the samples: their mean field is `back` h.
+    pub(super) back: Matrix3<f64>,
+    /// Of a sum: what g and s add to the turn; of a mean: derivative of the mean field by g and s.
+    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
+    pub(super) raw_ut: Vector3<f64>,
+    pub(super) rate_rad_s: Vector3<f64>,
+    pub(super) count: f64,
+    pub(super) moved_s: f64,
 }
 
 impl Group {
@@ -54,18 +56,6 @@ impl Group {
             moved_s: self.moved_s + next.moved_s,
         }
     }
-}
-
-/// Means over a group, as seen from the latest sample with the gyroscope's errors taken out.
-pub(super) struct Mean {
-    pub(super) raw_ut: Vector3<f64>,
-    pub(super) rate_rad_s: Vector3<f64>,
-    /// Mean of R' from now to the samples: the mean field is `back` h.
-    pub(super) back: Matrix3<f64>,
-    /// Derivative of that mean field by g and s.
-    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
-    pub(super) count: f64,
-    pub(super) moved_s: f64,
 }
 
 /// The groups, the oldest first; the last one is being filled.
@@ -131,7 +121,7 @@ impl Groups {
     }
 
     /// Means over each group, from the latest back to the first, for a field `h` now, and bias and scale error of a fit `x`.
-    pub(super) fn means<'a>(&'a self, h: Vector3<f64>, x: &Vector) -> impl Iterator<Item = Mean> + use<'a> {
+    pub(super) fn means<'a>(&'a self, h: Vector3<f64>, x: &Vector) -> impl Iterator<Item = Group> + use<'a> {
         let mut errors = SVector::<f64, 12>::zeros();
         errors.fixed_rows_mut::<3>(0).copy_from(&x.fixed_rows::<3>(BIAS));
         errors.fixed_rows_mut::<9>(3).copy_from(&x.fixed_rows::<9>(SCALE));
@@ -144,13 +134,12 @@ impl Groups {
             // on average half of a group's error lies between its end and a sample
             let (half, _) = turn(&(off * 0.5));
             let mean = group.back * half / group.count;
-            let seen = Mean {
+            let seen = Group {
                 raw_ut: group.raw_ut / group.count,
                 rate_rad_s: group.rate_rad_s / group.count,
                 back: mean * back,
                 by_gyroscope: mean * (by_gyroscope + leads * 0.5),
-                count: group.count,
-                moved_s: group.moved_s,
+                ..*group
             };
             let (whole, _) = turn(&off);
             let to_start = group.turn.transpose() * whole;

@@ -65,12 +65,6 @@ impl Aided {
     fn follow(&mut self, step: &Step<'_>) -> AidedOutput {
         self.displaced_ut = (step.turn * self.displaced_ut.cast()).cast();
         self.displaced_s += step.dt_s as f32;
-        if let Some(filter) = &mut self.filter {
-            if step.dt_s > self.tuning.gap_s {
-                drift(filter, step.dt_s, &self.tuning);
-            }
-            filter.propagate(step.increment_rad, step.dt_s, step.noise);
-        }
         self.learn(step);
         if let (Some(filter), Some(strength_ut)) = (&mut self.filter, self.lost_strength_ut.take()) {
             filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
@@ -106,10 +100,14 @@ impl Aided {
         (self.tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0)).powi(2)
     }
 
-    /// The magnetometer's part of one sample.
+    /// The filter's part of one sample.
     fn learn(&mut self, step: &Step<'_>) {
         let rest_variance = self.rest_variance(step.dt_s);
         let Some(filter) = &mut self.filter else { return };
+        if step.dt_s > self.tuning.gap_s {
+            drift(filter, step.dt_s, &self.tuning);
+        }
+        filter.propagate(step.increment_rad, step.dt_s, step.noise);
         let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };

@@ -11,10 +11,9 @@
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use std::ops::Range;
 
-use super::state::{
-    BIAS, Change, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, STATES, covariance, soft_iron, true_rate, vector,
-};
+use super::state::{BIAS, DELAY, ELEMENT, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, STATES, covariance};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -53,13 +52,13 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// For h0 and a state, or what begins as the state does.
-    pub(super) fn at(x: &[f64], h0: &Vector3<f64>, rate_rad_s: &Vector3<f64>) -> Self {
-        let (w, tau, m) = (true_rate(x, rate_rad_s), x[DELAY], soft_iron(x));
+    /// Where h0 is the field.
+    pub(crate) fn at(x: &Parts, h0: &Vector3<f64>, rate_rad_s: &Vector3<f64>) -> Self {
+        let (w, tau, m) = (x.true_rate(rate_rad_s), x.delay, x.soft_iron());
         let swing = w.cross(h0);
         let seen = h0 + swing * tau;
         Self {
-            raw_ut: m * seen + vector(x, OFFSET),
+            raw_ut: m * seen + x.offset,
             by_field: m + m * w.cross_matrix() * tau,
             by_bias: m * h0.cross_matrix() * tau,
             by_delay: m * swing,
@@ -68,13 +67,13 @@ impl Model {
         }
     }
 
-    pub(crate) fn of(filter: &Gaussian, rate_rad_s: &Vector3<f64>) -> Self {
-        Self::at(filter.x.as_slice(), &(filter.vector(FIELD) + filter.vector(LOCAL)), rate_rad_s)
+    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
+        Self::at(x, &(x.field + x.local), rate_rad_s)
     }
 
     /// H dx.
     #[inline(always)]
-    pub(crate) fn times(&self, dx: &Change) -> Vector3<f64> {
+    pub(crate) fn times(&self, dx: &Parts) -> Vector3<f64> {
         self.by_field * (dx.field + dx.local)
             + dx.offset
             + dx.iron * self.seen
@@ -82,10 +81,6 @@ impl Model {
             + self.by_delay * dx.delay
     }
 }
-
-/// Index of E_ij in e.
-const ELEMENT: [[usize; 3]; 3] =
-    [[IRON, IRON + 3, IRON + 4], [IRON + 3, IRON + 1, IRON + 5], [IRON + 4, IRON + 5, IRON + 2]];
 
 impl Gaussian {
     /// B_i = sum_jl P(E_ij, E_il) (P_mm + P_dd)_jl + P(E_ij, m_l) P(m_j, E_il), not below zero.
@@ -95,6 +90,7 @@ impl Gaussian {
             let mut sum = 0.0;
             for (j, &ij) in row.iter().enumerate() {
                 for (l, &il) in row.iter().enumerate() {
+                    let (ij, il) = (IRON + ij, IRON + il);
                     let cross = self.p[(ij, FIELD + l)] * self.p[(FIELD + j, il)];
                     sum += (self.p[(ij, il)] * field[(j, l)] + cross).max(0.0);
                 }
@@ -110,7 +106,7 @@ impl Gaussian {
         rate_rad_s: &Vector3<f64>,
         sigma_ut: f64,
     ) -> Option<Innovation> {
-        let model = Model::of(self, rate_rad_s);
+        let model = Model::of(&self.parts(), rate_rad_s);
         let ph = covariance(&self.p, |dx| model.times(dx));
         let s = covariance(&ph.transpose(), |dx| model.times(dx))
             + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
@@ -165,18 +161,16 @@ impl Gaussian {
         self.p.fill_upper_triangle_with_lower_triangle();
         self.x += gain * whitened;
         // no variance below what rounding can carry: P stays positive definite for ever
-        const FLOORS: [(usize, usize, f64); 5] = [
-            (FIELD, IRON, 1e-8),
-            (IRON, BIAS, 1e-12),
-            (BIAS, DELAY, 1e-14),
-            (DELAY, LOCAL, 1e-12),
-            (LOCAL, STATES, 1e-8),
-        ];
-        for (from, to, floor) in FLOORS {
-            for i in from..to {
+        let mut at_least = |states: Range<usize>, floor: f64| {
+            for i in states {
                 self.p[(i, i)] = self.p[(i, i)].max(floor);
             }
-        }
+        };
+        at_least(FIELD..IRON, 1e-8);
+        at_least(IRON..BIAS, 1e-12);
+        at_least(BIAS..DELAY, 1e-14);
+        at_least(DELAY..LOCAL, 1e-12);
+        at_least(LOCAL..STATES, 1e-8);
     }
 
     /// The scalar measurement |m| = `strength_ut` with the given variance, m and its companions corrected.

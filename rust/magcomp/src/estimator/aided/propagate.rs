@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-use super::state::{BIAS, Change, FIELD, Gaussian, LOCAL, OFFSET, covariance};
+use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, Parts, covariance};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ struct Transition {
 impl Transition {
     /// F dx, of m and d.
     #[inline(always)]
-    fn times(&self, dx: &Change) -> Vector6<f64> {
+    fn times(&self, dx: &Parts) -> Vector6<f64> {
         let dtheta = dx.scale * self.increment_rad + dx.bias * self.dt_s;
         let m = self.field * dx.field - self.field_by_angle * dtheta;
         let d = self.local * dx.local - self.local_by_angle * dtheta;
@@ -70,11 +70,12 @@ impl Transition {
 impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
-        let theta = increment_rad - self.scale() * increment_rad - self.vector(BIAS) * dt_s;
+        let x = self.parts();
+        let theta = increment_rad - x.scale * increment_rad - x.bias * dt_s;
         let (r, j) = turn(&theta);
         let fade = (-dt_s / noise.local_time_s).exp();
-        let m = r * self.vector(FIELD);
-        let d = r * self.vector(LOCAL) * fade;
+        let m = r * x.field;
+        let d = r * x.local * fade;
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 

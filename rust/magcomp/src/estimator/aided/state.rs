@@ -34,6 +34,9 @@ pub(crate) const SCALE: usize = 16;
 /// First index of d.
 pub(crate) const LOCAL: usize = 25;
 
+/// Index of E_ij in e.
+pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
+
 /// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
 
@@ -68,25 +71,23 @@ impl Gaussian {
     }
 
     pub(crate) fn vector(&self, i: usize) -> Vector3<f64> {
-        vector(self.x.as_slice(), i)
+        self.x.fixed_rows::<3>(i).into_owned()
     }
 
     pub(crate) fn set_vector(&mut self, i: usize, v: &Vector3<f64>) {
         self.x.fixed_rows_mut::<3>(i).copy_from(v);
     }
 
+    pub(crate) fn parts(&self) -> Parts {
+        Parts::of(|i| self.x[i])
+    }
+
     pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
-        soft_iron(self.x.as_slice())
+        self.parts().soft_iron()
     }
 
-    /// S.
-    pub(crate) fn scale(&self) -> Matrix3<f64> {
-        scale(self.x.as_slice())
-    }
-
-    /// The device's rate for a gyroscope's reading.
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        true_rate(self.x.as_slice(), reading)
+        self.parts().true_rate(reading)
     }
 
     /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
@@ -120,8 +121,8 @@ impl Gaussian {
     }
 }
 
-/// A small change of the state, by its parts: E and S as matrices.
-pub(crate) struct Change {
+/// A state, or a small change of one, by its parts: E and S as matrices.
+pub(crate) struct Parts {
     pub(crate) field: Vector3<f64>,
     pub(crate) offset: Vector3<f64>,
     pub(crate) iron: Matrix3<f64>,
@@ -131,49 +132,43 @@ pub(crate) struct Change {
     pub(crate) local: Vector3<f64>,
 }
 
+impl Parts {
+    #[inline(always)]
+    pub(crate) fn of(x: impl Fn(usize) -> f64) -> Self {
+        let vector = |i| Vector3::new(x(i), x(i + 1), x(i + 2));
+        Self {
+            field: vector(FIELD),
+            offset: vector(OFFSET),
+            iron: Matrix3::from(ELEMENT.map(|column| column.map(|i| x(IRON + i)))),
+            bias: vector(BIAS),
+            delay: x(DELAY),
+            scale: Matrix3::from_columns(&[vector(SCALE), vector(SCALE + 3), vector(SCALE + 6)]),
+            local: vector(LOCAL),
+        }
+    }
+
+    /// M of a state.
+    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
+        Matrix3::identity() + self.iron
+    }
+
+    /// The device's rate for a gyroscope's reading: (I - S) reading - g.
+    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
+        reading - self.scale * reading - self.bias
+    }
+}
+
 /// The covariance of N states with R numbers that are linear in the state; `p` has the rows of P of those states.
 #[inline(always)]
 pub(crate) fn covariance<const N: usize, const R: usize>(
     p: &SMatrix<f64, N, STATES>,
-    linear: impl Fn(&Change) -> SVector<f64, R>,
+    linear: impl Fn(&Parts) -> SVector<f64, R>,
 ) -> SMatrix<f64, N, R> {
     let mut to = SMatrix::<f64, N, R>::zeros();
     for k in 0..N {
-        let vector = |i| Vector3::new(p[(k, i)], p[(k, i + 1)], p[(k, i + 2)]);
-        let e = |i| p[(k, IRON + i)];
-        let linear = linear(&Change {
-            field: vector(FIELD),
-            offset: vector(OFFSET),
-            iron: Matrix3::new(e(0), e(3), e(4), e(3), e(1), e(5), e(4), e(5), e(2)),
-            bias: vector(BIAS),
-            delay: p[(k, DELAY)],
-            scale: Matrix3::from_columns(&[vector(SCALE), vector(SCALE + 3), vector(SCALE + 6)]),
-            local: vector(LOCAL),
-        });
-        to.row_mut(k).tr_copy_from(&linear);
+        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p[(k, i)])));
     }
     to
-}
-
-/// A vector of a state, or of what begins as the state does.
-pub(crate) fn vector(x: &[f64], i: usize) -> Vector3<f64> {
-    Vector3::from_column_slice(&x[i..i + 3])
-}
-
-/// (I - S) reading - g of a state, or of what begins as the state does.
-pub(crate) fn true_rate(x: &[f64], reading: &Vector3<f64>) -> Vector3<f64> {
-    reading - scale(x) * reading - vector(x, BIAS)
-}
-
-/// M of a state, or of one that begins as the state does.
-pub(crate) fn soft_iron(x: &[f64]) -> Matrix3<f64> {
-    let e = &x[IRON..IRON + 6];
-    Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
-}
-
-/// S of a state, or of one that begins as the state does.
-pub(crate) fn scale(x: &[f64]) -> Matrix3<f64> {
-    Matrix3::from_column_slice(&x[SCALE..SCALE + 9])
 }
 
 /// D(h) e = E h: the 3x6 matrix that makes M h linear in e.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, Gaussian, OFFSET, SCALE};
+use super::state::{BIAS, Gaussian, SCALE};
 
 /// A sample, the turn before it, and what is known of noise and motion then.
 pub(crate) struct Step<'a> {
@@ -36,12 +36,13 @@ pub(crate) struct Known {
 
 impl Known {
     pub(crate) fn of(filter: &Gaussian) -> Self {
+        let x = filter.parts();
         Self {
-            offset_ut: filter.vector(OFFSET),
-            soft_iron: filter.soft_iron(),
-            bias_rad_s: filter.vector(BIAS),
+            offset_ut: x.offset,
+            soft_iron: x.soft_iron(),
+            bias_rad_s: x.bias,
             bias_sd_rad_s: filter.block(BIAS, BIAS).diagonal().max().sqrt(),
-            scale: filter.scale(),
+            scale: x.scale,
             scale_sd: (filter.p.fixed_view::<9, 9>(SCALE, SCALE).trace() / 9.0).sqrt(),
         }
     }
