@@ -128,6 +128,7 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     it
 }
 
+/// x as a state without d.
 pub(super) fn parts(x: &Vector) -> Parts {
     Parts::of(|i| if i < UNKNOWNS { x[i] } else { 0.0 })
 }
@@ -135,7 +136,7 @@ pub(super) fn parts(x: &Vector) -> Parts {
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
 pub(super) fn model(x: &Vector, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
     let x = parts(x);
-    let model = Model::at(&x, &(mean.back * x.field), &mean.rate_rad_s);
+    let model = Model::of(&Parts { field: mean.back * x.field, ..x }, &mean.rate_rad_s);
     let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));

@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
 use super::groups::Groups;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, SCALE as S};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -113,15 +113,9 @@ impl FirstFit {
 
     /// What is believed now, to tell noise from the device's motion.
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
-        let (x, (bias_rad_s, scale)) = (parts(&self.x), self.gyroscope());
-        Known {
-            offset_ut: x.offset,
-            soft_iron: x.soft_iron(),
-            bias_rad_s,
-            bias_sd_rad_s: self.bias_variance.sqrt(),
-            scale,
-            scale_sd: tuning.axes_sd,
-        }
+        let (bias, scale) = self.gyroscope();
+        let x = Parts { bias, scale, ..parts(&self.x) };
+        Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), scale_sd: tuning.axes_sd }
     }
 
     /// The calibration that was given, while it is believed.

@@ -31,7 +31,7 @@ impl Aided {
         dt_s: f64,
     ) -> AidedOutput {
         let known = self.filter.as_ref().map_or_else(|| self.first.known(&self.tuning), Known::of);
-        let turned_rad = rotation.increment_rad - known.scale * rotation.increment_rad - known.bias_rad_s * dt_s;
+        let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let (turn, _) = propagate::turn(&turned_rad);
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, &self.tuning);

@@ -52,10 +52,9 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// Where h0 is the field.
-    pub(crate) fn at(x: &Parts, h0: &Vector3<f64>, rate_rad_s: &Vector3<f64>) -> Self {
-        let (w, tau, m) = (x.true_rate(rate_rad_s), x.delay, x.soft_iron());
-        let swing = w.cross(h0);
+    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
+        let (h0, w, tau, m) = (x.field + x.local, x.true_rate(rate_rad_s), x.delay, x.soft_iron());
+        let swing = w.cross(&h0);
         let seen = h0 + swing * tau;
         Self {
             raw_ut: m * seen + x.offset,
@@ -65,10 +64,6 @@ impl Model {
             seen,
             rate: *rate_rad_s,
         }
-    }
-
-    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
-        Self::at(x, &(x.field + x.local), rate_rad_s)
     }
 
     /// H dx.

@@ -71,8 +71,7 @@ impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
         let x = self.parts();
-        let theta = increment_rad - x.scale * increment_rad - x.bias * dt_s;
-        let (r, j) = turn(&theta);
+        let (r, j) = turn(&x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
         let m = r * x.field;
         let d = r * x.local * fade;

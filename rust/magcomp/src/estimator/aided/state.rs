@@ -152,9 +152,14 @@ impl Parts {
         Matrix3::identity() + self.iron
     }
 
-    /// The device's rate for a gyroscope's reading: (I - S) reading - g.
+    /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
+    pub(crate) fn turned(&self, increment: &Vector3<f64>, dt_s: f64) -> Vector3<f64> {
+        increment - self.scale * increment - self.bias * dt_s
+    }
+
+    /// The device's rate for a gyroscope's reading.
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        reading - self.scale * reading - self.bias
+        self.turned(reading, 1.0)
     }
 }
 
