@@ -44,6 +44,7 @@ impl Prior {
 }
 
 /// The cost at x with its derivatives, and what the samples say of the residuals.
+#[derive(Default)]
 pub(super) struct Normal {
     pub(super) cost: f64,
     pub(super) curvature: Matrix,
@@ -101,16 +102,7 @@ fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> 
 fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
-    let mut it = Normal {
-        cost: off.dot(&pull),
-        curvature: prior.precision,
-        slope: -pull,
-        residual_ut2: 0.0,
-        groups: 0.0,
-        count: 0.0,
-        moved_s: 0.0,
-        back: Matrix3::zeros(),
-    };
+    let mut it = Normal { cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
     for mean in groups.means(parts(x).field, x) {
         let v = prior.variance(&mean);
         let (j, residual) = model(x, &mean);

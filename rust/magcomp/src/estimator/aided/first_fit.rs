@@ -46,7 +46,8 @@ pub(super) struct FirstFit {
     pub(super) answer: Option<Gaussian>,
     /// The samples alone, without what was given, know the offset well enough for the filter to go on.
     is_settled: bool,
-    given: Option<Before>,
+    /// The calibration that was given, while it is believed.
+    pub(super) given: Option<Before>,
     /// Strengths that a fit may find, uT.
     earth_ut: (f64, f64),
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
@@ -116,11 +117,6 @@ impl FirstFit {
         let (bias, scale) = self.gyroscope();
         let x = Parts { bias, scale, ..parts(&self.x) };
         Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), scale_sd: tuning.axes_sd }
-    }
-
-    /// The calibration that was given, while it is believed.
-    pub(super) fn given(&self) -> Option<Before> {
-        self.given
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.

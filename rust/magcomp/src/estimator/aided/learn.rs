@@ -82,7 +82,7 @@ impl Aided {
         if self.motion.rest_s > self.tuning.memory_s {
             self.first.rest(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
-        if !step.resting || (self.first.given().is_some() && self.first.is_blind()) {
+        if !step.resting || (self.first.given.is_some() && self.first.is_blind()) {
             self.first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
         self.filter = self.first.take();
@@ -167,21 +167,18 @@ impl Aided {
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                let winner = trial.device.clone();
+                let winner = &trial.device;
                 let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
                 if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
-                return self.go_on_with(winner);
+                return self.go_on_with(|trial| trial.device);
             }
-            Verdict::Unchanged => {
-                let winner = trial.place.clone();
-                return self.go_on_with(winner);
-            }
+            Verdict::Unchanged => return self.go_on_with(|trial| trial.place),
             Verdict::NewPlace | Verdict::Place => {
-                let winner = trial.place.clone();
+                let winner = &trial.place;
                 let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
                 let moved_ut = displaced_ut + winner.vector(FIELD) - filter.vector(FIELD);
                 let back = moved_ut.norm() < self.tuning.smallest_step_ut.min(0.5 * displaced_ut.norm());
@@ -191,7 +188,7 @@ impl Aided {
                 if verdict == Verdict::NewPlace || back {
                     self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
                     self.displaced_s = 0.0;
-                    return self.go_on_with(winner);
+                    return self.go_on_with(|trial| trial.place);
                 }
             }
             Verdict::Open => {}
@@ -206,9 +203,8 @@ impl Aided {
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: Gaussian) {
-        self.filter = Some(winner);
-        self.trial = None;
+    fn go_on_with(&mut self, winner: fn(Trial) -> Gaussian) {
+        self.filter = self.trial.take().map(winner);
         self.watch = Watch::new();
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }

@@ -32,12 +32,13 @@ pub(crate) struct Innovation {
     whitened: Vector3<f64>,
 }
 
-/// Which states an update holds, from and to: none.
-pub(crate) const NONE: &[(usize, usize)] = &[];
+/// Which states an update holds, from and to.
+type Held = &'static [(usize, usize)];
+pub(crate) const NONE: Held = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
-pub(crate) const ALL_BUT_FIELD: &[(usize, usize)] = &[(OFFSET, LOCAL)];
+pub(crate) const ALL_BUT_FIELD: Held = &[(OFFSET, LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
-const ALL_BUT_FIELD_AND_BIAS: &[(usize, usize)] = &[(OFFSET, BIAS), (DELAY, LOCAL)];
+const ALL_BUT_FIELD_AND_BIAS: Held = &[(OFFSET, BIAS), (DELAY, LOCAL)];
 
 /// What a state foretells of a raw sample, and dr/dx by its parts.
 pub(crate) struct Model {
@@ -95,13 +96,8 @@ impl Gaussian {
     }
 
     /// The innovation of `raw_ut` with white noise `sigma_ut` per axis; `None` when S has no Cholesky factor.
-    pub(crate) fn innovation(
-        &self,
-        raw_ut: &Vector3<f64>,
-        rate_rad_s: &Vector3<f64>,
-        sigma_ut: f64,
-    ) -> Option<Innovation> {
-        let model = Model::of(&self.parts(), rate_rad_s);
+    pub(crate) fn innovation(&self, raw_ut: &Vector3<f64>, rate: &Vector3<f64>, sigma_ut: f64) -> Option<Innovation> {
+        let model = Model::of(&self.parts(), rate);
         let ph = covariance(&self.p, |dx| model.times(dx));
         let s = covariance(&ph.transpose(), |dx| model.times(dx))
             + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
@@ -122,17 +118,12 @@ impl Gaussian {
     }
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
-    pub(crate) fn update(&mut self, innovation: &Innovation, held: &[(usize, usize)]) {
+    pub(crate) fn update(&mut self, innovation: &Innovation, held: Held) {
         self.correct(innovation.gain, &innovation.whitened, held);
     }
 
     /// x <- x + V z, P <- P - V V^T, but for what is held.
-    fn correct<const N: usize>(
-        &mut self,
-        mut gain: SMatrix<f64, STATES, N>,
-        whitened: &SVector<f64, N>,
-        held: &[(usize, usize)],
-    ) {
+    fn correct<const N: usize>(&mut self, mut gain: SMatrix<f64, STATES, N>, whitened: &SVector<f64, N>, held: Held) {
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
             for j in 0..STATES {
                 let own = v.row(j) * sign;

@@ -45,24 +45,24 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
-/// F's rows of m and d, by their parts.
-struct Transition {
-    field: Matrix3<f64>,
-    local: Matrix3<f64>,
-    field_by_angle: Matrix3<f64>,
-    local_by_angle: Matrix3<f64>,
-    /// What S acts on.
-    increment_rad: Vector3<f64>,
+/// F's rows of m and d.
+struct Transition<'a> {
+    r: Matrix3<f64>,
+    j: Matrix3<f64>,
+    fade: f64,
+    m: Vector3<f64>,
+    d: Vector3<f64>,
+    increment_rad: &'a Vector3<f64>,
     dt_s: f64,
 }
 
-impl Transition {
+impl Transition<'_> {
     /// F dx, of m and d.
     #[inline(always)]
     fn times(&self, dx: &Parts) -> Vector6<f64> {
-        let dtheta = dx.scale * self.increment_rad + dx.bias * self.dt_s;
-        let m = self.field * dx.field - self.field_by_angle * dtheta;
-        let d = self.local * dx.local - self.local_by_angle * dtheta;
+        let turned = dx.scale * self.increment_rad + dx.bias * self.dt_s;
+        let m = self.r * dx.field - self.m.cross_matrix() * self.j * turned;
+        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * turned;
         Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
     }
 }
@@ -78,14 +78,7 @@ impl Gaussian {
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let f = Transition {
-            field: r,
-            local: r * fade,
-            field_by_angle: m.cross_matrix() * j,
-            local_by_angle: d.cross_matrix() * j,
-            increment_rad: *increment_rad,
-            dt_s,
-        };
+        let f = Transition { r, j, fade, m, d, increment_rad, dt_s };
         // of P F^T and of F (P F^T) the columns of m and d
         let mut columns = covariance(&self.p, |dx| f.times(dx));
         let rows = covariance(&columns.transpose(), |dx| f.times(dx));

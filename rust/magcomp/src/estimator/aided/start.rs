@@ -70,7 +70,7 @@ impl Aided {
         self.mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
         let Some(mut filter) = self.filter.take() else {
             // the chain of rotations is broken; a calibration that was given may still hold
-            self.begin(self.first.given());
+            self.begin(self.first.given);
             return self.held(time_ns, raw_ut);
         };
         let dt_s = dt_s.unwrap_or(0.0);

@@ -19,19 +19,13 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Length of the state.
 pub(crate) const STATES: usize = 28;
-/// First index of m.
+// the first index of each of its parts, in that order
 pub(crate) const FIELD: usize = 0;
-/// First index of b.
 pub(crate) const OFFSET: usize = 3;
-/// First index of e.
 pub(crate) const IRON: usize = 6;
-/// First index of g.
 pub(crate) const BIAS: usize = 12;
-/// Index of tau.
 pub(crate) const DELAY: usize = 15;
-/// First index of s.
 pub(crate) const SCALE: usize = 16;
-/// First index of d.
 pub(crate) const LOCAL: usize = 25;
 
 /// Index of E_ij in e.
