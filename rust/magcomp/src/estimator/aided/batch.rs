@@ -103,9 +103,10 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
     let mut it = Normal { cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
-    for mean in groups.means(parts(x).field, x) {
+    let x = parts(x);
+    for mean in groups.means(&x) {
         let v = prior.variance(&mean);
-        let (j, residual) = model(x, &mean);
+        let (j, residual) = model(&x, &mean);
         let size = residual.norm_squared();
         it.cost += size / v;
         it.curvature += j.transpose() * j / v;
@@ -126,9 +127,8 @@ pub(super) fn parts(x: &Vector) -> Parts {
 }
 
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-pub(super) fn model(x: &Vector, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let x = parts(x);
-    let model = Model::of(&Parts { field: mean.back * x.field, ..x }, &mean.rate_rad_s);
+pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+    let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s);
     let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));

@@ -275,14 +275,14 @@ impl FirstFit {
     /// small, no bias shows in it, and what a wrong one bends looks like motion: so that part is taken to be `unseen`, too,
     /// and the bias to be known no better than the fit knows it.
     fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
-        let m = parts(&self.x).soft_iron();
+        let x = parts(&self.x);
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
         let mut own = p.fixed_view::<3, 3>(G, G).into_owned().try_inverse()?;
-        let unseen = self.groups.means(unseen_ut, &self.x);
-        for (mean, unseen) in self.groups.means(self.field(), &self.x).zip(unseen) {
+        let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
+        for (mean, unseen) in self.groups.means(&x).zip(unseen) {
             let v = prior.variance(&mean);
-            let bend = m * unseen.by_gyroscope.fixed_columns::<3>(0);
-            let (j, _) = model(&self.x, &mean);
+            let bend = x.soft_iron() * unseen.by_gyroscope.fixed_columns::<3>(0);
+            let (j, _) = model(&x, &mean);
             cross += j.transpose() * bend / v;
             own += bend.transpose() * bend / v;
         }

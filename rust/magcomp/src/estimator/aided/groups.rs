@@ -13,9 +13,8 @@
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::batch::Vector;
 use super::propagate::turn;
-use super::state::{BIAS, SCALE};
+use super::state::Parts;
 
 /// Groups held.
 const GROUPS: usize = 32;
@@ -120,11 +119,12 @@ impl Groups {
         self.used += 1;
     }
 
-    /// Means over each group, from the latest back to the first, for a field `h` now, and bias and scale error of a fit `x`.
-    pub(super) fn means<'a>(&'a self, h: Vector3<f64>, x: &Vector) -> impl Iterator<Item = Group> + use<'a> {
+    /// Means over each group, from the latest back to the first, for the field now, and bias and scale error, of `x`.
+    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Group> + use<'a> {
+        let h = x.field;
         let mut errors = SVector::<f64, 12>::zeros();
-        errors.fixed_rows_mut::<3>(0).copy_from(&x.fixed_rows::<3>(BIAS));
-        errors.fixed_rows_mut::<9>(3).copy_from(&x.fixed_rows::<9>(SCALE));
+        errors.fixed_rows_mut::<3>(0).copy_from(&x.bias);
+        errors.fixed_rows_mut::<9>(3).copy_from_slice(x.scale.as_slice());
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
         let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();

@@ -116,6 +116,7 @@ impl Gaussian {
 }
 
 /// A state, or a small change of one, by its parts: E and S as matrices.
+#[derive(Clone, Copy)]
 pub(crate) struct Parts {
     pub(crate) field: Vector3<f64>,
     pub(crate) offset: Vector3<f64>,
