@@ -127,7 +127,7 @@ impl Gaussian {
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
             for j in 0..STATES {
                 let own = v.row(j) * sign;
-                // rows in fours
+                // the lower half of P alone, rows in fours as vector units take them
                 for i in j - j % 4..STATES {
                     for n in 0..N {
                         self.p[(i, j)] += v[(i, n)] * own[n];

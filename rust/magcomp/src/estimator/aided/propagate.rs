@@ -57,19 +57,19 @@ struct Transition<'a> {
 }
 
 impl Transition<'_> {
-    /// F dx, of m and d.
+    /// F dx, of m and d; `less` is what dx takes from theta.
     #[inline(always)]
     fn times(&self, dx: &Parts) -> Vector6<f64> {
-        let turned = dx.scale * self.increment_rad + dx.bias * self.dt_s;
-        let m = self.r * dx.field - self.m.cross_matrix() * self.j * turned;
-        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * turned;
+        let less = dx.scale * self.increment_rad + dx.bias * self.dt_s;
+        let m = self.r * dx.field - self.m.cross_matrix() * self.j * less;
+        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * less;
         Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
     }
 }
 
 impl Gaussian {
-    /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
-    pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
+    /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed.
+    pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let x = self.parts();
         let (r, j) = turn(&x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
@@ -94,6 +94,5 @@ impl Gaussian {
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
-        r
     }
 }
