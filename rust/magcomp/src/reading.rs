@@ -126,7 +126,7 @@ pub enum Status {
     },
     /// Calibrated, but not learning: the calibration is kept.
     Held(HoldReason),
-    /// The environment is disturbed, not the device: magnitude and dip disagree with the calibration.
+    /// The environment is disturbed, not the device: its field is not the Earth's. With a gyroscope the heading is carried on.
     Disturbed {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,

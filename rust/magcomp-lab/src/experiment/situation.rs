@@ -18,8 +18,10 @@ const STAYS_S: f64 = 10.0;
 /// Hard iron that a charger adds along x, uT. The sensor's full scale is smaller, so x reads the full scale.
 const CHARGER_UT: f64 = 400.0;
 const FULL_SCALE_UT: f64 = 300.0;
-/// Change of b during a pause, uT, in a random direction.
-const PAUSE_CHANGE_UT: f64 = 20.0;
+/// Change of b during a pause, or of the field in another room, uT, in a random direction.
+const RANDOM_CHANGE_UT: f64 = 20.0;
+/// How long the device stays in another room, s.
+const ROOM_S: f64 = 60.0;
 /// An event counts for a change when it is decided within this time after the change has ended, s.
 const DECIDED_WITHIN_S: f64 = 20.0;
 
@@ -54,7 +56,7 @@ impl Group {
     /// Its situations, in the order of the table.
     #[must_use]
     pub fn situations(self) -> Vec<Situation> {
-        use Happening::{Charger, Cover, CoverOnOff, Nothing, Pause, Usual};
+        use Happening::{Charger, Cover, CoverOnOff, Nothing, Pause, Room, Usual};
         use Motion::{Pedestrian, Stroll, Tumble};
         let usual = |motion, change| Situation::of(motion, Usual(change));
         let walked = |happening| Situation::of(Pedestrian, happening);
@@ -68,6 +70,8 @@ impl Group {
                 Situation { has_poor_gyroscope: true, ..usual(Pedestrian, PhoneChange::Offset) },
                 usual(Tumble, PhoneChange::Place),
                 usual(Pedestrian, PhoneChange::Place),
+                Situation::of(Tumble, Room),
+                walked(Room),
                 usual(Tumble, PhoneChange::Drift),
                 usual(Pedestrian, PhoneChange::Drift),
             ],
@@ -115,6 +119,8 @@ enum Happening {
         over_s: f64,
     },
     CoverOnOff,
+    /// The place differs for a minute.
+    Room,
     /// x is at the sensor's full scale for 10 s; `rail_ut` of the config is set or not.
     Charger {
         is_full_scale_set: bool,
@@ -216,6 +222,7 @@ impl Situation {
             },
             Happening::Cover { over_s } => format!(", cover slid on over {over_s} s"),
             Happening::CoverOnOff => ", cover on, off after 10 s".to_owned(),
+            Happening::Room => ", the place differs by 20 uT for 60 s".to_owned(),
             Happening::Charger { is_full_scale_set: false } => ", charger saturates x for 10 s".to_owned(),
             Happening::Charger { is_full_scale_set: true } => ", the same with rail_ut set".to_owned(),
             Happening::Pause { for_s, changes } => {
@@ -238,13 +245,17 @@ impl Situation {
     #[must_use]
     pub fn stream(&self, seed: u64, gyro_skew_deg: f64) -> Stream {
         let change = if let Happening::Usual(change) = self.happening { change } else { PhoneChange::Nothing };
-        let pause_s = if let Happening::Pause { for_s, .. } = self.happening { for_s } else { 0.0 };
+        let longer_s = match self.happening {
+            Happening::Pause { for_s, .. } => for_s,
+            Happening::Room => ROOM_S,
+            _ => 0.0,
+        };
         let mut phone = Phone {
             seed,
             motion: self.motion,
             change,
             spikes: self.spikes,
-            duration_s: DURATION_S + pause_s,
+            duration_s: DURATION_S + longer_s,
             gyro_skew_deg,
             ..Phone::default()
         };
@@ -299,8 +310,15 @@ impl Situation {
             Happening::Pause { for_s, changes: true } => {
                 let direction = Random::new(scenario.seed, Purpose::Bootstrap).direction();
                 let change =
-                    Change { at_s: CHANGE_S + for_s / 2.0, over_s: 0.0, to: with(direction * PAUSE_CHANGE_UT) };
+                    Change { at_s: CHANGE_S + for_s / 2.0, over_s: 0.0, to: with(direction * RANDOM_CHANGE_UT) };
                 Schedule { start, changes: vec![change] }
+            }
+            Happening::Room => {
+                let (world_ut, direction) =
+                    (scenario.world_ut.start, Random::new(scenario.seed, Purpose::Bootstrap).direction());
+                scenario.world_ut =
+                    Schedule::pulse(world_ut, CHANGE_S, ROOM_S, world_ut + direction * RANDOM_CHANGE_UT);
+                return;
             }
             Happening::Nothing | Happening::Usual(_) | Happening::Pause { changes: false, .. } => return,
         };
@@ -322,6 +340,10 @@ impl Situation {
             Happening::Usual(PhoneChange::Place) => {
                 let place = Expected { until_s: CHANGE_S + PLACE_S, ..of(Changed::Place, true, CHANGE_S, 0.0) };
                 vec![place]
+            }
+            Happening::Room => {
+                let back = of(Changed::Place, false, CHANGE_S + ROOM_S, 0.0);
+                vec![of(Changed::Place, true, CHANGE_S, 0.0), back]
             }
             Happening::Cover { over_s } => device(over_s),
             Happening::CoverOnOff => {
@@ -384,7 +406,7 @@ mod tests {
             let off = all.magnetic.iter().zip(&all.truth).map(|(raw, truth)| (raw.field_ut - truth.clean_ut).norm());
             assert!(off.fold(0.0, f64::max) < 4.0, "a sample beside another's truth");
             let moved = (all.truth[3100].hard_iron_ut - all.truth[2900].hard_iron_ut).norm();
-            assert!((moved - if changes { PAUSE_CHANGE_UT } else { 0.0 }).abs() < 1e-9, "{moved}");
+            assert!((moved - if changes { RANDOM_CHANGE_UT } else { 0.0 }).abs() < 1e-9, "{moved}");
         }
     }
 

@@ -70,6 +70,8 @@ pub(crate) struct Trial {
     age_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
+    /// Whether the field of the place was found to have changed before.
+    pub(crate) was_place: bool,
 }
 
 checked!(Trial, |it| {
@@ -99,6 +101,7 @@ impl Trial {
             rotation_rad: 0.0,
             age_s: 0.0,
             place_s: 0.0,
+            was_place: false,
         };
         trial.seed(filter, watch, former, tuning);
         trial
@@ -200,6 +203,7 @@ impl Trial {
                 return if self.place_s > tuning.place_time_s { Verdict::NewPlace } else { Verdict::Open };
             }
             self.place_s = 0.0;
+            self.was_place = true;
             self.seed(filter, watch, former, tuning);
             self.phase = Phase::Undecided;
             return Verdict::Open;

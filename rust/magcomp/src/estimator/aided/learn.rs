@@ -10,6 +10,7 @@
 
 use nalgebra::Vector3;
 
+use super::earth::Earth;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
@@ -63,8 +64,6 @@ impl Aided {
 
     /// One sample from the first calibration on.
     fn follow(&mut self, step: &Step<'_>) -> AidedOutput {
-        self.displaced_ut = (step.turn * self.displaced_ut.cast()).cast();
-        self.displaced_s += step.dt_s as f32;
         self.learn(step);
         if let (Some(filter), Some(strength_ut)) = (&mut self.filter, self.lost_strength_ut.take()) {
             filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
@@ -106,6 +105,9 @@ impl Aided {
         let Some(filter) = &mut self.filter else { return };
         if step.dt_s > self.tuning.gap_s {
             drift(filter, step.dt_s, &self.tuning);
+        }
+        if let Some(earth) = &mut self.earth {
+            earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, step.noise);
         let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
@@ -174,20 +176,23 @@ impl Aided {
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));
                 }
+                if trial.was_place {
+                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
+                }
                 return self.go_on_with(|trial| trial.device);
             }
             Verdict::Unchanged => return self.go_on_with(|trial| trial.place),
             Verdict::NewPlace | Verdict::Place => {
-                let winner = &trial.place;
-                let displaced_ut: Vector3<f64> = self.displaced_ut.cast();
-                let moved_ut = displaced_ut + winner.vector(FIELD) - filter.vector(FIELD);
-                let back = moved_ut.norm() < self.tuning.smallest_step_ut.min(0.5 * displaced_ut.norm());
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
                 }
-                if verdict == Verdict::NewPlace || back {
-                    self.displaced_ut = if back { Vector3::zeros() } else { moved_ut.cast() };
-                    self.displaced_s = 0.0;
+                let back = self.earth.as_ref().is_some_and(|it| it.is_that_of(&trial.place, filter, &self.tuning));
+                if back {
+                    self.earth = None;
+                } else if verdict == Verdict::NewPlace {
+                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
+                }
+                if back || verdict == Verdict::NewPlace {
                     return self.go_on_with(|trial| trial.place);
                 }
             }

@@ -2,12 +2,13 @@
 //!
 //! Between two samples the field in the device frame turns by the inverse of the device's own rotation, which the
 //! gyroscope measures. So raw = M h + b is linear in (b, M) with a known h, and any rotation makes them observable.
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `watch` (samples
+//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `events` (hypotheses) · `start`, `first_fit`, `batch`, `groups` · `step`, `learn` (one sample) ·
 //! `output`, `publish`. The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
+mod earth;
 mod events;
 mod first_fit;
 mod groups;
@@ -35,6 +36,7 @@ use crate::calibration::Calibration;
 use crate::reading::{Event, SensorMode};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
+use earth::Earth;
 use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
@@ -71,18 +73,14 @@ pub(crate) struct Aided {
     event: Option<Event>,
     /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
     moved_s: f64,
-    /// What the field of a new place differs by from the one carried there, device frame, uT.
-    displaced_ut: Vector3<f32>,
-    /// How long it has been the place, s.
-    displaced_s: f32,
+    /// The Earth's field, while that of the place is another.
+    earth: Option<Earth>,
     /// |m| before the chain of rotations broke.
     lost_strength_ut: Option<f64>,
     mode: SensorMode,
 }
 
-checked!(Aided, |it| it.displaced_s >= 0.0
-    && it.moved_s >= 0.0
-    && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
+checked!(Aided, |it| it.moved_s >= 0.0 && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
 
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
@@ -99,8 +97,7 @@ impl Aided {
             former: None,
             event: None,
             moved_s: 0.0,
-            displaced_ut: Vector3::zeros(),
-            displaced_s: 0.0,
+            earth: None,
             lost_strength_ut: None,
             mode: SensorMode::default(),
             tuning,
@@ -127,7 +124,13 @@ impl Aided {
     /// |m|, uT.
     fn strength_of(&self, filter: &Gaussian) -> f64 {
         // where the field points is lost: m is but the latest sample
-        self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm())
+        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).0.norm())
+    }
+
+    /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
+    fn earth_ut(&self, filter: &Gaussian) -> (Vector3<f64>, Matrix3<f64>) {
+        let m = filter.vector(FIELD);
+        self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
     }
 
     /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is

@@ -3,14 +3,14 @@
 //! ```text
 //! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
 //! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + floor^2) I + timing
-//! P_f = P_mm + floor^2 I + axes^2 (|f|^2 I - f f^T) + timing + delta delta^T
+//! P_f = P_mm + floor^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T
 //! ```
 //! tau > 0: the magnetometer is late, and c is brought to the gyroscope's time; tau < 0: the gyroscope is, and f is brought
 //! to the magnetometer's; neither is ever early. P alone is right about b, but cannot know that the field of a room is
 //! not uniform: hence the floors. Nor can it know how far the frames of accelerometer and body are off the magnetometer's: hence `axes`.
-//! L is the difference between c and f beyond white noise and the floor's slow part (`adapt`). delta is how a place taken as
-//! new differs from the one before.
+//! L is the difference between c and f beyond white noise and the floor's slow part (`adapt`). w, h and s belong to a new
+//! place (`earth`); elsewhere f is m.
 //! Source: docs/METHOD-AIDED.md.
 
 use crate::reading::{Event, SensorMode, Status};

@@ -39,7 +39,7 @@ impl Aided {
         let still = w * (step.raw_ut - filter.vector(OFFSET));
         let delay_s = filter.x[DELAY];
         let c = still - rate.cross(&still) * delay_s.max(0.0);
-        let m = filter.vector(FIELD);
+        let (m, elsewhere) = self.earth_ut(filter);
         let f = m + rate.cross(&m) * delay_s.min(0.0);
         let swing = rate.cross(&f);
         let timing = swing * swing.transpose() * filter.p[(DELAY, DELAY)];
@@ -52,15 +52,9 @@ impl Aided {
         }
         let p_c =
             calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
-        let doubted = (-f64::from(self.displaced_s) / self.tuning.new_place_time_s).exp();
-        let displaced_ut = self.displaced_ut.cast() * doubted;
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
-        let p_f = filter.block(FIELD, FIELD)
-            + Matrix3::identity() * floor
-            + frames
-            + timing
-            + displaced_ut * displaced_ut.transpose();
+        let p_f = filter.block(FIELD, FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
         if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
             return output;
         }
@@ -83,6 +77,9 @@ impl Aided {
                 Phase::Place => Status::Disturbed { since_ns },
                 Phase::Undecided => Status::Suspect { since_ns },
             };
+        }
+        if let Some(earth) = self.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
+            return Status::Disturbed { since_ns: earth.since_ns };
         }
         if let Some(error) = impossible {
             Status::Held(HoldReason::FitRefused(error))

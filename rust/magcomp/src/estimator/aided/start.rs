@@ -26,7 +26,7 @@ impl Aided {
         self.trial = None;
         self.watch = Watch::new();
         self.moved_s = 0.0;
-        self.displaced_ut = Vector3::zeros();
+        self.earth = None;
     }
 
     /// Begins with a calibration from elsewhere.

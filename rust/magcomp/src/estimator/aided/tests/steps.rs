@@ -83,36 +83,40 @@ fn a_place_step_is_held_and_forgotten() {
     }
 }
 
-/// After 30 s it is taken for the place's; which of both is the earth's nobody can tell.
+/// What the place has is no news of the Earth's field: that is carried on, and ever less sure, until the field from before is back.
 #[test]
-fn a_place_that_stays_is_told_by_the_sigma_and_its_end_at_once() {
+fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once() {
     for seed in 50..56 {
         let (mut world, mut aided) = settled(seed);
         let (earth, there) = (world.field_ut, world.field_ut + Vector3::new(14.0, -8.0, 12.0));
-        // of the carried field against the earth's, where both are horizontal: worst error over its sigma, worst error
+        // of the carried field against the Earth's, where both are horizontal: worst error over its sigma, worst error, last sigma
         let follow = |world: &mut World, aided: &mut Aided, samples: usize| {
-            let (mut worst_sigmas, mut worst_deg) = (0.0_f64, 0.0_f64);
+            let (mut worst_sigmas, mut worst_deg, mut sd) = (0.0_f64, 0.0_f64, 0.0);
             for _ in 0..samples {
                 let sample = world.sample(0.01);
                 let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
                 let (f, to_device) = (output.filtered_ut.unwrap(), world.attitude.inverse());
                 let across = f.cross(&(to_device * Vector3::z())).normalize();
                 let truth = to_device * earth;
-                let sd = across.dot(&(output.filtered_covariance_ut2 * across)).sqrt();
+                sd = across.dot(&(output.filtered_covariance_ut2 * across)).sqrt();
                 worst_sigmas = worst_sigmas.max(across.dot(&truth).abs() / sd);
                 worst_deg = worst_deg.max(f.angle(&truth).to_degrees());
             }
-            (worst_sigmas, worst_deg)
+            (worst_sigmas, worst_deg, sd)
         };
         world.field_ut = there;
         follow(&mut world, &mut aided, 3_600);
-        let (sigmas, deg) = follow(&mut world, &mut aided, 2_000);
-        assert!(deg > 10.0 && sigmas < 2.5, "seed {seed}: {deg} deg, {sigmas} sigmas");
-        // however long it lasted
-        follow(&mut world, &mut aided, if seed % 2 == 0 { 0 } else { 20_000 });
+        let (sigmas, deg, sd) = follow(&mut world, &mut aided, 2_000);
+        assert!(deg < 5.0 && sigmas < 2.5, "seed {seed}: {deg} deg, {sigmas} sigmas");
+        if seed % 2 == 1 {
+            // the longer it lasts, the more it is taken for the Earth's: by half after 200 s
+            let (sigmas, deg, later) = follow(&mut world, &mut aided, 20_000);
+            assert!((5.0..20.0).contains(&deg) && sigmas < 2.5, "seed {seed}: {deg} deg, {sigmas} sigmas");
+            assert!(later > 1.5 * sd, "seed {seed}: {sd} to {later} uT");
+        }
         world.field_ut = earth;
         follow(&mut world, &mut aided, 300);
-        let (sigmas, deg) = follow(&mut world, &mut aided, 500);
+        let (sigmas, deg, _) = follow(&mut world, &mut aided, 500);
         assert!(deg < 3.0 && sigmas < 5.0, "seed {seed}: {deg} deg, {sigmas} sigmas");
     }
 }

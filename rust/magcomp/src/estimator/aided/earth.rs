@@ -1,0 +1,70 @@
+//! The Earth's field, after a change of place: either still that of before (h, carried by the gyroscope, probability w), or that of
+//! the new place (m).
+//!
+//! ```text
+//! a new place:  h <- m as it was carried there,  s^2 <- tr P_mm / 2,  w <- 1
+//! then:         h <- R h,  s <- s + |h| sigma_g dt,  w <- w exp(-dt motion / 300 s)
+//! f = m + w (h - m),   P_f = P_mm + w s^2 I + w (1 - w) (h - m) (h - m)^T + ...
+//! ```
+//! So a new place changes no heading when it is believed: its field says how the device turns, not where north is. The longer the
+//! device moves about in it, the likelier it is the Earth's. Source: docs/METHOD-AIDED.md.
+
+use crate::sound::checked;
+use nalgebra::{Matrix3, Vector3};
+
+use super::state::{BIAS, FIELD, Gaussian};
+use super::step::Step;
+use super::tuning::Tuning;
+
+/// The Earth's field in a place whose field is another.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
+pub(crate) struct Earth {
+    /// When the field of the place changed.
+    pub(crate) since_ns: i64,
+    /// h, device frame, uT.
+    field_ut: Vector3<f64>,
+    /// s, per axis, uT.
+    sd_ut: f64,
+    /// w.
+    probability: f64,
+}
+
+checked!(Earth, |it| it.sd_ut >= 0.0 && (0.0..=1.0).contains(&it.probability));
+
+impl Earth {
+    /// As `carried` has it, which went by what `before` knew.
+    pub(crate) fn of(carried: &Gaussian, before: Option<&Self>, since_ns: i64) -> Self {
+        let m = carried.vector(FIELD);
+        let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
+        let variance_ut2 = carried.block(FIELD, FIELD).trace() / 2.0 + covariance.trace() / 3.0;
+        let since_ns = before.map_or(since_ns, |it| it.since_ns);
+        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0 }
+    }
+
+    /// One sample; `filter` is as it was before it.
+    pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Gaussian, tuning: &Tuning) {
+        let bias_rad_s = filter.block(BIAS, BIAS).diagonal().max().sqrt();
+        self.sd_ut += self.field_ut.norm() * bias_rad_s * step.dt_s;
+        self.probability *= (-step.dt_s * step.motion / tuning.new_place_time_s).exp();
+        self.field_ut = step.turn * self.field_ut;
+    }
+
+    /// f where the field of the place is `m`, and what its covariance has beyond that of m.
+    pub(crate) fn mixed(&self, m: &Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+        let (w, off_ut) = (self.probability, self.field_ut - m);
+        let drifted = Matrix3::from_diagonal_element(w * self.sd_ut * self.sd_ut);
+        (m + off_ut * w, drifted + off_ut * off_ut.transpose() * (w * (1.0 - w)))
+    }
+
+    /// Whether the field of the place is likelier another than the Earth's.
+    pub(crate) fn is_elsewhere(&self) -> bool {
+        self.probability > 0.5
+    }
+
+    /// Whether the field of `found` is it again, where that of `carried` was not.
+    pub(crate) fn is_that_of(&self, found: &Gaussian, carried: &Gaussian, tuning: &Tuning) -> bool {
+        let off_ut = |it: &Gaussian| (it.vector(FIELD) - self.field_ut).norm();
+        off_ut(found) < tuning.smallest_step_ut.min(0.5 * off_ut(carried))
+    }
+}
