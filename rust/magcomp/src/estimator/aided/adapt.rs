@@ -140,7 +140,7 @@ impl Adaptation {
         dt_s: f64,
         tuning: &Tuning,
     ) {
-        let Known { offset_ut, soft_iron, .. } = known;
+        let (offset_ut, soft_iron) = (known.x.offset, known.x.soft_iron());
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();

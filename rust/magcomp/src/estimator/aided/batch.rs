@@ -11,8 +11,9 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{Groups, Mean};
-use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, SCALE as S, iron_rows, scale, soft_iron};
+use super::groups::{Group, Groups};
+use super::measure::Model;
+use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, Parts, SCALE as S, iron_rows};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL;
@@ -37,12 +38,13 @@ pub(super) struct Prior {
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
-    pub(super) fn variance(&self, mean: &Mean) -> f64 {
+    pub(super) fn variance(&self, mean: &Group) -> f64 {
         self.noise_ut2 / mean.count + self.place_ut2 * CORRELATION_S / mean.moved_s
     }
 }
 
 /// The cost at x with its derivatives, and what the samples say of the residuals.
+#[derive(Default)]
 pub(super) struct Normal {
     pub(super) cost: f64,
     pub(super) curvature: Matrix,
@@ -100,22 +102,11 @@ fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> 
 fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
-    let mut it = Normal {
-        cost: off.dot(&pull),
-        curvature: prior.precision,
-        slope: -pull,
-        residual_ut2: 0.0,
-        groups: 0.0,
-        count: 0.0,
-        moved_s: 0.0,
-        back: Matrix3::zeros(),
-    };
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, g) = (vector(FIELD), vector(G));
-    let s = x.fixed_rows::<9>(S).into_owned();
-    groups.each(&h, &g, &s, |mean: &Mean| {
-        let v = prior.variance(mean);
-        let (j, residual) = model(x, mean);
+    let mut it = Normal { cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
+    let x = parts(x);
+    for mean in groups.means(&x) {
+        let v = prior.variance(&mean);
+        let (j, residual) = model(&x, &mean);
         let size = residual.norm_squared();
         it.cost += size / v;
         it.curvature += j.transpose() * j / v;
@@ -125,30 +116,26 @@ fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
         it.count += mean.count;
         it.moved_s += mean.moved_s;
         it.back += mean.back * mean.count;
-    });
+    }
     it.back /= it.count.max(1.0);
     it
 }
 
+/// x as a state without d.
+pub(super) fn parts(x: &Vector) -> Parts {
+    Parts::of(|i| if i < UNKNOWNS { x[i] } else { 0.0 })
+}
+
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-pub(super) fn model(x: &Vector, mean: &Mean) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-    let (h, b, g, tau) = (vector(FIELD), vector(OFFSET), vector(G), x[TAU]);
-    let m = soft_iron(x.as_slice());
-    let w = mean.rate_rad_s - scale(x.as_slice()) * mean.rate_rad_s - g;
-    let u = mean.back * h;
-    let late = Matrix3::identity() + w.cross_matrix() * tau;
-    let swing = w.cross(&u);
-    let seen = u + swing * tau;
-    let to_field = m * late;
+pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+    let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s);
+    let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-    j.fixed_columns_mut::<3>(FIELD).copy_from(&(to_field * mean.back));
+    j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));
     j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&seen));
-    let by_gyroscope = to_field * mean.by_gyroscope;
+    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&model.seen));
     j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
     j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
-    j.set_column(TAU, &(m * swing));
-    let residual = mean.raw_ut - m * seen - b;
-    (j, residual)
+    j.set_column(TAU, &model.by_delay);
+    (j, mean.raw_ut - model.raw_ut)
 }

@@ -12,12 +12,11 @@
 //! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
 //! feigns one) and (e, g, tau, s) are plausible under their prior.
 
-use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model};
-use super::groups::{GROUPS, Groups};
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE as S, scale, soft_iron};
+use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
+use super::groups::Groups;
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, SCALE as S};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -47,7 +46,8 @@ pub(super) struct FirstFit {
     pub(super) answer: Option<Gaussian>,
     /// The samples alone, without what was given, know the offset well enough for the filter to go on.
     is_settled: bool,
-    given: Option<Before>,
+    /// The calibration that was given, while it is believed.
+    pub(super) given: Option<Before>,
     /// Strengths that a fit may find, uT.
     earth_ut: (f64, f64),
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
@@ -114,29 +114,16 @@ impl FirstFit {
 
     /// What is believed now, to tell noise from the device's motion.
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
-        let (bias_rad_s, scale) = self.gyroscope();
-        Known {
-            offset_ut: self.x.fixed_rows::<3>(OFFSET).into_owned(),
-            soft_iron: soft_iron(self.x.as_slice()),
-            bias_rad_s,
-            bias_sd_rad_s: self.bias_variance.sqrt(),
-            scale,
-            scale_sd: tuning.axes_sd,
-        }
-    }
-
-    /// The calibration that was given, while it is believed.
-    pub(super) fn given(&self) -> Option<Before> {
-        self.given
+        let (bias, scale) = self.gyroscope();
+        let x = Parts { bias, scale, ..parts(&self.x) };
+        Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), scale_sd: tuning.axes_sd }
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.
     pub(super) fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        match self.answer {
-            Some(_) => (self.x.fixed_rows::<3>(G).into_owned(), scale(self.x.as_slice())),
-            // a fit that counts for nothing says nothing of the gyroscope either
-            None => (self.bias_rad_s, Matrix3::zeros()),
-        }
+        let x = parts(&self.x);
+        // a fit that counts for nothing says nothing of the gyroscope either
+        self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.scale))
     }
 
     /// At rest the rate is the bias.
@@ -170,7 +157,7 @@ impl FirstFit {
     }
 
     fn field(&self) -> Vector3<f64> {
-        self.x.fixed_rows::<3>(FIELD).into_owned()
+        parts(&self.x).field
     }
 
     /// A sample taken in motion; `up` as far as it is known.
@@ -203,7 +190,7 @@ impl FirstFit {
         }
         let found = filter(&x, &covariance, tuning)?;
         self.refused = impossible_field(&found);
-        let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&x.fixed_rows::<3>(FIELD).norm());
+        let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&self.field().norm());
         if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
             self.given = None;
@@ -264,8 +251,8 @@ impl FirstFit {
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
         let seen = (normal.curvature - prior.precision) * share;
         let p = (seen + before).cholesky()?.inverse();
-        let feigned =
-            self.feigned(&p, &(eigen.eigenvectors.column(eigen.eigenvalues.imin()) * tuning.far_sd_ut), prior)?;
+        let unseen = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+        let feigned = self.feigned(&p, unseen * tuning.far_sd_ut, prior)?;
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
         let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
@@ -276,38 +263,29 @@ impl FirstFit {
             let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
             (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
         });
-        let d = eigen.eigenvectors * Matrix3::from_diagonal(&d) * eigen.eigenvectors.transpose();
-        let cross = -d * q.transpose();
-        for (i, j, block) in [(FIELD, FIELD, d), (OFFSET, OFFSET, q * d * q.transpose()), (FIELD, OFFSET, cross)] {
-            let mut to = p.fixed_view_mut::<3, 3>(i, j);
-            to += block;
-            if i != j {
-                let mut to = p.fixed_view_mut::<3, 3>(j, i);
-                to += block.transpose();
-            }
-        }
+        let mut spread = SMatrix::<f64, 6, 3>::zeros();
+        spread.fixed_rows_mut::<3>(FIELD).copy_from(&eigen.eigenvectors);
+        spread.fixed_rows_mut::<3>(OFFSET).copy_from(&(-q * eigen.eigenvectors));
+        let mut to = p.fixed_view_mut::<6, 6>(FIELD, FIELD);
+        to += spread * Matrix3::from_diagonal(&d) * spread.transpose();
         Some(p)
     }
 
     /// Information of the samples that a bias of the gyroscope would feign. Where the least seen part of the field is found to be
     /// small, no bias shows in it, and what a wrong one bends looks like motion: so that part is taken to be `unseen`, too,
     /// and the bias to be known no better than the fit knows it.
-    fn feigned(&self, p: &Matrix, unseen_ut: &Vector3<f64>, prior: &Prior) -> Option<Matrix> {
-        let x = &self.x;
-        let vector = |i: usize| x.fixed_rows::<3>(i).into_owned();
-        let s = x.fixed_rows::<9>(S).into_owned();
-        let m = soft_iron(x.as_slice());
-        let mut bends = ArrayVec::<Matrix3<f64>, GROUPS>::new();
-        self.groups.each(unseen_ut, &vector(G), &s, |mean| bends.push(m * mean.by_gyroscope.fixed_columns::<3>(0)));
-        let mut bends = bends.iter();
+    fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
+        let x = parts(&self.x);
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
         let mut own = p.fixed_view::<3, 3>(G, G).into_owned().try_inverse()?;
-        self.groups.each(&vector(FIELD), &vector(G), &s, |mean| {
-            let (Some(bend), v) = (bends.next(), prior.variance(mean)) else { return };
-            let (j, _) = model(x, mean);
+        let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
+        for (mean, unseen) in self.groups.means(&x).zip(unseen) {
+            let v = prior.variance(&mean);
+            let bend = x.soft_iron() * unseen.by_gyroscope.fixed_columns::<3>(0);
+            let (j, _) = model(&x, &mean);
             cross += j.transpose() * bend / v;
             own += bend.transpose() * bend / v;
-        });
+        }
         Some(cross * own.try_inverse()? * cross.transpose())
     }
 }

@@ -3,8 +3,8 @@
 //! ```text
 //! R      turns the field from the device frame of one sample to that of the next:  h <- R h
 //! group: turn = product of R,  back = sum of R' from the group's end to each sample,  raw = sum of samples
-//!        G = sum of R_end dt,  S = sum of R_end (increment' (x) I)      (R_end: from the step to the group's end)
-//! with the gyroscope's bias g and scale error s:  turn' = exp([G g + S s]x) turn
+//!        G = sum of R_end ((dt, increment') (x) I)      (R_end: from the step to the group's end)
+//! with the gyroscope's bias g and scale error s:  turn' = exp([G (g, s)]x) turn
 //! ```
 //! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
 //! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
@@ -14,27 +14,28 @@ use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::propagate::turn;
-use super::state::scale_rows;
+use super::state::Parts;
 
 /// Groups held.
-pub(super) const GROUPS: usize = 32;
+const GROUPS: usize = 32;
 /// Seconds of motion in a group at first: a fit is made after each.
 const SHORTEST_S: f64 = 0.125;
 /// And at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
 const LONGEST_S: f64 = 0.5;
 
-/// Sums over the samples of a group.
+/// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Group {
+pub(super) struct Group {
     turn: Matrix3<f64>,
-    back: Matrix3<f64>,
-    by_bias: Matrix3<f64>,
-    by_scale: SMatrix<f64, 3, 9>,
-    raw_ut: Vector3<f64>,
-    rate_rad_s: Vector3<f64>,
-    count: f64,
-    moved_s: f64,
+    /// R' to the samples: their mean field is `back` h.
+    pub(super) back: Matrix3<f64>,
+    /// Of a sum: what g and s add to the turn; of a mean: derivative of the mean field by g and s.
+    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
+    pub(super) raw_ut: Vector3<f64>,
+    pub(super) rate_rad_s: Vector3<f64>,
+    pub(super) count: f64,
+    pub(super) moved_s: f64,
 }
 
 impl Group {
@@ -47,26 +48,13 @@ impl Group {
         Self {
             turn: next.turn * self.turn,
             back: self.back * next.turn.transpose() + next.back,
-            by_bias: next.turn * self.by_bias + next.by_bias,
-            by_scale: next.turn * self.by_scale + next.by_scale,
+            by_gyroscope: next.turn * self.by_gyroscope + next.by_gyroscope,
             raw_ut: self.raw_ut + next.raw_ut,
             rate_rad_s: self.rate_rad_s + next.rate_rad_s,
             count: self.count + next.count,
             moved_s: self.moved_s + next.moved_s,
         }
     }
-}
-
-/// Means over a group, as seen from the latest sample with the gyroscope's errors taken out.
-pub(super) struct Mean {
-    pub(super) raw_ut: Vector3<f64>,
-    pub(super) rate_rad_s: Vector3<f64>,
-    /// Mean of R' from now to the samples: the mean field is `back` h.
-    pub(super) back: Matrix3<f64>,
-    /// Derivative of that mean field by g and s.
-    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
-    pub(super) count: f64,
-    pub(super) moved_s: f64,
 }
 
 /// The groups, the oldest first; the last one is being filled.
@@ -98,8 +86,8 @@ impl Groups {
         let group = &mut self.groups[self.used - 1];
         group.turn = r * group.turn;
         group.back *= r.transpose();
-        group.by_bias = r * group.by_bias + Matrix3::identity() * dt_s;
-        group.by_scale = r * group.by_scale + scale_rows(increment_rad);
+        let errors = increment_rad.transpose().insert_column(0, dt_s);
+        group.by_gyroscope = r * group.by_gyroscope + errors.kronecker(&Matrix3::identity());
     }
 
     /// A sample after that step. Returns whether a group is full.
@@ -131,35 +119,33 @@ impl Groups {
         self.used += 1;
     }
 
-    /// Each group from the latest back to the first, for a field `h` now, bias `g` and scale error `s`.
-    pub(super) fn each(&self, h: &Vector3<f64>, g: &Vector3<f64>, s: &SVector<f64, 9>, mut visit: impl FnMut(&Mean)) {
+    /// Means over each group, from the latest back to the first, for the field now, and bias and scale error, of `x`.
+    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Group> + use<'a> {
+        let h = x.field;
+        let mut errors = SVector::<f64, 12>::zeros();
+        errors.fixed_rows_mut::<3>(0).copy_from(&x.bias);
+        errors.fixed_rows_mut::<9>(3).copy_from_slice(x.scale.as_slice());
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
         let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();
-        for group in self.groups[..self.used].iter().rev() {
-            let off = group.by_bias * g + group.by_scale * s;
-            let mut leads = SMatrix::<f64, 3, 12>::zeros();
-            leads.fixed_columns_mut::<3>(0).copy_from(&group.by_bias);
-            leads.fixed_columns_mut::<9>(3).copy_from(&group.by_scale);
-            let field = back * h;
-            let leads = field.cross_matrix() * leads;
-            if group.count > 0.0 {
-                // on average half of a group's error lies between its end and a sample
-                let (half, _) = turn(&(off * 0.5));
-                let mean = group.back * half / group.count;
-                visit(&Mean {
-                    raw_ut: group.raw_ut / group.count,
-                    rate_rad_s: group.rate_rad_s / group.count,
-                    back: mean * back,
-                    by_gyroscope: mean * (by_gyroscope + leads * 0.5),
-                    count: group.count,
-                    moved_s: group.moved_s,
-                });
-            }
+        self.groups[..self.used].iter().rev().filter_map(move |group| {
+            let off = group.by_gyroscope * errors;
+            let leads = (back * h).cross_matrix() * group.by_gyroscope;
+            // on average half of a group's error lies between its end and a sample
+            let (half, _) = turn(&(off * 0.5));
+            let mean = group.back * half / group.count;
+            let seen = Group {
+                raw_ut: group.raw_ut / group.count,
+                rate_rad_s: group.rate_rad_s / group.count,
+                back: mean * back,
+                by_gyroscope: mean * (by_gyroscope + leads * 0.5),
+                ..*group
+            };
             let (whole, _) = turn(&off);
             let to_start = group.turn.transpose() * whole;
             by_gyroscope = to_start * (by_gyroscope + leads);
             back = to_start * back;
-        }
+            (group.count > 0.0).then_some(seen)
+        })
     }
 }

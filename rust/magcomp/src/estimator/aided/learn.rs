@@ -14,6 +14,7 @@ use super::earth::Earth;
 use super::events::{Phase, Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
+use super::start::drift;
 use super::state::{DELAY, FIELD, Gaussian, LOCAL, OFFSET};
 use super::step::{Known, Step};
 use super::watch::{Former, Watch};
@@ -31,7 +32,7 @@ impl Aided {
         dt_s: f64,
     ) -> AidedOutput {
         let known = self.filter.as_ref().map_or_else(|| self.first.known(&self.tuning), Known::of);
-        let turned_rad = rotation.increment_rad - known.scale * rotation.increment_rad - known.bias_rad_s * dt_s;
+        let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let (turn, _) = propagate::turn(&turned_rad);
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, &self.tuning);
@@ -58,32 +59,20 @@ impl Aided {
             resting: self.motion.at_rest(),
             motion: self.motion.amount(&self.tuning),
         };
-        match self.filter.take() {
-            Some(filter) => self.follow(&step, filter),
-            None => self.collect(&step),
-        }
+        if self.filter.is_some() { self.follow(&step) } else { self.collect(&step) }
     }
 
     /// One sample from the first calibration on.
-    fn follow(&mut self, step: &Step<'_>, mut filter: Gaussian) -> AidedOutput {
-        if step.dt_s > self.tuning.gap_s {
-            self.drift(&mut filter, step.dt_s);
-        }
-        if let Some(earth) = &mut self.earth {
-            earth.step(step, &filter, &self.tuning);
-        }
-        filter.propagate(step.increment_rad, step.dt_s, step.noise);
-        self.learn(step, &mut filter);
-        if let Some(strength_ut) = self.lost_strength_ut.take() {
+    fn follow(&mut self, step: &Step<'_>) -> AidedOutput {
+        self.learn(step);
+        if let (Some(filter), Some(strength_ut)) = (&mut self.filter, self.lost_strength_ut.take()) {
             filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
-        if !filter.is_finite() {
+        let Some(filter) = self.filter.as_ref().filter(|filter| filter.is_finite()) else {
             self.begin(None);
             return self.blank(step.time_ns, Status::Collecting(Missing::Rotation));
-        }
-        let output = self.published(step, &filter);
-        self.filter = Some(filter);
-        output
+        };
+        self.published(step, filter)
     }
 
     /// One sample of a start.
@@ -92,7 +81,7 @@ impl Aided {
         if self.motion.rest_s > self.tuning.memory_s {
             self.first.rest(step.rate_rad_s, self.rest_variance(step.dt_s));
         }
-        if !step.resting || (self.first.given().is_some() && self.first.is_blind()) {
+        if !step.resting || (self.first.given.is_some() && self.first.is_blind()) {
             self.first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
         self.filter = self.first.take();
@@ -110,8 +99,17 @@ impl Aided {
         (self.tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0)).powi(2)
     }
 
-    /// The magnetometer's part of one sample.
-    fn learn(&mut self, step: &Step<'_>, filter: &mut Gaussian) {
+    /// The filter's part of one sample.
+    fn learn(&mut self, step: &Step<'_>) {
+        let rest_variance = self.rest_variance(step.dt_s);
+        let Some(filter) = &mut self.filter else { return };
+        if step.dt_s > self.tuning.gap_s {
+            drift(filter, step.dt_s, &self.tuning);
+        }
+        if let Some(earth) = &mut self.earth {
+            earth.step(step, filter, &self.tuning);
+        }
+        filter.propagate(step.increment_rad, step.dt_s, step.noise);
         let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
@@ -127,7 +125,7 @@ impl Aided {
             self.moved_s += step.dt_s;
         }
         if self.motion.rest_s > self.tuning.memory_s {
-            filter.update_bias(step.rate_rad_s, self.rest_variance(step.dt_s));
+            filter.update_bias(step.rate_rad_s, rest_variance);
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
         let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
@@ -140,7 +138,7 @@ impl Aided {
             self.trial = Some(trial);
         }
         if self.trial.is_some() {
-            self.run_trial(step, filter);
+            self.run_trial(step);
             return;
         }
         if !step.resting {
@@ -150,7 +148,9 @@ impl Aided {
                 let variance_ut2 = filter.block(OFFSET, OFFSET).trace();
                 let correction_ut = filter.vector(OFFSET) - before_ut;
                 self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
-                self.watch_unevenness(step, filter);
+                if let Some(difference_ut) = unevenness(step, filter) {
+                    self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
+                }
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
@@ -162,13 +162,14 @@ impl Aided {
     }
 
     /// One sample while the hypotheses run; `filter` is as it was, predicted.
-    fn run_trial(&mut self, step: &Step<'_>, filter: &mut Gaussian) {
-        let Some(mut trial) = self.trial.take() else { return };
+    fn run_trial(&mut self, step: &Step<'_>) {
+        let (Some(filter), Some(trial)) = (&self.filter, &mut self.trial) else { return };
         let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.tuning);
-        let event = |kind| Some(Event { kind, since_ns: trial.onset_ns, decided_ns: step.time_ns });
+        let since_ns = trial.onset_ns;
+        let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                let winner = trial.device;
+                let winner = &trial.device;
                 let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
                 if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
@@ -178,9 +179,9 @@ impl Aided {
                 if trial.was_place {
                     self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
                 }
-                return self.go_on_with(winner, filter);
+                return self.go_on_with(|trial| trial.device);
             }
-            Verdict::Unchanged => return self.go_on_with(trial.place, filter),
+            Verdict::Unchanged => return self.go_on_with(|trial| trial.place),
             Verdict::NewPlace | Verdict::Place => {
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
@@ -192,7 +193,7 @@ impl Aided {
                     self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
                 }
                 if back || verdict == Verdict::NewPlace {
-                    return self.go_on_with(trial.place, filter);
+                    return self.go_on_with(|trial| trial.place);
                 }
             }
             Verdict::Open => {}
@@ -202,24 +203,15 @@ impl Aided {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
             }
-            return; // nothing happened, or it is over
+            self.trial = None; // nothing happened, or it is over
         }
-        self.trial = Some(trial);
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: Gaussian, filter: &mut Gaussian) {
-        *filter = winner;
+    fn go_on_with(&mut self, winner: fn(Trial) -> Gaussian) {
+        self.filter = self.trial.take().map(winner);
         self.watch = Watch::new();
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
-    }
-
-    /// Follows the slow difference between c and f.
-    fn watch_unevenness(&mut self, step: &Step<'_>, filter: &Gaussian) {
-        let Some(still) = filter.corrected(step.raw_ut) else { return };
-        let rate = filter.true_rate(step.rate_rad_s);
-        let c = still - rate.cross(&still) * filter.x[DELAY];
-        self.adaptation.uneven(&(c - filter.vector(FIELD)), step.dt_s, &self.tuning);
     }
 
     fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
@@ -235,4 +227,11 @@ impl Aided {
             local_time_s: self.tuning.local_time_s,
         }
     }
+}
+
+/// What c and f differ by.
+fn unevenness(step: &Step<'_>, filter: &Gaussian) -> Option<Vector3<f64>> {
+    let still = filter.corrected(step.raw_ut)?;
+    let rate = filter.true_rate(step.rate_rad_s);
+    Some(still - rate.cross(&still) * filter.x[DELAY] - filter.vector(FIELD))
 }

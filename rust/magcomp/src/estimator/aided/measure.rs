@@ -11,8 +11,9 @@
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use std::ops::Range;
 
-use super::state::{BIAS, DELAY, FIELD, Gaussian, IRON, LOCAL, OFFSET, SCALE, STATES, iron_rows, scale_rows};
+use super::state::{BIAS, DELAY, ELEMENT, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, STATES, covariance};
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -31,43 +32,51 @@ pub(crate) struct Innovation {
     whitened: Vector3<f64>,
 }
 
-/// Which states an update holds, from and to: none.
-pub(crate) const NONE: &[(usize, usize)] = &[];
+/// Which states an update holds, from and to.
+type Held = &'static [(usize, usize)];
+pub(crate) const NONE: Held = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
-pub(crate) const ALL_BUT_FIELD: &[(usize, usize)] = &[(OFFSET, LOCAL)];
+pub(crate) const ALL_BUT_FIELD: Held = &[(OFFSET, LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
-const ALL_BUT_FIELD_AND_BIAS: &[(usize, usize)] = &[(OFFSET, BIAS), (DELAY, LOCAL)];
+const ALL_BUT_FIELD_AND_BIAS: Held = &[(OFFSET, BIAS), (DELAY, LOCAL)];
 
-/// h(x), uT.
-pub(crate) fn foretell(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> Vector3<f64> {
-    let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = x.true_rate(rate_rad_s);
-    x.soft_iron() * (h0 + w.cross(&h0) * x.x[DELAY]) + x.vector(OFFSET)
+/// What a state foretells of a raw sample, and dr/dx by its parts.
+pub(crate) struct Model {
+    pub(crate) raw_ut: Vector3<f64>,
+    pub(super) by_field: Matrix3<f64>,
+    by_bias: Matrix3<f64>,
+    pub(super) by_delay: Vector3<f64>,
+    /// h: what E acts on.
+    pub(super) seen: Vector3<f64>,
+    /// What S acts on.
+    rate: Vector3<f64>,
 }
 
-/// dh/dx.
-pub(crate) fn jacobian(x: &Gaussian, rate_rad_s: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
-    let h0 = x.vector(FIELD) + x.vector(LOCAL);
-    let w = x.true_rate(rate_rad_s);
-    let tau = x.x[DELAY];
-    let wh = w.cross(&h0);
-    let m = x.soft_iron();
-    let to_field = m * (Matrix3::identity() + w.cross_matrix() * tau);
-    let to_bias = m * h0.cross_matrix() * tau;
-    let mut h = SMatrix::<f64, 3, STATES>::zeros();
-    h.fixed_columns_mut::<3>(FIELD).copy_from(&to_field);
-    h.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    h.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&(h0 + wh * tau)));
-    h.fixed_columns_mut::<3>(BIAS).copy_from(&to_bias);
-    h.set_column(DELAY, &(m * wh));
-    h.fixed_columns_mut::<9>(SCALE).copy_from(&(to_bias * scale_rows(rate_rad_s)));
-    h.fixed_columns_mut::<3>(LOCAL).copy_from(&to_field);
-    h
-}
+impl Model {
+    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
+        let (h0, w, tau, m) = (x.field + x.local, x.true_rate(rate_rad_s), x.delay, x.soft_iron());
+        let swing = w.cross(&h0);
+        let seen = h0 + swing * tau;
+        Self {
+            raw_ut: m * seen + x.offset,
+            by_field: m + m * w.cross_matrix() * tau,
+            by_bias: m * h0.cross_matrix() * tau,
+            by_delay: m * swing,
+            seen,
+            rate: *rate_rad_s,
+        }
+    }
 
-/// Index of E_ij in e.
-const ELEMENT: [[usize; 3]; 3] =
-    [[IRON, IRON + 3, IRON + 4], [IRON + 3, IRON + 1, IRON + 5], [IRON + 4, IRON + 5, IRON + 2]];
+    /// H dx.
+    #[inline(always)]
+    pub(crate) fn times(&self, dx: &Parts) -> Vector3<f64> {
+        self.by_field * (dx.field + dx.local)
+            + dx.offset
+            + dx.iron * self.seen
+            + self.by_bias * (dx.bias + dx.scale * self.rate)
+            + self.by_delay * dx.delay
+    }
+}
 
 impl Gaussian {
     /// B_i = sum_jl P(E_ij, E_il) (P_mm + P_dd)_jl + P(E_ij, m_l) P(m_j, E_il), not below zero.
@@ -77,6 +86,7 @@ impl Gaussian {
             let mut sum = 0.0;
             for (j, &ij) in row.iter().enumerate() {
                 for (l, &il) in row.iter().enumerate() {
+                    let (ij, il) = (IRON + ij, IRON + il);
                     let cross = self.p[(ij, FIELD + l)] * self.p[(FIELD + j, il)];
                     sum += (self.p[(ij, il)] * field[(j, l)] + cross).max(0.0);
                 }
@@ -86,18 +96,14 @@ impl Gaussian {
     }
 
     /// The innovation of `raw_ut` with white noise `sigma_ut` per axis; `None` when S has no Cholesky factor.
-    pub(crate) fn innovation(
-        &self,
-        raw_ut: &Vector3<f64>,
-        rate_rad_s: &Vector3<f64>,
-        sigma_ut: f64,
-    ) -> Option<Innovation> {
-        let h = jacobian(self, rate_rad_s);
-        let ph = self.p * h.transpose();
-        let s = h * ph + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
+    pub(crate) fn innovation(&self, raw_ut: &Vector3<f64>, rate: &Vector3<f64>, sigma_ut: f64) -> Option<Innovation> {
+        let model = Model::of(&self.parts(), rate);
+        let ph = covariance(&self.p, |dx| model.times(dx));
+        let s = covariance(&ph.transpose(), |dx| model.times(dx))
+            + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
-        let v = raw_ut - foretell(self, rate_rad_s);
+        let v = raw_ut - model.raw_ut;
         let whitened = l_inverse * v;
         let nis = whitened.norm_squared();
         let ln_det = 2.0 * (l.m11 * l.m22 * l.m33).ln();
@@ -112,21 +118,21 @@ impl Gaussian {
     }
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
-    pub(crate) fn update(&mut self, innovation: &Innovation, held: &[(usize, usize)]) {
+    pub(crate) fn update(&mut self, innovation: &Innovation, held: Held) {
         self.correct(innovation.gain, &innovation.whitened, held);
     }
 
     /// x <- x + V z, P <- P - V V^T, but for what is held.
-    fn correct<const N: usize>(
-        &mut self,
-        mut gain: SMatrix<f64, STATES, N>,
-        whitened: &SVector<f64, N>,
-        held: &[(usize, usize)],
-    ) {
-        // the lower half of P alone, by columns
+    fn correct<const N: usize>(&mut self, mut gain: SMatrix<f64, STATES, N>, whitened: &SVector<f64, N>, held: Held) {
         let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
-            for column in v.column_iter() {
-                self.p.syger(sign, &column, &column, 1.0);
+            for j in 0..STATES {
+                let own = v.row(j) * sign;
+                // the lower half of P alone, rows in fours as vector units take them
+                for i in j - j % 4..STATES {
+                    for n in 0..N {
+                        self.p[(i, j)] += v[(i, n)] * own[n];
+                    }
+                }
             }
         };
         add(&gain, -1.0);
@@ -141,11 +147,16 @@ impl Gaussian {
         self.p.fill_upper_triangle_with_lower_triangle();
         self.x += gain * whitened;
         // no variance below what rounding can carry: P stays positive definite for ever
-        const FLOORS: [(usize, f64); 5] = [(FIELD, 1e-8), (IRON, 1e-12), (BIAS, 1e-14), (DELAY, 1e-12), (LOCAL, 1e-8)];
-        for i in 0..STATES {
-            let floor = FLOORS.iter().rev().find(|(from, _)| *from <= i).map_or(0.0, |(_, floor)| *floor);
-            self.p[(i, i)] = self.p[(i, i)].max(floor);
-        }
+        let mut at_least = |states: Range<usize>, floor: f64| {
+            for i in states {
+                self.p[(i, i)] = self.p[(i, i)].max(floor);
+            }
+        };
+        at_least(FIELD..IRON, 1e-8);
+        at_least(IRON..BIAS, 1e-12);
+        at_least(BIAS..DELAY, 1e-14);
+        at_least(DELAY..LOCAL, 1e-12);
+        at_least(LOCAL..STATES, 1e-8);
     }
 
     /// The scalar measurement |m| = `strength_ut` with the given variance, m and its companions corrected.

@@ -142,7 +142,7 @@ impl Aided {
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
     pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |filter| (filter.vector(BIAS), filter.scale()))
+        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |it| (it.vector(BIAS), it.parts().scale))
     }
 
     /// Whether what the gyroscope reads explains nothing.

@@ -100,7 +100,7 @@ impl Motion {
 
     /// One sample: `rate` as the gyroscope reads it.
     pub(crate) fn step(&mut self, rate: &Vector3<f64>, known: &Known, dt_s: f64, tuning: &Tuning) {
-        let (bias, bias_sd) = (known.bias_rad_s, known.bias_sd_rad_s);
+        let (bias, bias_sd) = (known.x.bias, known.bias_sd_rad_s);
         let now = (rate - bias).norm();
         let gain = 1.0 - (-dt_s / tuning.memory_s).exp();
         self.rate_rad_s += gain * (now - self.rate_rad_s);

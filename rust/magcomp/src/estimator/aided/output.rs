@@ -43,8 +43,7 @@ pub(crate) struct AidedOutput {
 
 /// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
 pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
-    let mut g = SMatrix::<f64, 3, 9>::identity();
-    g.fixed_columns_mut::<6>(3).copy_from(&super::state::iron_rows(h));
-    let g = w * g;
-    g * p * g.transpose()
+    let d = super::state::iron_rows(h);
+    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
+    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }

@@ -13,9 +13,9 @@
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
-use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, SCALE, STATES, scale_rows};
+use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, Parts, covariance};
 
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
@@ -45,38 +45,48 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
+/// F's rows of m and d.
+struct Transition<'a> {
+    r: Matrix3<f64>,
+    j: Matrix3<f64>,
+    fade: f64,
+    m: Vector3<f64>,
+    d: Vector3<f64>,
+    increment_rad: &'a Vector3<f64>,
+    dt_s: f64,
+}
+
+impl Transition<'_> {
+    /// F dx, of m and d; `less` is what dx takes from theta.
+    #[inline(always)]
+    fn times(&self, dx: &Parts) -> Vector6<f64> {
+        let less = dx.scale * self.increment_rad + dx.bias * self.dt_s;
+        let m = self.r * dx.field - self.m.cross_matrix() * self.j * less;
+        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * less;
+        Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
+    }
+}
+
 impl Gaussian {
-    /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed. Returns R.
-    pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) -> Matrix3<f64> {
-        let theta = increment_rad - self.scale() * increment_rad - self.vector(BIAS) * dt_s;
-        let (r, j) = turn(&theta);
+    /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed.
+    pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
+        let x = self.parts();
+        let (r, j) = turn(&x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
-        let m = r * self.vector(FIELD);
-        let d = r * self.vector(LOCAL) * fade;
+        let m = r * x.field;
+        let d = r * x.local * fade;
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let by_bias = j * -dt_s;
-        let by_scale = -j * scale_rows(increment_rad);
-        let row =
-            |turn: Matrix3<f64>, v: &Vector3<f64>| (turn, v.cross_matrix() * by_bias, v.cross_matrix() * by_scale);
-        let turning = [(FIELD, row(r, &m)), (LOCAL, row(r * fade, &d))];
-        // P F^T first, whose other columns are those of P; then F (P F^T). By columns, as they lie in memory
-        let pf: [SMatrix<f64, STATES, 3>; 2] = turning.map(|(i, (f, g, s))| {
-            let p = |k| self.p.fixed_columns::<3>(k);
-            p(i) * f.transpose() + p(BIAS) * g.transpose() + self.p.fixed_columns::<9>(SCALE) * s.transpose()
-        });
-        for ((i, _), columns) in turning.iter().zip(&pf) {
-            self.p.fixed_columns_mut::<3>(*i).copy_from(columns);
-            self.p.fixed_rows_mut::<3>(*i).copy_from(&columns.transpose());
-        }
-        for ((i, _), columns) in turning.iter().zip(&pf) {
-            for (k, (f, g, s)) in &turning {
-                let p = |k| columns.fixed_rows::<3>(k);
-                let block = f * p(*k) + g * p(BIAS) + s * columns.fixed_rows::<9>(SCALE);
-                self.p.fixed_view_mut::<3, 3>(*k, *i).copy_from(&block);
-                self.p.fixed_view_mut::<3, 3>(*i, *k).copy_from(&block.transpose());
-            }
+        let f = Transition { r, j, fade, m, d, increment_rad, dt_s };
+        // of P F^T and of F (P F^T) the columns of m and d
+        let mut columns = covariance(&self.p, |dx| f.times(dx));
+        let rows = covariance(&columns.transpose(), |dx| f.times(dx));
+        columns.fixed_rows_mut::<3>(FIELD).tr_copy_from(&rows.fixed_columns::<3>(0));
+        columns.fixed_rows_mut::<3>(LOCAL).tr_copy_from(&rows.fixed_columns::<3>(3));
+        for (column, i) in columns.column_iter().zip((FIELD..FIELD + 3).chain(LOCAL..LOCAL + 3)) {
+            self.p.set_column(i, &column);
+            self.p.row_mut(i).tr_copy_from(&column);
         }
 
         let turn2 = noise.angle_rad.powi(2) * dt_s + noise.bridged_rad2;
@@ -84,6 +94,5 @@ impl Gaussian {
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
-        r
     }
 }

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 use super::first_fit::{Before, FirstFit};
 use super::state::{FIELD, Gaussian, IRON, LOCAL, OFFSET};
+use super::tuning::Tuning;
 use super::watch::Watch;
 use super::{Aided, AidedOutput};
 use crate::calibration::Given;
@@ -69,11 +70,11 @@ impl Aided {
         self.mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
         let Some(mut filter) = self.filter.take() else {
             // the chain of rotations is broken; a calibration that was given may still hold
-            self.begin(self.first.given());
+            self.begin(self.first.given);
             return self.held(time_ns, raw_ut);
         };
         let dt_s = dt_s.unwrap_or(0.0);
-        self.drift(&mut filter, dt_s);
+        drift(&mut filter, dt_s, &self.tuning);
         if dt_s > self.tuning.gap_s {
             self.begin(Some(self.kept(&filter)));
             return self.held(time_ns, raw_ut);
@@ -88,11 +89,11 @@ impl Aided {
         self.filter = Some(filter);
         self.held(time_ns, raw_ut)
     }
+}
 
-    /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
-    pub(super) fn drift(&self, filter: &mut Gaussian, dt_s: f64) {
-        let room_ut2 = self.tuning.far_sd_ut.powi(2) - filter.block(OFFSET, OFFSET).trace() / 3.0;
-        let walk_ut2 = self.tuning.largest_walk_ut.powi(2) * dt_s;
-        filter.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
-    }
+/// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
+pub(super) fn drift(filter: &mut Gaussian, dt_s: f64, tuning: &Tuning) {
+    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.block(OFFSET, OFFSET).trace() / 3.0;
+    let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
+    filter.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
 }

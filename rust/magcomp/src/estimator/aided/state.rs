@@ -19,20 +19,17 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Length of the state.
 pub(crate) const STATES: usize = 28;
-/// First index of m.
+// the first index of each of its parts, in that order
 pub(crate) const FIELD: usize = 0;
-/// First index of b.
 pub(crate) const OFFSET: usize = 3;
-/// First index of e.
 pub(crate) const IRON: usize = 6;
-/// First index of g.
 pub(crate) const BIAS: usize = 12;
-/// Index of tau.
 pub(crate) const DELAY: usize = 15;
-/// First index of s.
 pub(crate) const SCALE: usize = 16;
-/// First index of d.
 pub(crate) const LOCAL: usize = 25;
+
+/// Index of E_ij in e.
+pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
 /// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
@@ -54,7 +51,7 @@ impl Gaussian {
 
     /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
     pub(crate) fn is_finite(&self) -> bool {
-        self.x.iter().all(|v| v.is_finite()) && (0..STATES).all(|i| self.p[(i, i)].is_finite())
+        (self.x.sum() + self.p.trace()).is_finite()
     }
 
     /// The 3x3 block of the covariance whose first indices are given.
@@ -75,18 +72,16 @@ impl Gaussian {
         self.x.fixed_rows_mut::<3>(i).copy_from(v);
     }
 
+    pub(crate) fn parts(&self) -> Parts {
+        Parts::of(|i| self.x[i])
+    }
+
     pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
-        soft_iron(self.x.as_slice())
+        self.parts().soft_iron()
     }
 
-    /// S.
-    pub(crate) fn scale(&self) -> Matrix3<f64> {
-        scale(self.x.as_slice())
-    }
-
-    /// The device's rate for a gyroscope's reading: (I - S) reading - g.
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        reading - self.scale() * reading - self.vector(BIAS)
+        self.parts().true_rate(reading)
     }
 
     /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
@@ -120,20 +115,60 @@ impl Gaussian {
     }
 }
 
-/// M of a state, or of one that begins as the state does.
-pub(crate) fn soft_iron(x: &[f64]) -> Matrix3<f64> {
-    let e = &x[IRON..IRON + 6];
-    Matrix3::new(1.0 + e[0], e[3], e[4], e[3], 1.0 + e[1], e[5], e[4], e[5], 1.0 + e[2])
+/// A state, or a small change of one, by its parts: E and S as matrices.
+#[derive(Clone, Copy)]
+pub(crate) struct Parts {
+    pub(crate) field: Vector3<f64>,
+    pub(crate) offset: Vector3<f64>,
+    pub(crate) iron: Matrix3<f64>,
+    pub(crate) bias: Vector3<f64>,
+    pub(crate) delay: f64,
+    pub(crate) scale: Matrix3<f64>,
+    pub(crate) local: Vector3<f64>,
 }
 
-/// S of a state, or of one that begins as the state does.
-pub(crate) fn scale(x: &[f64]) -> Matrix3<f64> {
-    Matrix3::from_column_slice(&x[SCALE..SCALE + 9])
+impl Parts {
+    #[inline(always)]
+    pub(crate) fn of(x: impl Fn(usize) -> f64) -> Self {
+        let vector = |i| Vector3::new(x(i), x(i + 1), x(i + 2));
+        Self {
+            field: vector(FIELD),
+            offset: vector(OFFSET),
+            iron: Matrix3::from(ELEMENT.map(|column| column.map(|i| x(IRON + i)))),
+            bias: vector(BIAS),
+            delay: x(DELAY),
+            scale: Matrix3::from_columns(&[vector(SCALE), vector(SCALE + 3), vector(SCALE + 6)]),
+            local: vector(LOCAL),
+        }
+    }
+
+    /// M of a state.
+    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
+        Matrix3::identity() + self.iron
+    }
+
+    /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
+    pub(crate) fn turned(&self, increment: &Vector3<f64>, dt_s: f64) -> Vector3<f64> {
+        increment - self.scale * increment - self.bias * dt_s
+    }
+
+    /// The device's rate for a gyroscope's reading.
+    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
+        self.turned(reading, 1.0)
+    }
 }
 
-/// The 3x9 matrix that makes S v linear in s.
-pub(crate) fn scale_rows(v: &Vector3<f64>) -> SMatrix<f64, 3, 9> {
-    v.transpose().kronecker(&Matrix3::identity())
+/// The covariance of N states with R numbers that are linear in the state; `p` has the rows of P of those states.
+#[inline(always)]
+pub(crate) fn covariance<const N: usize, const R: usize>(
+    p: &SMatrix<f64, N, STATES>,
+    linear: impl Fn(&Parts) -> SVector<f64, R>,
+) -> SMatrix<f64, N, R> {
+    let mut to = SMatrix::<f64, N, R>::zeros();
+    for k in 0..N {
+        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p[(k, i)])));
+    }
+    to
 }
 
 /// D(h) e = E h: the 3x6 matrix that makes M h linear in e.

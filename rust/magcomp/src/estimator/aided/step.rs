@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, Gaussian, OFFSET, SCALE};
+use super::state::{BIAS, Gaussian, Parts, SCALE};
 
 /// A sample, the turn before it, and what is known of noise and motion then.
 pub(crate) struct Step<'a> {
@@ -24,24 +24,18 @@ pub(crate) struct Step<'a> {
 
 /// What is known of calibration and gyroscope before a sample.
 pub(crate) struct Known {
-    pub(crate) offset_ut: Vector3<f64>,
-    pub(crate) soft_iron: Matrix3<f64>,
-    pub(crate) bias_rad_s: Vector3<f64>,
+    pub(crate) x: Parts,
     /// Standard deviation of the bias about the worst axis, rad/s.
     pub(crate) bias_sd_rad_s: f64,
-    pub(crate) scale: Matrix3<f64>,
-    /// Standard deviation of an element of it.
+    /// Standard deviation of an element of S.
     pub(crate) scale_sd: f64,
 }
 
 impl Known {
     pub(crate) fn of(filter: &Gaussian) -> Self {
         Self {
-            offset_ut: filter.vector(OFFSET),
-            soft_iron: filter.soft_iron(),
-            bias_rad_s: filter.vector(BIAS),
+            x: filter.parts(),
             bias_sd_rad_s: filter.block(BIAS, BIAS).diagonal().max().sqrt(),
-            scale: filter.scale(),
             scale_sd: (filter.p.fixed_view::<9, 9>(SCALE, SCALE).trace() / 9.0).sqrt(),
         }
     }

@@ -30,6 +30,8 @@ pub(crate) struct Clerk {
     /// The latest `window` of them are in the moments and in the coverage.
     pub window: usize,
     pub(super) moments: Moments,
+    /// Nobody needs the moments any more: a method that has no window looks at them until it has a calibration.
+    without_moments: bool,
     pub coverage: Coverage,
     pub noted: Noted,
 }
@@ -58,7 +60,7 @@ impl Clerk {
         let moments = Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut));
         let noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
         let (kept, coverage) = (VecDeque::with_capacity(config.n_max), Coverage::default());
-        Self { config, field_strength_ut, kept, window: 0, moments, coverage, noted }
+        Self { config, field_strength_ut, kept, window: 0, moments, without_moments: false, coverage, noted }
     }
 
     /// As new, in the memory that is there.
@@ -67,6 +69,7 @@ impl Clerk {
         self.coverage.clear();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
+        self.without_moments = false;
         self.noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
     }
 
@@ -75,6 +78,7 @@ impl Clerk {
         let asks = self.is_due();
         self.enter(raw_ut);
         self.look_through(if asks { calibration() } else { None });
+        self.without_moments = self.noted.calibration.is_some();
         asks
     }
 
@@ -128,7 +132,9 @@ impl Clerk {
             self.kept.pop_front();
         }
         self.kept.push_back(Slot { raw_ut: *raw_ut, cell });
-        self.moments.add(raw_ut);
+        if !self.without_moments {
+            self.moments.add(raw_ut);
+        }
         self.coverage.add(cell);
         self.window += 1;
         self.noted.since_recentred += 1;
@@ -139,7 +145,9 @@ impl Clerk {
         let (length, kept) = (length.min(self.len()), self.len());
         while self.window > length {
             let oldest = self.kept[kept - self.window];
-            self.moments.remove(&oldest.raw_ut);
+            if !self.without_moments {
+                self.moments.remove(&oldest.raw_ut);
+            }
             self.coverage.remove(oldest.cell);
             self.window -= 1;
         }

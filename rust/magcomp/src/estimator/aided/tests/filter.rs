@@ -122,7 +122,7 @@ fn the_scale_of_the_gyroscope_is_found() {
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
         let filter = aided.filter.as_ref().unwrap();
-        sum += filter.scale().trace() / 3.0;
+        sum += filter.parts().scale.trace() / 3.0;
     }
     let mean: f64 = sum / 10.0;
     assert!((mean - 0.01 / 1.01).abs() < 0.003, "mean scale error found: {mean}");

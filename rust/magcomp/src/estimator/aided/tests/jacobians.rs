@@ -5,9 +5,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::measure::{foretell, jacobian};
+use super::super::measure::Model;
 use super::super::propagate::ProcessNoise;
-use super::super::state::{Gaussian, STATES};
+use super::super::state::{Gaussian, STATES, covariance};
 use super::simulator::Random;
 
 const QUIET: ProcessNoise = ProcessNoise {
@@ -82,16 +82,17 @@ fn measurement_jacobian_is_the_derivative() {
     for _ in 0..100 {
         let state = random_state(&mut random);
         let rate = random.vector(3.0);
-        let h = jacobian(&state, &rate);
+        let h = Model::of(&state.parts(), &rate);
+        let h = covariance(&SMatrix::<f64, STATES, STATES>::identity(), |dx| h.times(dx));
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
             let (mut low, mut high) = (state.clone(), state.clone());
             low.x[j] -= step;
             high.x[j] += step;
-            let slope = (foretell(&high, &rate) - foretell(&low, &rate)) / (2.0 * step);
+            let slope = (Model::of(&high.parts(), &rate).raw_ut - Model::of(&low.parts(), &rate).raw_ut) / (2.0 * step);
             for i in 0..3 {
-                let error = (h[(i, j)] - slope[i]).abs() * scale(j);
-                assert!(error < 1e-7, "({i}, {j}): {} against {}", h[(i, j)], slope[i]);
+                let error = (h[(j, i)] - slope[i]).abs() * scale(j);
+                assert!(error < 1e-7, "({i}, {j}): {} against {}", h[(j, i)], slope[i]);
             }
         }
     }
