@@ -12,6 +12,7 @@ rust() {
     need rust "${rust_tools[@]}" python3:python3
     tests/versions.sh
     tests/circles.py
+    if git grep -nE '^(<{7}|>{7}|={7}$)'; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     # the generator of the bindings is 5 lines on a large library: `bindings` builds it
     # test-hooks: the library is then the one that the other languages test (tests/native.sh)

@@ -168,6 +168,10 @@ impl FirstFit {
             self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
         }
         if is_full {
+            // more than a place does: the device may have changed meanwhile
+            if self.misfit_ut2 > (0.5 * tuning.smallest_step_ut).powi(2) {
+                self.groups.forget();
+            }
             self.groups.close();
         }
     }

@@ -8,7 +8,8 @@
 //! ```
 //! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
 //! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
-//! too, and groups become twice as long; at their longest the oldest goes.
+//! too, and groups become twice as long; at their longest the oldest goes. The oldest also go, a quarter at a time, while a fit
+//! leaves more than a place does: a device that changed during its start is known soon after.
 
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -99,6 +100,13 @@ impl Groups {
         group.count += 1.0;
         group.moved_s += dt_s;
         group.moved_s >= self.longest_s
+    }
+
+    /// Drops the oldest quarter.
+    pub(super) fn forget(&mut self) {
+        let gone = self.used / 4;
+        self.groups.copy_within(gone.., 0);
+        self.used -= gone;
     }
 
     /// Begins another group.

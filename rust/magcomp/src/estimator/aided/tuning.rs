@@ -56,7 +56,7 @@ choices! {
         suspect_share: 0.2, "", "0.13 s of nothing but gated samples";
         /// Memory of the size of what does not fit
         misfit_s: 0.1, "s", "short against the time in which a hand puts a cover on";
-        /// Least size of a step; less than half of it is no misfit of a former calibration
+        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start
         smallest_step_ut: 8.0, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: 0.4, "s", "a cover put on";
