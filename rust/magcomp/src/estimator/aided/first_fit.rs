@@ -168,8 +168,9 @@ impl FirstFit {
             self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
         }
         if is_full {
-            // more than a place does: the device may have changed meanwhile
-            if self.misfit_ut2 > (0.5 * tuning.smallest_step_ut).powi(2) {
+            // more than a place leaves, less than another unit does: the device may have changed meanwhile
+            let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..tuning.far_sd_ut.powi(2);
+            if changed_ut2.contains(&self.misfit_ut2) {
                 self.groups.forget();
             }
             self.groups.close();

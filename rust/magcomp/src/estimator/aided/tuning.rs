@@ -19,7 +19,7 @@ choices! {
         /// Random walk of the gyroscope's bias
         bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
         /// Least random walk of the hard iron, at rest and in motion
-        offset_walk_ut: 0.05, "uT/s^0.5", "0.4 uT in a minute; families";
+        offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
         /// Time over which corrections of the hard iron are gathered to see whether they go one way
         walk_s: 2.0, "s", "families";
         /// Largest random walk of the hard iron, and that in a gap
