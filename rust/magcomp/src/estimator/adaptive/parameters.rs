@@ -35,6 +35,11 @@ pub(super) struct Gaussian {
 checked!(Gaussian, |it| is_covariance(&it.covariance));
 
 impl Gaussian {
+    /// Variance of what has this derivative by tau.
+    pub fn variance(&self, by_tau: &Tau) -> f64 {
+        by_tau.dot(&(self.covariance * by_tau)).max(0.0)
+    }
+
     /// Expected mean square angle, over all directions, between those corrected by tau and by its mean, rad^2: an error dtau
     /// turns the unit vector n by the part of dT T^-1 n - T dbeta across n.
     pub fn error(&self) -> f64 {
@@ -90,27 +95,15 @@ pub(super) fn quadric(tau: &Tau) -> Vector10 {
 pub(super) fn jacobian(tau: &Tau) -> Jacobian {
     let (t, beta) = (shape(tau), centre(tau));
     let a = t * t;
-    let g = a * beta;
     let mut j = Jacobian::zeros();
-    for (k, (row, column)) in PLACES.into_iter().enumerate() {
-        // T E + E T, E elementary
-        let mut da = Matrix3::zeros();
-        for i in 0..3 {
-            da[(i, column)] += t[(i, row)];
-            da[(row, i)] += t[(column, i)];
-            if row != column {
-                da[(i, row)] += t[(i, column)];
-                da[(column, i)] += t[(row, i)];
-            }
-        }
+    for (k, dt) in basis().into_iter().enumerate() {
+        let da = t * dt + dt * t;
         let db = da * beta;
         j.set_column(k, &ten(&six(&da), &(db * -2.0), beta.dot(&db)));
     }
     for i in 0..3 {
-        for k in 0..3 {
-            j[(6 + k, 6 + i)] = -2.0 * a[(k, i)];
-        }
-        j[(9, 6 + i)] = 2.0 * g[i];
+        let da = a.column(i);
+        j.set_column(6 + i, &ten(&SVector::zeros(), &(da * -2.0), 2.0 * beta.dot(&da)));
     }
     j
 }
@@ -141,25 +134,14 @@ pub(super) fn see(tau: &Tau, u: &Vector3<f64>) -> Option<Seen> {
     Some(Seen { offset, direction, radius, slope: (t * direction).norm() })
 }
 
+/// d(along.T (u - beta) - last s)/dtau at a sample.
+pub(super) fn gradient(tau: &Tau, along: &Vector3<f64>, offset: &Vector3<f64>, last: f64) -> Tau {
+    ten(&products(along, offset), &-(shape(tau) * along), -last)
+}
+
 /// A sample's distance from the ellipsoid of tau, units, and its derivative by tau; None at the centre itself.
 pub(super) fn distance(tau: &Tau, u: &Vector3<f64>) -> Option<(f64, Tau)> {
     let seen = see(tau, u)?;
-    Some(((seen.radius - 1.0) / seen.slope, radius_gradient(tau, &seen) / seen.slope))
-}
-
-/// dr/dtau at a sample.
-pub(super) fn radius_gradient(tau: &Tau, seen: &Seen) -> Tau {
-    ten(&products(&seen.direction, &seen.offset), &-(shape(tau) * seen.direction), 0.0)
-}
-
-/// d(T (u - beta))/dtau at a sample: 3 x 10.
-pub(super) fn vector_gradient(tau: &Tau, offset: &Vector3<f64>) -> SMatrix<f64, 3, COUNT> {
-    let t = shape(tau);
-    let mut g = SMatrix::<f64, 3, COUNT>::zeros();
-    for (k, (row, column)) in PLACES.into_iter().enumerate() {
-        g[(row, k)] = offset[column];
-        g[(column, k)] = offset[row];
-    }
-    g.fixed_view_mut::<3, 3>(0, 6).copy_from(&-t);
-    g
+    let by_tau = gradient(tau, &seen.direction, &seen.offset, 0.0);
+    Some(((seen.radius - 1.0) / seen.slope, by_tau / seen.slope))
 }

@@ -2,7 +2,7 @@
 //!     M = (unit / |h|) T^-1, b = unit beta, c = |h| T (u - beta)
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
-use super::parameters::{Gaussian, centre, radius_gradient, see, shape, vector_gradient};
+use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::quadric::symmetric::{basis, six};
@@ -43,17 +43,14 @@ impl Published {
     pub fn correct(&self, u: &Vector3<f64>, at: &Setting) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let seen = see(&self.known.mean, u)?;
         let t = shape(&self.known.mean);
-        let g = vector_gradient(&self.known.mean, &seen.offset);
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let g = SMatrix::from_rows(&axes.map(|axis| gradient(&self.known.mean, &axis, &seen.offset, 0.0).transpose()));
         let level = &at.level;
         // by what a sample that nothing explains misses the sphere it may be off across it, too
-        let miss = (seen.radius - 1.0) / seen.slope;
-        let known = || {
-            let along = radius_gradient(&self.known.mean, &seen) / seen.slope;
-            along.dot(&(self.known.covariance * along)).max(0.0)
-        };
-        let is_off = |variance: f64| 0.5 * miss * miss > at.half_square * variance;
+        let (miss, along) = distance(&self.known.mean, u)?;
         let noise = level.white + level.uneven;
-        let missed = if is_off(noise) && is_off(noise + known()) { (seen.radius - 1.0).powi(2) } else { 0.0 };
+        let is_off = 0.5 * miss * miss > at.half_square * (noise + self.known.variance(&along));
+        let missed = if is_off { (seen.radius - 1.0).powi(2) } else { 0.0 };
         let noise = t * t * noise + Matrix3::from_diagonal_element(missed);
         let covariance = g * self.known.covariance * g.transpose() + noise;
         let strength = self.strength_of(&t);

@@ -8,7 +8,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::parameters::{COUNT, Tau, TauMatrix, centre, products, shape, ten};
+use super::parameters::{COUNT, Tau, TauMatrix, centre, gradient, products, shape, ten};
 use crate::quadric::ExactSums;
 use crate::quadric::ldl::{add, times};
 use crate::quadric::symmetric::PLACES;
@@ -66,11 +66,8 @@ fn times_jacobian(a: &mut TauMatrix, t: &Matrix3<f64>, off: &Vector3<f64>) {
 
 /// up.T (u - beta) - s of a sample and its derivative by tau.
 pub(super) fn miss(tau: &Tau, u: &Vector3<f64>, up: &Vector3<f64>) -> (f64, Tau) {
-    let (t, offset) = (shape(tau), u - centre(tau));
-    let mut gradient = row(&offset, up);
-    let down = -(t * up);
-    (0..3).for_each(|i| gradient[6 + i] = down[i]);
-    (up.dot(&(t * offset)) - tau[9], gradient)
+    let offset = u - centre(tau);
+    (up.dot(&(shape(tau) * offset)) - tau[9], gradient(tau, up, &offset, 1.0))
 }
 
 impl VerticalMoments {
