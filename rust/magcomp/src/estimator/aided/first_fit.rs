@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
 use super::groups::Groups;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, SCALE as S};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, OFFSET_SD_UT, Parts, SCALE as S};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -25,8 +25,9 @@ use crate::quadric::FitError;
 use crate::reading::Missing;
 use crate::sound::checked;
 
-/// Offset of a phone before anything is known, uT: several hundred at the most.
-const OFFSET_SD_UT: f64 = 150.0;
+/// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
+/// nothing, rad.
+const CHAIN_RAD: f64 = 8.7e-4;
 /// Variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
 /// A device that was turned so far, root mean square, about one axis lacks others.
@@ -141,7 +142,7 @@ impl FirstFit {
     pub(super) fn turn(&mut self, step: &Step<'_>) {
         self.groups.turn(step.increment_rad, step.dt_s);
         if let Some(answer) = &mut self.answer {
-            answer.propagate(step.increment_rad, step.dt_s, step.noise);
+            answer.propagate(step.increment_rad, step.dt_s, &step.noise);
         }
         let h = step.turn * self.field();
         self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
@@ -255,7 +256,7 @@ impl FirstFit {
         let feigned = self.feigned(&p, unseen * tuning.far_sd_ut, prior)?;
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
-        let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
+        let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
         let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
         // at most what was known before any sample
         let most_ut2 = before[(OFFSET, OFFSET)].recip().min(tuning.far_sd_ut.powi(2));

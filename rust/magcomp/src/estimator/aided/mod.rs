@@ -1,10 +1,8 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
-//! Between two samples the field in the device frame turns by the inverse of the device's own rotation, which the
-//! gyroscope measures. So raw = M h + b is linear in (b, M) with a known h, and any rotation makes them observable.
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `events` (hypotheses) · `start`, `first_fit`, `batch`, `groups` · `step`, `learn` (one sample) ·
-//! `output`, `publish`. The derivation is in docs/METHOD-AIDED.md.
+//! `publish`. The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
@@ -15,7 +13,6 @@ mod groups;
 mod learn;
 mod measure;
 mod motion;
-mod output;
 mod propagate;
 mod publish;
 mod start;
@@ -30,17 +27,18 @@ mod watch;
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-pub(crate) use output::{AidedOutput, calibration_covariance};
+pub(crate) use publish::calibration_covariance;
 
 use crate::calibration::Calibration;
-use crate::reading::{Event, SensorMode};
+use crate::estimator::answer::Answer;
+use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use earth::Earth;
 use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
-use state::{BIAS, FIELD, Gaussian, OFFSET};
+use state::{FIELD, Gaussian, OFFSET};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::{Former, Watch};
@@ -77,7 +75,6 @@ pub(crate) struct Aided {
     earth: Option<Earth>,
     /// |m| before the chain of rotations broke.
     lost_strength_ut: Option<f64>,
-    mode: SensorMode,
 }
 
 checked!(Aided, |it| it.moved_s >= 0.0 && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
@@ -92,14 +89,13 @@ impl Aided {
             first: FirstFit::new(None, known_ut, &tuning),
             adaptation: Adaptation::new(&tuning),
             motion: Motion::new(),
-            watch: Watch::new(),
+            watch: Watch::default(),
             trial: None,
             former: None,
             event: None,
             moved_s: 0.0,
             earth: None,
             lost_strength_ut: None,
-            mode: SensorMode::default(),
             tuning,
         }
     }
@@ -113,7 +109,7 @@ impl Aided {
     pub fn calibration(&self) -> Option<Calibration> {
         let filter = self.known()?;
         let (strength_ut, scale) = self.gauge(self.strength_of(filter));
-        Calibration::new(filter.soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
+        Calibration::new(filter.parts().soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
     }
 
     /// The filter, or what a start knows so far.
@@ -142,44 +138,40 @@ impl Aided {
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
     pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |it| (it.vector(BIAS), it.parts().scale))
+        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |it| (it.parts().bias, it.parts().scale))
     }
 
     /// Whether what the gyroscope reads explains nothing.
     pub fn is_gyroscope_useless(&self) -> bool {
-        self.adaptation.useless
+        self.adaptation.is_gyroscope_useless()
     }
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.known()?;
-        let p = filter.calibration_block();
-        let s = strength::strength_covariance(filter, self.lost_strength_ut.is_some(), self.tuning.adopt_sd_ut);
-        Some(self.regauged(p, s, &filter.soft_iron(), self.strength_of(filter)))
-    }
-
-    /// The covariance `p` of (b, e) as that of (b, M k), k = |m| / known: d(M k) = k dM + M d|m| / known. `s` has the covariance
-    /// of (b, e) with |m|, and the variance of |m|.
-    fn regauged(
-        &self,
-        p: SMatrix<f64, 9, 9>,
-        s: (SVector<f64, 9>, f64),
-        soft_iron: &Matrix3<f64>,
-        strength_ut: f64,
-    ) -> SMatrix<f64, 9, 9> {
-        let Some(known_ut) = self.known_ut else { return p };
-        let (_, scale) = self.gauge(strength_ut);
-        let m = soft_iron / known_ut;
-        let g = SVector::from([0.0, 0.0, 0.0, m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
-        let d = SVector::<f64, 9>::from_fn(|i, _| if i < 3 { 1.0 } else { scale });
-        let cross = d.component_mul(&s.0) * g.transpose();
-        p.component_mul(&(d * d.transpose())) + cross + cross.transpose() + g * g.transpose() * s.1
+        let Some(known_ut) = self.known_ut else { return Some(filter.calibration_block()) };
+        let mut p = filter.p.fixed_view::<12, 12>(FIELD, FIELD).into_owned();
+        let mut along = filter.vector(FIELD).cap_magnitude(1.0);
+        if self.lost_strength_ut.is_some() {
+            // where the field points is not known; how strong it is stays known
+            along = Vector3::x();
+            p.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(self.tuning.adopt_sd_ut.powi(2));
+        }
+        // d(M k) = k dM + M d|m| / known,   k = |m| / known
+        let (_, scale) = self.gauge(self.strength_of(filter));
+        let m = filter.parts().soft_iron() / known_ut;
+        let by_strength = SVector::from([m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
+        let mut j = SMatrix::<f64, 9, 12>::zeros();
+        j.fixed_view_mut::<6, 3>(3, 0).copy_from(&(by_strength * along.transpose()));
+        j.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+        j.fixed_view_mut::<6, 6>(3, 6).fill_diagonal(scale);
+        Some(j * p * j.transpose())
     }
 
     /// One magnetometer sample (uT, device frame) with the inertial state paired to its time.
     ///
     /// The compensator has checked the sample: it is finite, and later than the one before.
-    pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> AidedOutput {
+    pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2.filter(|up| up.amax() < LARGEST_UP_M_S2 && up.iter().all(|v| v.is_finite()));
@@ -188,12 +180,22 @@ impl Aided {
                 && r.rate_rad_s.amax() < LARGEST_RATE_RAD_S
                 && r.increment_rad.amax() < LARGEST_INCREMENT_RAD
         });
-        match (rotation, dt_s) {
-            (Some(rotation), Some(dt_s)) => self.with_rotation(time_ns, &raw_ut, &rotation, up, dt_s),
-            _ => {
-                self.adaptation.forget_previous();
-                self.without_rotation(time_ns, &raw_ut, up, dt_s)
-            }
-        }
+        let step = if let (Some(rotation), Some(dt_s)) = (&rotation, dt_s) {
+            self.sense(time_ns, &raw_ut, rotation, up, dt_s)
+        } else {
+            self.adaptation.forget_previous();
+            None
+        };
+        let (status, answer) = match &step {
+            Some(step) => self.with_rotation(step),
+            None => self.without_rotation(&raw_ut, up, dt_s),
+        };
+        let mode = match (step.is_some(), up.is_some()) {
+            (true, true) => SensorMode::GyroscopeAndGravity,
+            (true, false) => SensorMode::GyroscopeOnly,
+            (false, true) => SensorMode::GravityOnly,
+            (false, false) => SensorMode::MagnetometerOnly,
+        };
+        (status, Answer { up: self.motion.up, mode, event: self.event, ..answer })
     }
 }

@@ -10,9 +10,7 @@
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! ```
 //!
-//! The gauge: raw = M h + b leaves the scale between M and |h| free, so E is held traceless: every variance given to e
-//! (prior, process noise, step) has the pattern T, in which the trace has variance zero. Without it |m| walks away.
-//! Source: docs/METHOD-AIDED.md.
+//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/METHOD-AIDED.md.
 
 use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -27,6 +25,9 @@ pub(crate) const BIAS: usize = 12;
 pub(crate) const DELAY: usize = 15;
 pub(crate) const SCALE: usize = 16;
 pub(crate) const LOCAL: usize = 25;
+
+/// Offset of a phone before anything is known, uT: several hundred at the most.
+pub(crate) const OFFSET_SD_UT: f64 = 150.0;
 
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
@@ -74,19 +75,6 @@ impl Gaussian {
 
     pub(crate) fn parts(&self) -> Parts {
         Parts::of(|i| self.x[i])
-    }
-
-    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
-        self.parts().soft_iron()
-    }
-
-    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        self.parts().true_rate(reading)
-    }
-
-    /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
-    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>> {
-        Some(self.soft_iron().try_inverse()? * (raw_ut - self.vector(OFFSET)))
     }
 
     /// Adds a symmetric 3x3 block on the diagonal.
@@ -145,6 +133,12 @@ impl Parts {
     /// M of a state.
     pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
         Matrix3::identity() + self.iron
+    }
+
+    /// W = M^-1, and c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
+    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
+        let w = self.soft_iron().try_inverse()?;
+        Some((w, w * (raw_ut - self.offset)))
     }
 
     /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
