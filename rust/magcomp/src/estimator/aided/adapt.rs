@@ -85,16 +85,16 @@ impl Adaptation {
 
     /// The slow difference between the corrected sample and the carried field.
     pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
-        let gain = gain(dt_s, tuning.quick_s);
-        self.slow_ut += (difference_ut - self.slow_ut) * gain;
+        let quick = gain(dt_s, tuning.quick_s);
+        self.slow_ut += (difference_ut - self.slow_ut) * quick;
         // what white noise alone would leave after this low-pass
-        let white = self.variance_ut2 * gain / (2.0 - gain);
+        let white = self.variance_ut2 * quick / (2.0 - quick);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * self.slow_power_ut2.max(self.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
-        let gain = (dt_s / self.slow_age_s).min(1.0);
-        self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
+        let share = (dt_s / self.slow_age_s).min(1.0);
+        self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
-        self.power_ut2 += gain * (power - self.power_ut2);
+        self.power_ut2 += share * (power - self.power_ut2);
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
@@ -153,9 +153,9 @@ impl Adaptation {
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
-        let gain = gain(dt_s, tuning.quick_s);
-        self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * gain;
-        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
+        let quick = gain(dt_s, tuning.quick_s);
+        self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * quick;
+        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - quick) / (quick * innovation.trace);
         let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));

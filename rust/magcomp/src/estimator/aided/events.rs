@@ -20,16 +20,6 @@ use super::watch::{Former, Watch};
 /// A hypothesis to which most samples of late were a misfit has failed.
 const MOST: f64 = 0.5;
 
-/// What the hypotheses have come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Phase {
-    /// Not decided yet.
-    Undecided,
-    /// The field of the place has changed.
-    Place,
-}
-
 /// What just happened in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
@@ -49,7 +39,9 @@ pub(crate) enum Verdict {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Trial {
-    pub(crate) phase: Phase,
+    /// Whether the field of the place was found to have changed, and whether it was before.
+    pub(crate) is_place: bool,
+    pub(crate) was_place: bool,
     pub(crate) onset_ns: i64,
     pub(crate) device: Gaussian,
     pub(crate) place: Gaussian,
@@ -66,8 +58,6 @@ pub(crate) struct Trial {
     age_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
-    /// Whether the field of the place was found to have changed before.
-    pub(crate) was_place: bool,
 }
 
 checked!(Trial, |it| {
@@ -93,7 +83,8 @@ impl Trial {
         }
         place.add_variance(FIELD, step_ut * step_ut);
         Self {
-            phase: Phase::Undecided,
+            is_place: false,
+            was_place: false,
             onset_ns: watch.since_ns,
             device,
             place,
@@ -106,7 +97,6 @@ impl Trial {
             rotation_rad: 0.0,
             age_s: 0.0,
             place_s: 0.0,
-            was_place: false,
         }
     }
 
@@ -139,9 +129,7 @@ impl Trial {
             }
         }
         // a cover comes off in a while: what it leaves shows later than the onset
-        if let Some(former) =
-            former.filter(|_| !self.recalled && self.phase == Phase::Undecided && watch.fits_former(tuning))
-        {
+        if let Some(former) = former.filter(|_| !self.recalled && !self.is_place && watch.fits_former(tuning)) {
             self.device = filter.clone();
             former.put_into(&mut self.device, tuning);
             self.recalled = true;
@@ -157,7 +145,7 @@ impl Trial {
                 onset_ns: self.onset_ns,
                 blind: self.blind,
                 young: self.young,
-                was_place: self.was_place || self.phase == Phase::Place,
+                was_place: self.was_place || self.is_place,
                 ..Self::start(filter, watch, former, tuning)
             };
             Verdict::Open
@@ -178,7 +166,7 @@ impl Trial {
     /// `None` when what was believed has stopped fitting: the hypotheses start anew.
     fn decide(&mut self, dt_s: f64, tuning: &Tuning) -> Option<Verdict> {
         let (device_fits, place_fits) = (self.device_misfit < MOST, self.place_misfit < MOST);
-        if self.phase == Phase::Place {
+        if self.is_place {
             self.place_s += dt_s;
             let is_new = self.place_s > tuning.place_time_s;
             return place_fits.then_some(if is_new { Verdict::NewPlace } else { Verdict::Open });
@@ -194,7 +182,7 @@ impl Trial {
         } else if self.blind && place_fits {
             Verdict::Unchanged
         } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
-            self.phase = Phase::Place;
+            self.is_place = true;
             Verdict::Place
         } else {
             Verdict::Open

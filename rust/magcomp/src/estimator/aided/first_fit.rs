@@ -1,16 +1,12 @@
 //! The first calibration: one fit (`batch`) of all samples of the start, made anew after each group of them.
 //!
-//! What the motion shows of the split between field and offset is judged by the rotations alone: the chain of a gyroscope is off
-//! in shape by `chain` = 0.05 deg, so that with Q = mean back, (lambda_i, v_i) = eig(I - Q' Q)
 //! ```text
-//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i',  w_i = Q v_i / |Q v_i|
+//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   Q = mean back,  (lambda_i, v_i) = eig(I - Q' Q),  w_i = Q v_i / |Q v_i|
+//! D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i'            what the rotations, off by chain, can't tell
+//! information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v    what a bias would feign (`feigned`)
+//! bend_k = M d(back_k far v_i)/dg                                                  i: the least lambda
 //! ```
-//! And a bias of the gyroscope can feign motion where the least seen part of the field is found to be zero (`feigned`):
-//! ```text
-//! bend_k = M d(back_k far v_i)/dg,   information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v
-//! ```
-//! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
-//! feigns one) and (e, g, tau, s) are plausible under their prior.
+//! Source: docs/METHOD-AIDED.md, Start.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -198,8 +194,12 @@ impl FirstFit {
             self.x = self.prior(None, noise_ut2, tuning).mean;
             return None;
         }
-        let unaided = self.prior(None, noise_ut2, tuning).precision;
-        let p = self.covariance(&normal, &unaided, &prior, tuning)?;
+        let p = if self.given.is_some() {
+            let unaided = self.prior(None, noise_ut2, tuning).precision;
+            self.covariance(&normal, &unaided, &prior, tuning)?
+        } else {
+            covariance
+        };
         // once the groups are full, a fit learns no more: the filter, which forgets nothing, goes on from less
         let most_ut = tuning.adopt_sd_ut * if self.groups.is_full() { 1.5 } else { 1.0 };
         self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < most_ut * most_ut;

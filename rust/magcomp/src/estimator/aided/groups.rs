@@ -6,9 +6,8 @@
 //!        G = sum of R_end ((dt, increment') (x) I)      (R_end: from the step to the group's end)
 //! with the gyroscope's bias g and scale error s:  turn' = exp([G (g, s)]x) turn
 //! ```
-//! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
-//! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
-//! too, and groups become twice as long; at their longest the oldest goes.
+//! The model is linear in `back`, so a mean over a group loses nothing; what g and s do within a group is taken to first order.
+//! Source: docs/METHOD-AIDED.md, Start.
 
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -82,23 +81,30 @@ impl Groups {
 
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
-        let (r, _) = turn(increment_rad);
-        let group = &mut self.groups[self.used - 1];
-        group.turn = r * group.turn;
-        group.back *= r.transpose();
         let errors = increment_rad.transpose().insert_column(0, dt_s);
-        group.by_gyroscope = r * group.by_gyroscope + errors.kronecker(&Matrix3::identity());
+        let by_gyroscope = errors.kronecker(&Matrix3::identity());
+        let (turn, _) = turn(increment_rad);
+        self.append(&Group { turn, by_gyroscope, ..Group::default() });
     }
 
     /// A sample after that step. Returns whether a group is full.
     pub(super) fn add(&mut self, raw_ut: &Vector3<f64>, rate_rad_s: &Vector3<f64>, dt_s: f64) -> bool {
+        let identity = Matrix3::identity();
+        self.append(&Group {
+            turn: identity,
+            back: identity,
+            raw_ut: *raw_ut,
+            rate_rad_s: *rate_rad_s,
+            count: 1.0,
+            moved_s: dt_s,
+            ..Group::default()
+        });
+        self.groups[self.used - 1].moved_s >= self.longest_s
+    }
+
+    fn append(&mut self, next: &Group) {
         let group = &mut self.groups[self.used - 1];
-        group.back += Matrix3::identity();
-        group.raw_ut += raw_ut;
-        group.rate_rad_s += rate_rad_s;
-        group.count += 1.0;
-        group.moved_s += dt_s;
-        group.moved_s >= self.longest_s
+        *group = group.joined(next);
     }
 
     /// Begins another group.

@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 
 use super::earth::Earth;
-use super::events::{Phase, Trial, Verdict};
+use super::events::{Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
 use super::start::drift;
@@ -207,7 +207,7 @@ impl Aided {
             Verdict::Open => {}
         }
         if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
-            if trial.phase != Phase::Undecided {
+            if trial.is_place {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
             }

@@ -48,13 +48,12 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
-/// F's rows of m and d.
+/// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with theta.
 struct Transition<'a> {
-    r: Matrix3<f64>,
-    j: Matrix3<f64>,
-    fade: f64,
-    m: Vector3<f64>,
-    d: Vector3<f64>,
+    m_by_m: Matrix3<f64>,
+    d_by_d: Matrix3<f64>,
+    m_by_theta: Matrix3<f64>,
+    d_by_theta: Matrix3<f64>,
     increment_rad: &'a Vector3<f64>,
     dt_s: f64,
 }
@@ -64,8 +63,8 @@ impl Transition<'_> {
     #[inline(always)]
     fn times(&self, dx: &Parts) -> Vector6<f64> {
         let less = dx.scale * self.increment_rad + dx.bias * self.dt_s;
-        let m = self.r * dx.field - self.m.cross_matrix() * self.j * less;
-        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * less;
+        let m = self.m_by_m * dx.field - self.m_by_theta * less;
+        let d = self.d_by_d * dx.local - self.d_by_theta * less;
         Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
     }
 }
@@ -76,12 +75,13 @@ impl Gaussian {
         let x = self.parts();
         let (r, j) = turn(&x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
-        let m = r * x.field;
-        let d = r * x.local * fade;
+        let (m_by_m, d_by_d) = (r, r * fade);
+        let (m, d) = (m_by_m * x.field, d_by_d * x.local);
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let f = Transition { r, j, fade, m, d, increment_rad, dt_s };
+        let (m_by_theta, d_by_theta) = (m.cross_matrix() * j, d.cross_matrix() * j);
+        let f = Transition { m_by_m, d_by_d, m_by_theta, d_by_theta, increment_rad, dt_s };
         // of P F^T and of F (P F^T) the columns of m and d
         let mut columns = covariance(&self.p, |dx| f.times(dx));
         let rows = covariance(&columns.transpose(), |dx| f.times(dx));

@@ -11,7 +11,6 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::Aided;
-use super::events::Phase;
 use super::state::{DELAY, FIELD, Gaussian, iron_rows};
 use super::step::Step;
 use super::strength::impossible_field;
@@ -89,10 +88,7 @@ impl Aided {
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
-            return match trial.phase {
-                Phase::Place => Status::Disturbed { since_ns },
-                Phase::Undecided => Status::Suspect { since_ns },
-            };
+            return if trial.is_place { Status::Disturbed { since_ns } } else { Status::Suspect { since_ns } };
         }
         if let Some(earth) = self.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
             return Status::Disturbed { since_ns: earth.since_ns };
