@@ -22,7 +22,7 @@ use super::tuning::Tuning;
 const LEAST_NOISE_UT: f64 = 0.2;
 
 /// Noise levels, learned.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
@@ -59,18 +59,12 @@ impl Adaptation {
             variance_ut2: tuning.noise_start_ut.powi(2),
             local_ut: tuning.local_start_ut,
             walk_ut: tuning.offset_walk_ut,
-            walked_ut: Vector3::zeros(),
-            walked_before_ut: Vector3::zeros(),
-            walked_s: 0.0,
             walk_began_ut2: f64::MAX,
-            previous_raw_ut: None,
-            slow_ut: Vector3::zeros(),
-            slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: tuning.local_start_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
-            useless_share: 0.0,
+            ..Self::default()
         }
     }
 

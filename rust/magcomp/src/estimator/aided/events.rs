@@ -36,7 +36,7 @@ pub(crate) enum Verdict {
 }
 
 /// The hypotheses `device` and `place`, running.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Trial {
     /// Whether the field of the place was found to have changed, and whether it was before.
@@ -82,22 +82,7 @@ impl Trial {
             device.add_block(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
         place.add_variance(FIELD, step_ut * step_ut);
-        Self {
-            is_place: false,
-            was_place: false,
-            onset_ns: watch.since_ns,
-            device,
-            place,
-            recalled: recall.is_some(),
-            blind: false,
-            young: false,
-            log_ratio: 0.0,
-            device_misfit: 0.0,
-            place_misfit: 0.0,
-            rotation_rad: 0.0,
-            age_s: 0.0,
-            place_s: 0.0,
-        }
+        Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.

@@ -33,7 +33,7 @@ const ONE_AXIS_RAD2: f64 = 0.1;
 const EARTH_UT: (f64, f64) = (18.0, 72.0);
 
 /// A start under way.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct FirstFit {
     groups: Groups,
@@ -82,19 +82,12 @@ checked!(Before, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
         let mut it = Self {
-            groups: Groups::new(),
-            x: Vector::zeros(),
-            answer: None,
-            is_settled: false,
             given,
             // M may scale a known strength by three standard deviations
             earth_ut: known_ut
                 .map_or(EARTH_UT, |it| (it * (1.0 - 3.0 * tuning.iron_sd), it * (1.0 + 3.0 * tuning.iron_sd))),
-            bias_rad_s: Vector3::zeros(),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
-            misfit_ut2: 0.0,
-            refused: None,
-            widest_rad2: 0.0,
+            ..Self::default()
         };
         if given.is_some() {
             let prior = it.prior(given.as_ref(), 0.0, tuning);
@@ -310,7 +303,7 @@ fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) ->
 
 /// The filter that starts from a fit.
 fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
-    let mut filter = Gaussian::zero();
+    let mut filter = Gaussian::default();
     filter.x.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
     filter.p.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
     filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));

@@ -69,11 +69,13 @@ checked!(Groups, |it| (1..=GROUPS).contains(&it.used)
     && (SHORTEST_S..=LONGEST_S).contains(&it.longest_s)
     && it.groups.iter().all(|group| group.count >= 0.0 && group.moved_s >= 0.0));
 
-impl Groups {
-    pub(super) fn new() -> Self {
+impl Default for Groups {
+    fn default() -> Self {
         Self { groups: [Group::new(); GROUPS], used: 1, longest_s: SHORTEST_S }
     }
+}
 
+impl Groups {
     /// All groups are used, at their longest: a new one replaces the oldest.
     pub(super) fn is_full(&self) -> bool {
         self.used == GROUPS && self.longest_s >= LONGEST_S

@@ -27,8 +27,6 @@ mod watch;
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-pub(crate) use publish::calibration_covariance;
-
 use crate::calibration::Calibration;
 use crate::estimator::answer::Answer;
 use crate::reading::{Event, SensorMode, Status};
@@ -38,6 +36,7 @@ use earth::Earth;
 use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
+pub(crate) use state::calibration_covariance;
 use state::{FIELD, Gaussian, OFFSET};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
@@ -52,7 +51,7 @@ const LARGEST_INCREMENT_RAD: f64 = 1000.0;
 const LARGEST_UP_M_S2: f64 = 1000.0;
 
 /// The estimator. All state is plain numbers: it can be cloned, compared and serialized.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Aided {
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -84,19 +83,11 @@ impl Aided {
     pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
         Self {
             known_ut,
-            last_ns: None,
-            filter: None,
             first: FirstFit::new(None, known_ut, &tuning),
             adaptation: Adaptation::new(&tuning),
             motion: Motion::new(),
-            watch: Watch::default(),
-            trial: None,
-            former: None,
-            event: None,
-            moved_s: 0.0,
-            earth: None,
-            lost_strength_ut: None,
             tuning,
+            ..Self::default()
         }
     }
 
@@ -108,8 +99,8 @@ impl Aided {
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
     pub fn calibration(&self) -> Option<Calibration> {
         let filter = self.known()?;
-        let (strength_ut, scale) = self.gauge(self.strength_of(filter));
-        Calibration::new(filter.parts().soft_iron() * scale, filter.vector(OFFSET), strength_ut).ok()
+        let strength_ut = self.known_ut.unwrap_or_else(|| self.strength_of(filter));
+        Calibration::new(filter.parts().soft_iron() * self.scale(filter), filter.vector(OFFSET), strength_ut).ok()
     }
 
     /// The filter, or what a start knows so far.
@@ -120,7 +111,7 @@ impl Aided {
     /// |m|, uT.
     fn strength_of(&self, filter: &Gaussian) -> f64 {
         // where the field points is lost: m is but the latest sample
-        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).0.norm())
+        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).0.norm()).max(1.0)
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
@@ -129,11 +120,9 @@ impl Aided {
         self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
     }
 
-    /// From tr M = 3, where the field is `strength_ut`, to the known strength: that, and the factor of M; what is corrected is
-    /// divided by it. Without a known one the gauge stays.
-    fn gauge(&self, strength_ut: f64) -> (f64, f64) {
-        let strength_ut = strength_ut.max(1.0);
-        self.known_ut.map_or((strength_ut, 1.0), |known_ut| (known_ut, strength_ut / known_ut))
+    /// From tr M = 3 to the known strength: the factor of M; what is corrected is divided by it. Without a known one the gauge stays.
+    fn scale(&self, filter: &Gaussian) -> f64 {
+        self.known_ut.map_or(1.0, |known_ut| self.strength_of(filter) / known_ut)
     }
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
@@ -158,13 +147,12 @@ impl Aided {
             p.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(self.tuning.adopt_sd_ut.powi(2));
         }
         // d(M k) = k dM + M d|m| / known,   k = |m| / known
-        let (_, scale) = self.gauge(self.strength_of(filter));
         let m = filter.parts().soft_iron() / known_ut;
         let by_strength = SVector::from([m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
         let mut j = SMatrix::<f64, 9, 12>::zeros();
         j.fixed_view_mut::<6, 3>(3, 0).copy_from(&(by_strength * along.transpose()));
         j.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
-        j.fixed_view_mut::<6, 6>(3, 6).fill_diagonal(scale);
+        j.fixed_view_mut::<6, 6>(3, 6).fill_diagonal(self.scale(filter));
         Some(j * p * j.transpose())
     }
 
@@ -174,12 +162,11 @@ impl Aided {
     pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
-        let up = inertial.up_m_s2.filter(|up| up.amax() < LARGEST_UP_M_S2 && up.iter().all(|v| v.is_finite()));
-        let rotation = inertial.rotation.filter(|r| {
-            r.increment_rad.iter().chain(r.rate_rad_s.iter()).all(|v| v.is_finite())
-                && r.rate_rad_s.amax() < LARGEST_RATE_RAD_S
-                && r.increment_rad.amax() < LARGEST_INCREMENT_RAD
-        });
+        // what is not finite is not smaller either
+        let up = inertial.up_m_s2.filter(|up| up.norm() < LARGEST_UP_M_S2);
+        let rotation = inertial
+            .rotation
+            .filter(|it| it.rate_rad_s.norm() < LARGEST_RATE_RAD_S && it.increment_rad.norm() < LARGEST_INCREMENT_RAD);
         let step = if let (Some(rotation), Some(dt_s)) = (&rotation, dt_s) {
             self.sense(time_ns, &raw_ut, rotation, up, dt_s)
         } else {

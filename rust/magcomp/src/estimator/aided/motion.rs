@@ -22,7 +22,7 @@ const OLDEST_S: f64 = 1000.0;
 const LARGEST_TILT_RAD: f64 = 0.03;
 
 /// Motion statistics.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Motion {
     rate_rad_s: f64,
@@ -58,17 +58,8 @@ impl Motion {
         Self {
             // from 0 the first motion would be taken for bias
             rate_rad_s: 1.0,
-            mean_rad_s: Vector3::zeros(),
             scatter_rad2_s2: 1.0,
-            rest_s: 0.0,
-            lately_rad_s: 0.0,
-            net_rad_s: Vector3::zeros(),
-            up: None,
-            up_age_s: 0.0,
-            tilt_rad2: 0.0,
-            felt: Vector3::zeros(),
-            slow: Vector3::zeros(),
-            leaning: 0.0,
+            ..Self::default()
         }
     }
 

@@ -8,10 +8,10 @@
 //! ```
 //! L and floor: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;
-use super::state::{DELAY, FIELD, Gaussian, iron_rows};
+use super::state::{DELAY, FIELD, Gaussian, calibration_covariance};
 use super::step::Step;
 use super::strength::impossible_field;
 use crate::estimator::answer::Answer;
@@ -64,21 +64,15 @@ impl Aided {
 
     /// c, and f if it is known, in the gauge of the known strength; `None` unless they are finite.
     fn answer(&self, filter: &Gaussian, c: Told, f: Option<Told>) -> Option<Answer> {
-        let (_, scale) = self.gauge(self.strength_of(filter));
-        let gauged = |(field, p): Told| {
-            let is_finite = field.iter().chain(p.iter()).all(|v| v.is_finite());
-            is_finite.then(|| (field / scale, p / (scale * scale)))
-        };
-        let (field_ut, field_covariance_ut2) = gauged(c).unzip();
-        let (filtered_field_ut, filtered_covariance_ut2) = f.and_then(gauged).unzip();
-        let is_whole = field_ut.is_some() && filtered_field_ut.is_some() == f.is_some();
-        is_whole.then(|| Answer {
-            field_ut,
-            field_covariance_ut2,
-            filtered_field_ut,
-            filtered_covariance_ut2,
-            ..Answer::default()
-        })
+        let is_finite = |(field, p): &Told| field.iter().chain(p.iter()).all(|v| v.is_finite());
+        if !is_finite(&c) || !f.iter().all(is_finite) {
+            return None;
+        }
+        let scale = self.scale(filter);
+        let gauged = |(field, p): Told| (field / scale, p / (scale * scale));
+        let (field_ut, field_covariance_ut2) = Some(gauged(c)).unzip();
+        let (filtered_field_ut, filtered_covariance_ut2) = f.map(gauged).unzip();
+        Some(Answer { field_ut, field_covariance_ut2, filtered_field_ut, filtered_covariance_ut2, ..Answer::default() })
     }
 
     /// The status after a sample with a rotation.
@@ -103,11 +97,4 @@ impl Aided {
             Status::Tracking
         }
     }
-}
-
-/// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
-pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
-    let d = iron_rows(h);
-    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
-    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }

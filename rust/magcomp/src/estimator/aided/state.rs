@@ -36,7 +36,7 @@ pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 const TRACE_SHARE: f64 = 1e-6;
 
 /// State and covariance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Gaussian {
     pub(crate) x: SVector<f64, STATES>,
@@ -46,10 +46,6 @@ pub(crate) struct Gaussian {
 checked!(Gaussian, |it| is_covariance(&it.p));
 
 impl Gaussian {
-    pub(crate) fn zero() -> Self {
-        Self { x: SVector::zeros(), p: SMatrix::zeros() }
-    }
-
     /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
     pub(crate) fn is_finite(&self) -> bool {
         (self.x.sum() + self.p.trace()).is_finite()
@@ -173,4 +169,11 @@ pub(crate) fn iron_rows(h: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
         0.0, h.y, 0.0, h.x, 0.0, h.z,
         0.0, 0.0, h.z, 0.0, h.x, h.y,
     ])
+}
+
+/// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
+pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
+    let d = iron_rows(h);
+    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
+    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }

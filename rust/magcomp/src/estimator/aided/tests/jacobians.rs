@@ -23,7 +23,7 @@ fn scale(i: usize) -> f64 {
 }
 
 fn random_state(random: &mut Random) -> Gaussian {
-    let mut state = Gaussian::zero();
+    let mut state = Gaussian::default();
     for i in 0..STATES {
         state.x[i] = scale(i) * random.normal();
     }

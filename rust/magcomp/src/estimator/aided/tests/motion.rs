@@ -10,7 +10,7 @@ use super::super::tuning::Tuning;
 
 /// A bias known to 0.001 rad/s.
 fn known() -> Known {
-    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::zero()) }
+    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::default()) }
 }
 
 #[test]
