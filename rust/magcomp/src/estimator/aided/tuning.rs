@@ -10,8 +10,6 @@ choices! {
         iron_sd: 0.08, "", "phones have up to 10 %";
         /// Bias of the gyroscope before anything is known
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
-        /// Delay of the magnetometer against the gyroscope before anything is known
-        delay_sd_s: 0.010, "s", "from -7 to 27 ms were found";
         /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
         /// Least random walk of the hard iron, at rest and in motion
