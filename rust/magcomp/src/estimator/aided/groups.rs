@@ -83,30 +83,23 @@ impl Groups {
 
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
+        let (r, _) = turn(increment_rad);
+        let group = &mut self.groups[self.used - 1];
+        group.turn = r * group.turn;
+        group.back *= r.transpose();
         let errors = increment_rad.transpose().insert_column(0, dt_s);
-        let by_gyroscope = errors.kronecker(&Matrix3::identity());
-        let (turn, _) = turn(increment_rad);
-        self.append(&Group { turn, by_gyroscope, ..Group::default() });
+        group.by_gyroscope = r * group.by_gyroscope + errors.kronecker(&Matrix3::identity());
     }
 
     /// A sample after that step. Returns whether a group is full.
     pub(super) fn add(&mut self, raw_ut: &Vector3<f64>, rate_rad_s: &Vector3<f64>, dt_s: f64) -> bool {
-        let identity = Matrix3::identity();
-        self.append(&Group {
-            turn: identity,
-            back: identity,
-            raw_ut: *raw_ut,
-            rate_rad_s: *rate_rad_s,
-            count: 1.0,
-            moved_s: dt_s,
-            ..Group::default()
-        });
-        self.groups[self.used - 1].moved_s >= self.longest_s
-    }
-
-    fn append(&mut self, next: &Group) {
         let group = &mut self.groups[self.used - 1];
-        *group = group.joined(next);
+        group.back += Matrix3::identity();
+        group.raw_ut += raw_ut;
+        group.rate_rad_s += rate_rad_s;
+        group.count += 1.0;
+        group.moved_s += dt_s;
+        group.moved_s >= self.longest_s
     }
 
     /// Begins another group.
