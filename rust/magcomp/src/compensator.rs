@@ -12,6 +12,7 @@ use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
 use crate::config::{Config, Method, validate_heading, validate_sigma};
 use crate::coverage::Coverage;
 use crate::estimator::Tunings;
+use crate::estimator::answer::Answer;
 use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::quadric::EllipsoidFit;
@@ -21,7 +22,7 @@ use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing};
 use crate::sensing::tilt::Tilt;
 use crate::sound::{LARGEST_COUNT, checked};
-use active::{Active, Answer};
+use active::Active;
 use nalgebra::SMatrix;
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.

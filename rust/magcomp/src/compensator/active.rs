@@ -5,30 +5,13 @@ use crate::config::{Config, Method};
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::{Aided, calibration_covariance};
+use crate::estimator::answer::Answer;
 use crate::estimator::paper::{Clerk, Windowed};
 use crate::quadric::EllipsoidFit;
-use crate::reading::{Event, ModelOrder, SensorMode, Status};
+use crate::reading::{SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
-use nalgebra::{Matrix3, SMatrix, Vector3};
-
-/// What an estimator says of one sample, before a heading is formed from it.
-#[derive(Default)]
-pub(super) struct Answer {
-    pub field_ut: Option<Vector3<f64>>,
-    pub field_covariance_ut2: Option<Matrix3<f64>>,
-    pub filtered_field_ut: Option<Vector3<f64>>,
-    pub filtered_covariance_ut2: Option<Matrix3<f64>>,
-    pub up: Option<Vector3<f64>>,
-    /// Variance of `up` about a horizontal axis for the motion it was averaged over, rad^2; `None`: it is the accelerometer's.
-    pub tilt_rad2: Option<f64>,
-    pub sigma_t: Option<f64>,
-    pub direction_sigma_deg: Option<f64>,
-    pub worst_sigma_deg: Option<f64>,
-    pub model_order: Option<ModelOrder>,
-    pub mode: SensorMode,
-    pub event: Option<Event>,
-}
+use nalgebra::{Matrix3, SMatrix};
 
 /// One of the estimators.
 #[derive(Clone, Debug)]
@@ -82,20 +65,9 @@ impl Active {
         let uneven_ut2 = Matrix3::identity() * UNEVEN_UT.powi(2);
         match self {
             Self::Aided(aided) => {
-                let output = aided.push(time_ns, *raw_ut, paired);
+                let answered = aided.push(time_ns, *raw_ut, paired);
                 clerk.note(raw_ut, || aided.calibration());
-                let answer = Answer {
-                    field_ut: output.corrected_ut,
-                    field_covariance_ut2: output.corrected_ut.map(|_| output.corrected_covariance_ut2),
-                    filtered_field_ut: output.filtered_ut,
-                    filtered_covariance_ut2: output.filtered_ut.map(|_| output.filtered_covariance_ut2),
-                    up: output.up,
-                    tilt_rad2: output.tilt_rad2,
-                    mode: output.mode,
-                    event: output.event,
-                    ..Answer::default()
-                };
-                (output.status, answer)
+                answered
             }
             Self::Adaptive(adaptive) => {
                 adaptive.level(up);

@@ -2,6 +2,7 @@
 
 pub(crate) mod adaptive;
 pub(crate) mod aided;
+pub(crate) mod answer;
 pub(crate) mod paper;
 
 use crate::tuning::Choice;

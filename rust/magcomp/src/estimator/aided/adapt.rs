@@ -1,39 +1,28 @@
 //! What the filter learns about its own noise while it runs.
 //!
-//! Magnetometer noise, from what one step of the chain does not explain (independent of the filter's covariance):
 //! ```text
-//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / t_n) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
+//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
+//! useless:  |e| > 17 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
+//! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
+//! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
+//! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = 2.15 U
+//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - U^2:  what else is variance of c
 //! ```
-//! A gyroscope that explains nothing: |e| beyond what any offset could do to a turn of |theta| (|e| > 17 uT and
-//! |e| > 150 uT |theta|) in most samples.
-//! Local field: s_d grows with (NIS/3 - 1), capped, per second of motion; and with what the innovations have in common
-//! over 0.25 s beyond white noise (less than white: s_d is too large, the corrections go too far).
-//! Random walk of b, from its own corrections D_k = sum db over T seconds: a true drift keeps their direction, noise and
-//! an uneven field do not (after Myers and Tapley 1976, with the lagged product in place of the square):
-//! ```text
-//! seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / t_s) (seen - q_b^2)
-//! ```
-//! between the least and the largest walk.
-//! Unevenness of the field, for the sigmas: rooms bend the field over distances that a hand covers in a second or more;
-//! then c and f differ slowly, which white noise does not do:
-//! ```text
-//! s += (dt / t_s) (c - f - s),  U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = gain U
-//! ```
-//! and what else c differs from f by, beyond white noise, is variance of c:
-//! ```text
-//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - U^2
-//! ```
-//! Source: docs/METHOD-AIDED.md.
+//! Source: docs/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
 use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
-use super::step::Known;
+use super::state::OFFSET_SD_UT;
+use super::step::{Known, gain};
 use super::tuning::Tuning;
 
+/// Least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
+const LEAST_NOISE_UT: f64 = 0.2;
+
 /// Noise levels, learned.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
@@ -48,13 +37,12 @@ pub(crate) struct Adaptation {
     walk_began_ut2: f64,
     previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
-    slow_innovation_ut: Vector3<f32>,
+    slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
     /// Mean square of c - f per axis, uT^2.
     power_ut2: f64,
     slow_age_s: f64,
     useless_share: f64,
-    pub(crate) useless: bool,
 }
 
 checked!(Adaptation, |it| {
@@ -71,19 +59,12 @@ impl Adaptation {
             variance_ut2: tuning.noise_start_ut.powi(2),
             local_ut: tuning.local_start_ut,
             walk_ut: tuning.offset_walk_ut,
-            walked_ut: Vector3::zeros(),
-            walked_before_ut: Vector3::zeros(),
-            walked_s: 0.0,
             walk_began_ut2: f64::MAX,
-            previous_raw_ut: None,
-            slow_ut: Vector3::zeros(),
-            slow_innovation_ut: Vector3::zeros(),
             slow_power_ut2: tuning.local_start_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
-            useless_share: 0.0,
-            useless: false,
+            ..Self::default()
         }
     }
 
@@ -91,18 +72,23 @@ impl Adaptation {
         self.variance_ut2.sqrt()
     }
 
+    /// Whether the gyroscope explains nothing of late.
+    pub(crate) fn is_gyroscope_useless(&self) -> bool {
+        self.useless_share > 0.5
+    }
+
     /// The slow difference between the corrected sample and the carried field.
     pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
-        let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
-        self.slow_ut += (difference_ut - self.slow_ut) * gain;
+        let quick = gain(dt_s, tuning.quick_s);
+        self.slow_ut += (difference_ut - self.slow_ut) * quick;
         // what white noise alone would leave after this low-pass
-        let white = self.variance_ut2 * gain / (2.0 - gain);
+        let white = self.variance_ut2 * quick / (2.0 - quick);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * self.slow_power_ut2.max(self.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
-        let gain = (dt_s / self.slow_age_s).min(1.0);
-        self.slow_power_ut2 += gain * (seen - self.slow_power_ut2);
+        let share = (dt_s / self.slow_age_s).min(1.0);
+        self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
-        self.power_ut2 += gain * (power - self.power_ut2);
+        self.power_ut2 += share * (power - self.power_ut2);
     }
 
     /// Variance per axis of what the covariance cannot know, uT^2.
@@ -144,15 +130,13 @@ impl Adaptation {
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
-            let surprise = size > tuning.useless_step_ut && size > tuning.useless_lever_ut * angle_rad;
+            let surprise = size > tuning.useless_step_ut && size > OFFSET_SD_UT * angle_rad;
             // a cover or charger moves the field for a second at most
-            let gain = 1.0 - (-dt_s / tuning.settled_s).exp();
-            self.useless_share += gain * (f64::from(surprise) - self.useless_share);
-            self.useless = self.useless_share > 0.5;
-            let gain = (dt_s / tuning.memory_s).min(0.2);
+            self.useless_share += gain(dt_s, tuning.settled_s) * (f64::from(surprise) - self.useless_share);
+            let share = (dt_s / tuning.memory_s).min(0.2);
             let variance = self.variance_ut2;
-            self.variance_ut2 += gain * ((size * size / 6.0).min(6.0 * variance) - variance);
-            self.variance_ut2 = self.variance_ut2.max(tuning.noise_min_ut.powi(2));
+            self.variance_ut2 += share * ((size * size / 6.0).min(6.0 * variance) - variance);
+            self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
         }
         self.previous_raw_ut = Some(*raw_ut);
     }
@@ -163,15 +147,13 @@ impl Adaptation {
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
-        let gain = 1.0 - (-dt_s / tuning.quick_s).exp();
-        let slow_ut: Vector3<f64> = self.slow_innovation_ut.cast();
-        let slow_ut = slow_ut + (innovation.v - slow_ut) * gain;
-        self.slow_innovation_ut = slow_ut.cast();
-        let slow = slow_ut.norm_squared() * (2.0 - gain) / (gain * innovation.trace);
+        let quick = gain(dt_s, tuning.quick_s);
+        self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * quick;
+        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - quick) / (quick * innovation.trace);
         let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
-        self.local_ut *= 1.0 + (excess * dt_s).clamp(-0.5, 0.5);
-        self.local_ut = self.local_ut.min(tuning.local_max_ut).max(tuning.local_min_ut);
+        let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));
+        self.local_ut = grown_ut.min(tuning.local_max_ut).max(tuning.local_min_ut);
     }
 
     /// The walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.

@@ -5,9 +5,7 @@
 //! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 25 numbers
 //! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
 //! ```
-//! b and e enter linearly for given (h, g, tau, s): each step solves for them exactly, so that the valley along which the field and
-//! the offset trade places is crossed and not climbed (variable projection; a joint step stalls there, and its
-//! covariance is falsely small). Nothing is linearised for good, so no sample says more than it knows.
+//! Source: docs/METHOD-AIDED.md, Start; b and e by variable projection.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -6,8 +6,7 @@
 //! then:         h <- R h,  s <- s + |h| sigma_g dt,  w <- w exp(-dt motion / 300 s)
 //! f = m + w (h - m),   P_f = P_mm + w s^2 I + w (1 - w) (h - m) (h - m)^T + ...
 //! ```
-//! So a new place changes no heading when it is believed: its field says how the device turns, not where north is. The longer the
-//! device moves about in it, the likelier it is the Earth's. Source: docs/METHOD-AIDED.md.
+//! Source: docs/METHOD-AIDED.md.
 
 use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};

@@ -4,35 +4,21 @@
 //! nothing   the filter as it was, predicted only; has won when its samples fit again
 //! device    P_bb += s^2 I, P_ee += T, |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
-//! l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
+//! s = max(mean |v| of the gated samples, 8 uT),   l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
 //! ```
-//! s = max(mean |v| of the gated samples, 8 uT). Only rotation tells device (constant in the device's frame) from place
-//! (constant in the world's), so nothing is decided before 0.5 rad of it. Until then the calibration holds and the
-//! heading is carried by the gyroscope. A hypothesis that has stopped fitting is started anew from the filter as it was
-//! (a ramp, or a field that keeps changing): it wins once it holds. As soon as the calibration in force before the last step fits,
-//! `device` starts from it. Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration
-//! while undecided and the recall are new.
+//! Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
+//! the recall of a former calibration are new.
 
 use crate::sound::checked;
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Gaussian, OFFSET};
-use super::step::Step;
+use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 
 /// A hypothesis to which most samples of late were a misfit has failed.
 const MOST: f64 = 0.5;
-
-/// What the hypotheses have come to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Phase {
-    /// Not decided yet.
-    Undecided,
-    /// The field of the place has changed.
-    Place,
-}
 
 /// What just happened in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,10 +36,12 @@ pub(crate) enum Verdict {
 }
 
 /// The hypotheses `device` and `place`, running.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Trial {
-    pub(crate) phase: Phase,
+    /// Whether the field of the place was found to have changed, and whether it was before.
+    pub(crate) is_place: bool,
+    pub(crate) was_place: bool,
     pub(crate) onset_ns: i64,
     pub(crate) device: Gaussian,
     pub(crate) place: Gaussian,
@@ -70,8 +58,6 @@ pub(crate) struct Trial {
     age_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
-    /// Whether the field of the place was found to have changed before.
-    pub(crate) was_place: bool,
 }
 
 checked!(Trial, |it| {
@@ -79,43 +65,14 @@ checked!(Trial, |it| {
     ages.iter().all(|v| *v >= 0.0) && [it.device_misfit, it.place_misfit].iter().all(|v| (0.0..=1.0).contains(v))
 });
 
-/// Whether the samples that do not fit now fit the calibration from before the last step.
-fn fits_again(watch: &Watch, tuning: &Tuning) -> bool {
-    watch.former_ut.norm() < 0.5 * tuning.smallest_step_ut
-}
-
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
     pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
-        let mut trial = Self {
-            phase: Phase::Undecided,
-            onset_ns: watch.since_ns,
-            device: filter.clone(),
-            place: filter.clone(),
-            recalled: false,
-            blind: false,
-            young: false,
-            log_ratio: 0.0,
-            device_misfit: 0.0,
-            place_misfit: 0.0,
-            rotation_rad: 0.0,
-            age_s: 0.0,
-            place_s: 0.0,
-            was_place: false,
-        };
-        trial.seed(filter, watch, former, tuning);
-        trial
-    }
-
-    /// Starts both hypotheses (anew).
-    fn seed(&mut self, filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) {
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
-        (self.device, self.place) = (filter.clone(), filter.clone());
-        let device = &mut self.device;
-        let recall = former.filter(|_| fits_again(watch, tuning));
-        self.recalled = recall.is_some();
+        let (mut device, mut place) = (filter.clone(), filter.clone());
+        let recall = former.filter(|_| watch.fits_former(tuning));
         if let Some(former) = recall {
-            former.put_into(device, tuning);
+            former.put_into(&mut device, tuning);
         } else {
             device.add_variance(OFFSET, step_ut * step_ut);
             let iron = (tuning.iron_sd * (step_ut / tuning.far_sd_ut).min(1.0)).powi(2);
@@ -124,12 +81,8 @@ impl Trial {
             let m = device.vector(FIELD);
             device.add_block(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
-        self.place.add_variance(FIELD, step_ut * step_ut);
-        self.log_ratio = 0.0;
-        self.device_misfit = 0.0;
-        self.place_misfit = 0.0;
-        self.rotation_rad = 0.0;
-        self.age_s = 0.0;
+        place.add_variance(FIELD, step_ut * step_ut);
+        Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.
@@ -141,8 +94,8 @@ impl Trial {
         former: Option<&Former>,
         tuning: &Tuning,
     ) -> Verdict {
-        self.device.propagate(step.increment_rad, step.dt_s, step.noise);
-        self.place.propagate(step.increment_rad, step.dt_s, step.noise);
+        self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
+        self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
         if self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
             self.device.add_variance(OFFSET, variance);
@@ -161,9 +114,7 @@ impl Trial {
             }
         }
         // a cover comes off in a while: what it leaves shows later than the onset
-        if let Some(former) =
-            former.filter(|_| !self.recalled && self.phase == Phase::Undecided && fits_again(watch, tuning))
-        {
+        if let Some(former) = former.filter(|_| !self.recalled && !self.is_place && watch.fits_former(tuning)) {
             self.device = filter.clone();
             former.put_into(&mut self.device, tuning);
             self.recalled = true;
@@ -173,61 +124,53 @@ impl Trial {
         if step.resting {
             return Verdict::Open;
         }
-        self.decide(step, filter, watch, former, tuning)
+        self.decide(step.dt_s, tuning).unwrap_or_else(|| {
+            // a ramp, or a field that keeps changing
+            *self = Self {
+                onset_ns: self.onset_ns,
+                blind: self.blind,
+                young: self.young,
+                was_place: self.was_place || self.is_place,
+                ..Self::start(filter, watch, former, tuning)
+            };
+            Verdict::Open
+        })
     }
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
         let weight = (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= tuning.ramp_s);
         self.log_ratio += weight * (log(device) - log(place));
-        let gain = 1.0 - (-step.dt_s / tuning.quick_s).exp();
+        let gain = gain(step.dt_s, tuning.quick_s);
         self.device_misfit += gain * (f64::from(device.nis > tuning.gate) - self.device_misfit);
         self.place_misfit += gain * (f64::from(place.nis > tuning.gate) - self.place_misfit);
         self.rotation_rad += step.angle_rad;
         self.age_s += step.dt_s;
     }
 
-    fn decide(
-        &mut self,
-        step: &Step<'_>,
-        filter: &Gaussian,
-        watch: &Watch,
-        former: Option<&Former>,
-        tuning: &Tuning,
-    ) -> Verdict {
-        let device_fits = self.device_misfit < MOST;
-        let place_fits = self.place_misfit < MOST;
-        if self.phase == Phase::Place {
-            if place_fits {
-                self.place_s += step.dt_s;
-                return if self.place_s > tuning.place_time_s { Verdict::NewPlace } else { Verdict::Open };
-            }
-            self.place_s = 0.0;
-            self.was_place = true;
-            self.seed(filter, watch, former, tuning);
-            self.phase = Phase::Undecided;
-            return Verdict::Open;
+    /// `None` when what was believed has stopped fitting: the hypotheses start anew.
+    fn decide(&mut self, dt_s: f64, tuning: &Tuning) -> Option<Verdict> {
+        let (device_fits, place_fits) = (self.device_misfit < MOST, self.place_misfit < MOST);
+        if self.is_place {
+            self.place_s += dt_s;
+            let is_new = self.place_s > tuning.place_time_s;
+            return place_fits.then_some(if is_new { Verdict::NewPlace } else { Verdict::Open });
         }
         if !device_fits && !place_fits {
-            self.seed(filter, watch, former, tuning);
-            return Verdict::Open;
+            return None;
         }
-        let rotation = tuning.decide_rotation_rad * if self.recalled { 0.5 } else { 1.0 };
-        if self.rotation_rad < rotation || self.age_s < tuning.ramp_s {
-            return Verdict::Open;
-        }
-        let ratio = tuning.decide_log_ratio;
-        if self.log_ratio > ratio && device_fits {
-            return Verdict::Device;
-        }
-        if self.blind && place_fits {
-            return Verdict::Unchanged;
-        }
-        if self.log_ratio < -ratio && place_fits {
-            self.phase = Phase::Place;
-            self.place_s = 0.0;
-            return Verdict::Place;
-        }
-        Verdict::Open
+        let rotation_rad = tuning.decide_rotation_rad * if self.recalled { 0.5 } else { 1.0 };
+        Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s {
+            Verdict::Open
+        } else if self.log_ratio > tuning.decide_log_ratio && device_fits {
+            Verdict::Device
+        } else if self.blind && place_fits {
+            Verdict::Unchanged
+        } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
+            self.is_place = true;
+            Verdict::Place
+        } else {
+            Verdict::Open
+        })
     }
 }

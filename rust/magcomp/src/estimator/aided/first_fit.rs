@@ -1,22 +1,18 @@
 //! The first calibration: one fit (`batch`) of all samples of the start, made anew after each group of them.
 //!
-//! What the motion shows of the split between field and offset is judged by the rotations alone: the chain of a gyroscope is off
-//! in shape by `chain` = 0.05 deg, so that with Q = mean back, (lambda_i, v_i) = eig(I - Q' Q)
 //! ```text
-//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i',  w_i = Q v_i / |Q v_i|
+//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   Q = mean back,  (lambda_i, v_i) = eig(I - Q' Q),  w_i = Q v_i / |Q v_i|
+//! D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i'            what the rotations, off by chain, can't tell
+//! information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v    what a bias would feign (`feigned`)
+//! bend_k = M d(back_k far v_i)/dg                                                  i: the least lambda
 //! ```
-//! And a bias of the gyroscope can feign motion where the least seen part of the field is found to be zero (`feigned`):
-//! ```text
-//! bend_k = M d(back_k far v_i)/dg,   information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v
-//! ```
-//! A fit counts when |h| is that of the Earth (a field twice as strong may be real, but so small an unevenness as this start can't see
-//! feigns one) and (e, g, tau, s) are plausible under their prior.
+//! Source: docs/METHOD-AIDED.md, Start.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
 use super::groups::Groups;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, SCALE as S};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, OFFSET_SD_UT, Parts, SCALE as S};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
@@ -25,8 +21,11 @@ use crate::quadric::FitError;
 use crate::reading::Missing;
 use crate::sound::checked;
 
-/// Offset of a phone before anything is known, uT: several hundred at the most.
-const OFFSET_SD_UT: f64 = 150.0;
+/// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
+/// nothing, rad.
+const CHAIN_RAD: f64 = 8.7e-4;
+/// Delay of the magnetometer against the gyroscope before anything is known, s: phones were found with -7 to 27 ms.
+const DELAY_SD_S: f64 = 0.010;
 /// Variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
 /// A device that was turned so far, root mean square, about one axis lacks others.
@@ -36,7 +35,7 @@ const ONE_AXIS_RAD2: f64 = 0.1;
 const EARTH_UT: (f64, f64) = (18.0, 72.0);
 
 /// A start under way.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct FirstFit {
     groups: Groups,
@@ -85,19 +84,12 @@ checked!(Before, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
         let mut it = Self {
-            groups: Groups::new(),
-            x: Vector::zeros(),
-            answer: None,
-            is_settled: false,
             given,
             // M may scale a known strength by three standard deviations
             earth_ut: known_ut
                 .map_or(EARTH_UT, |it| (it * (1.0 - 3.0 * tuning.iron_sd), it * (1.0 + 3.0 * tuning.iron_sd))),
-            bias_rad_s: Vector3::zeros(),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
-            misfit_ut2: 0.0,
-            refused: None,
-            widest_rad2: 0.0,
+            ..Self::default()
         };
         if given.is_some() {
             let prior = it.prior(given.as_ref(), 0.0, tuning);
@@ -141,7 +133,7 @@ impl FirstFit {
     pub(super) fn turn(&mut self, step: &Step<'_>) {
         self.groups.turn(step.increment_rad, step.dt_s);
         if let Some(answer) = &mut self.answer {
-            answer.propagate(step.increment_rad, step.dt_s, step.noise);
+            answer.propagate(step.increment_rad, step.dt_s, &step.noise);
         }
         let h = step.turn * self.field();
         self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
@@ -202,8 +194,12 @@ impl FirstFit {
             self.x = self.prior(None, noise_ut2, tuning).mean;
             return None;
         }
-        let unaided = self.prior(None, noise_ut2, tuning).precision;
-        let p = self.covariance(&normal, &unaided, &prior, tuning)?;
+        let p = if self.given.is_some() {
+            let unaided = self.prior(None, noise_ut2, tuning).precision;
+            self.covariance(&normal, &unaided, &prior, tuning)?
+        } else {
+            covariance
+        };
         // once the groups are full, a fit learns no more: the filter, which forgets nothing, goes on from less
         let most_ut = tuning.adopt_sd_ut * if self.groups.is_full() { 1.5 } else { 1.0 };
         self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < most_ut * most_ut;
@@ -231,7 +227,7 @@ impl FirstFit {
         }
         let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
-        precision[(TAU, TAU)] = tuning.delay_sd_s.powi(-2);
+        precision[(TAU, TAU)] = DELAY_SD_S.powi(-2);
         for k in S..LOCAL {
             precision[(k, k)] = tuning.axes_sd.powi(-2);
         }
@@ -260,7 +256,7 @@ impl FirstFit {
         let feigned = self.feigned(&p, unseen * tuning.far_sd_ut, prior)?;
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
-        let chain_ut2 = self.field().norm_squared() * tuning.chain_rad.powi(2);
+        let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
         let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
         // at most what was known before any sample
         let most_ut2 = before[(OFFSET, OFFSET)].recip().min(tuning.far_sd_ut.powi(2));
@@ -314,7 +310,7 @@ fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) ->
 
 /// The filter that starts from a fit.
 fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
-    let mut filter = Gaussian::zero();
+    let mut filter = Gaussian::default();
     filter.x.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
     filter.p.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
     filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));

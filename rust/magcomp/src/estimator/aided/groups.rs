@@ -6,10 +6,9 @@
 //!        G = sum of R_end ((dt, increment') (x) I)      (R_end: from the step to the group's end)
 //! with the gyroscope's bias g and scale error s:  turn' = exp([G (g, s)]x) turn
 //! ```
-//! The model is linear in `back`, so that a mean over a group loses nothing, whatever the motion within it, but what bias
-//! and scale do within it is taken to first order. When all groups are used, neighbours are joined, which is exact
-//! too, and groups become twice as long; at their longest the oldest goes. The oldest also go, a quarter at a time, while a fit
-//! leaves more than a place does: a device that changed during its start is known soon after.
+//! The model is linear in `back`, so a mean over a group loses nothing; what g and s do within a group is taken to first order.
+//! While a fit leaves more than a place does, the oldest groups go: a device that changed during its start is known soon after.
+//! Source: docs/METHOD-AIDED.md, Start.
 
 use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -71,11 +70,13 @@ checked!(Groups, |it| (1..=GROUPS).contains(&it.used)
     && (SHORTEST_S..=LONGEST_S).contains(&it.longest_s)
     && it.groups.iter().all(|group| group.count >= 0.0 && group.moved_s >= 0.0));
 
-impl Groups {
-    pub(super) fn new() -> Self {
+impl Default for Groups {
+    fn default() -> Self {
         Self { groups: [Group::new(); GROUPS], used: 1, longest_s: SHORTEST_S }
     }
+}
 
+impl Groups {
     /// All groups are used, at their longest: a new one replaces the oldest.
     pub(super) fn is_full(&self) -> bool {
         self.used == GROUPS && self.longest_s >= LONGEST_S

@@ -11,42 +11,47 @@
 use nalgebra::Vector3;
 
 use super::earth::Earth;
-use super::events::{Phase, Trial, Verdict};
+use super::events::{Trial, Verdict};
 use super::measure::NONE;
 use super::propagate::ProcessNoise;
 use super::start::drift;
-use super::state::{DELAY, FIELD, Gaussian, LOCAL, OFFSET};
+use super::state::{FIELD, Gaussian, LOCAL, OFFSET, Parts};
 use super::step::{Known, Step};
 use super::watch::{Former, Watch};
-use super::{Aided, AidedOutput, propagate};
-use crate::reading::{Event, EventKind, Missing, SensorMode, Status};
+use super::{Aided, propagate};
+use crate::estimator::answer::Answer;
+use crate::reading::{Event, EventKind, Status};
 use crate::sensing::pairing::Rotation;
 
 impl Aided {
-    pub(super) fn with_rotation(
+    /// What a rotation says of a sample; `None` while the gyroscope explains nothing.
+    pub(super) fn sense<'a>(
         &mut self,
         time_ns: i64,
-        raw_ut: &Vector3<f64>,
-        rotation: &Rotation,
+        raw_ut: &'a Vector3<f64>,
+        rotation: &'a Rotation,
         up: Option<Vector3<f64>>,
         dt_s: f64,
-    ) -> AidedOutput {
-        let known = self.filter.as_ref().map_or_else(|| self.first.known(&self.tuning), Known::of);
+    ) -> Option<Step<'a>> {
+        let tuning = &self.tuning;
+        let known = self.filter.as_ref().map_or_else(|| self.first.known(tuning), Known::of);
         let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let (turn, _) = propagate::turn(&turned_rad);
         let angle_rad = turned_rad.norm();
-        self.motion.step(&rotation.rate_rad_s, &known, dt_s, &self.tuning);
-        self.motion.carry_up(&turn, up, &known, dt_s, &self.tuning);
-        self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, &self.tuning);
-        self.mode = match up {
-            Some(_) => SensorMode::GyroscopeAndGravity,
-            None => SensorMode::GyroscopeOnly,
+        self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
+        self.motion.carry_up(&turn, up, &known, dt_s, tuning);
+        self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+        let motion = self.motion.amount(tuning);
+        // warming goes on at rest; what else is learned shows in motion only
+        let least_ut2 = tuning.offset_walk_ut.powi(2);
+        let noise = ProcessNoise {
+            bridged_rad2: rotation.variance_rad2,
+            offset_ut: (least_ut2 + (self.adaptation.walk_ut.powi(2) - least_ut2) * motion).sqrt(),
+            local_ut: self.adaptation.local_ut,
+            local_time_s: tuning.local_time_s,
         };
-        if self.adaptation.useless {
-            return self.without_rotation(time_ns, raw_ut, up, Some(dt_s));
-        }
-        let noise = self.process_noise(rotation.variance_rad2);
-        let step = Step {
+        let rest_sd_rad_s = tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
+        (!self.is_gyroscope_useless()).then_some(Step {
             time_ns,
             raw_ut,
             rate_rad_s: &rotation.rate_rad_s,
@@ -54,32 +59,40 @@ impl Aided {
             turn,
             angle_rad,
             dt_s,
-            noise: &noise,
+            noise,
             sigma_ut: self.adaptation.sigma_ut(),
             resting: self.motion.at_rest(),
-            motion: self.motion.amount(&self.tuning),
-        };
-        if self.filter.is_some() { self.follow(&step) } else { self.collect(&step) }
+            bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),
+            motion,
+        })
     }
 
-    /// One sample from the first calibration on.
-    fn follow(&mut self, step: &Step<'_>) -> AidedOutput {
-        self.learn(step);
-        if let (Some(filter), Some(strength_ut)) = (&mut self.filter, self.lost_strength_ut.take()) {
+    /// One sample with a rotation.
+    pub(super) fn with_rotation(&mut self, step: &Step<'_>) -> (Status, Answer) {
+        if self.filter.is_some() {
+            self.learn(step);
+        } else {
+            self.collect(step);
+        }
+        if let Some(filter) = &mut self.filter
+            && let Some(strength_ut) = self.lost_strength_ut.take()
+        {
             filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
         }
-        let Some(filter) = self.filter.as_ref().filter(|filter| filter.is_finite()) else {
+        if self.filter.as_ref().is_some_and(|filter| !filter.is_finite()) {
             self.begin(None);
-            return self.blank(step.time_ns, Status::Collecting(Missing::Rotation));
-        };
-        self.published(step, filter)
+        }
+        match self.known() {
+            Some(filter) => (self.status(filter), self.published(step, filter).unwrap_or_default()),
+            None => (Status::Collecting(self.first.missing()), Answer::default()),
+        }
     }
 
-    /// One sample of a start.
-    fn collect(&mut self, step: &Step<'_>) -> AidedOutput {
+    /// The start's part of one sample.
+    fn collect(&mut self, step: &Step<'_>) {
         self.first.turn(step);
-        if self.motion.rest_s > self.tuning.memory_s {
-            self.first.rest(step.rate_rad_s, self.rest_variance(step.dt_s));
+        if let Some(variance) = step.bias_variance {
+            self.first.rest(step.rate_rad_s, variance);
         }
         if !step.resting || (self.first.given.is_some() && self.first.is_blind()) {
             self.first.add(step, self.motion.up.as_ref(), &self.tuning);
@@ -88,20 +101,10 @@ impl Aided {
         if !self.first.is_blind() {
             self.lost_strength_ut = None;
         }
-        match self.filter.as_ref().or(self.first.answer.as_ref()) {
-            Some(filter) => self.published(step, filter),
-            None => self.blank(step.time_ns, Status::Collecting(self.first.missing())),
-        }
-    }
-
-    /// Variance of a rate at rest about the bias, (rad/s)^2.
-    fn rest_variance(&self, dt_s: f64) -> f64 {
-        (self.tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0)).powi(2)
     }
 
     /// The filter's part of one sample.
     fn learn(&mut self, step: &Step<'_>) {
-        let rest_variance = self.rest_variance(step.dt_s);
         let Some(filter) = &mut self.filter else { return };
         if step.dt_s > self.tuning.gap_s {
             drift(filter, step.dt_s, &self.tuning);
@@ -109,7 +112,7 @@ impl Aided {
         if let Some(earth) = &mut self.earth {
             earth.step(step, filter, &self.tuning);
         }
-        filter.propagate(step.increment_rad, step.dt_s, step.noise);
+        filter.propagate(step.increment_rad, step.dt_s, &step.noise);
         let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
             return;
         };
@@ -124,22 +127,19 @@ impl Aided {
         if !step.resting {
             self.moved_s += step.dt_s;
         }
-        if self.motion.rest_s > self.tuning.memory_s {
-            filter.update_bias(step.rate_rad_s, rest_variance);
+        if let Some(variance) = step.bias_variance {
+            filter.update_bias(step.rate_rad_s, variance);
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
         let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
         if is_blind && self.trial.is_none() {
             self.watch.since_ns = step.time_ns;
             self.watch.misfit_ut = innovation.v.norm();
-            let mut trial = Trial::start(filter, &self.watch, None, &self.tuning);
-            trial.blind = true;
-            trial.young = self.moved_s < self.tuning.settled_s;
-            self.trial = Some(trial);
+            self.begin_trial(true);
+            return self.run_trial(step);
         }
         if self.trial.is_some() {
-            self.run_trial(step);
-            return;
+            return self.run_trial(step);
         }
         if !step.resting {
             if !gated {
@@ -148,17 +148,25 @@ impl Aided {
                 let variance_ut2 = filter.block(OFFSET, OFFSET).trace();
                 let correction_ut = filter.vector(OFFSET) - before_ut;
                 self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
-                if let Some(difference_ut) = unevenness(step, filter) {
+                if let Some(difference_ut) = unevenness(step, &filter.parts()) {
                     self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
                 }
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
         if self.watch.share > self.tuning.suspect_share {
-            let mut trial = Trial::start(filter, &self.watch, self.former.as_ref(), &self.tuning);
-            trial.young = self.moved_s < self.tuning.settled_s;
-            self.trial = Some(trial);
+            self.begin_trial(false);
         }
+    }
+
+    /// The hypotheses start from the filter, after a pause (`blind`) without a former calibration.
+    fn begin_trial(&mut self, blind: bool) {
+        let Some(filter) = &self.filter else { return };
+        let former = self.former.as_ref().filter(|_| !blind);
+        let mut trial = Trial::start(filter, &self.watch, former, &self.tuning);
+        trial.blind = blind;
+        trial.young = self.moved_s < self.tuning.settled_s;
+        self.trial = Some(trial);
     }
 
     /// One sample while the hypotheses run; `filter` is as it was, predicted.
@@ -199,7 +207,7 @@ impl Aided {
             Verdict::Open => {}
         }
         if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
-            if trial.phase != Phase::Undecided {
+            if trial.is_place {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
             }
@@ -210,28 +218,14 @@ impl Aided {
     /// A hypothesis has won: it is the filter from here on.
     fn go_on_with(&mut self, winner: fn(Trial) -> Gaussian) {
         self.filter = self.trial.take().map(winner);
-        self.watch = Watch::new();
+        self.watch = Watch::default();
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
-    }
-
-    fn process_noise(&self, bridged_rad2: f64) -> ProcessNoise {
-        let c = &self.tuning;
-        // warming goes on at rest; what else is learned shows in motion only
-        let excess = self.adaptation.walk_ut.powi(2) - c.offset_walk_ut.powi(2);
-        ProcessNoise {
-            angle_rad: c.angle_walk_rad,
-            bridged_rad2,
-            offset_ut: (c.offset_walk_ut.powi(2) + excess * self.motion.amount(c)).sqrt(),
-            bias_rad_s: c.bias_walk_rad_s,
-            local_ut: self.adaptation.local_ut,
-            local_time_s: self.tuning.local_time_s,
-        }
     }
 }
 
 /// What c and f differ by.
-fn unevenness(step: &Step<'_>, filter: &Gaussian) -> Option<Vector3<f64>> {
-    let still = filter.corrected(step.raw_ut)?;
-    let rate = filter.true_rate(step.rate_rad_s);
-    Some(still - rate.cross(&still) * filter.x[DELAY] - filter.vector(FIELD))
+fn unevenness(step: &Step<'_>, x: &Parts) -> Option<Vector3<f64>> {
+    let (_, still) = x.corrected(step.raw_ut)?;
+    let rate = x.true_rate(step.rate_rad_s);
+    Some(still - rate.cross(&still) * x.delay - x.field)
 }

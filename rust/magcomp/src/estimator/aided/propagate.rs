@@ -8,8 +8,8 @@
 //! ```
 //! Process noise:
 //! ```text
-//! m += (q_g^2 dt + v) (|m|^2 I - m m^T)     (gyroscope noise; v: bridged)
-//! b += q_b^2 dt I,  g += q_w^2 dt I,  d += s_d^2 (1 - a^2) I
+//! P_mm += (q_g^2 dt + v) (|m|^2 I - m m^T)     (gyroscope noise; v: bridged)
+//! P_bb += q_b^2 dt I,  P_gg += q_w^2 dt I,  P_dd += s_d^2 (1 - a^2) I
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
 
@@ -17,14 +17,17 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 
 use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, Parts, covariance};
 
+/// q_g, angle random walk of a gyroscope, rad/s^0.5: data sheets have 1e-4 to 3e-4.
+const ANGLE_WALK_RAD: f64 = 3e-4;
+/// q_w, random walk of its bias as it warms, rad/s^1.5.
+const BIAS_WALK_RAD_S: f64 = 5e-5;
+
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProcessNoise {
-    pub(crate) angle_rad: f64,
     /// Variance (not density) of this step's increment per axis, for what the gyroscope did between its events, rad^2.
     pub(crate) bridged_rad2: f64,
     pub(crate) offset_ut: f64,
-    pub(crate) bias_rad_s: f64,
     /// Standard deviation (not density) of the local field, uT.
     pub(crate) local_ut: f64,
     pub(crate) local_time_s: f64,
@@ -45,13 +48,12 @@ pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
 }
 
-/// F's rows of m and d.
+/// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with theta.
 struct Transition<'a> {
-    r: Matrix3<f64>,
-    j: Matrix3<f64>,
-    fade: f64,
-    m: Vector3<f64>,
-    d: Vector3<f64>,
+    m_by_m: Matrix3<f64>,
+    d_by_d: Matrix3<f64>,
+    m_by_theta: Matrix3<f64>,
+    d_by_theta: Matrix3<f64>,
     increment_rad: &'a Vector3<f64>,
     dt_s: f64,
 }
@@ -61,8 +63,8 @@ impl Transition<'_> {
     #[inline(always)]
     fn times(&self, dx: &Parts) -> Vector6<f64> {
         let less = dx.scale * self.increment_rad + dx.bias * self.dt_s;
-        let m = self.r * dx.field - self.m.cross_matrix() * self.j * less;
-        let d = self.r * self.fade * dx.local - self.d.cross_matrix() * self.j * less;
+        let m = self.m_by_m * dx.field - self.m_by_theta * less;
+        let d = self.d_by_d * dx.local - self.d_by_theta * less;
         Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
     }
 }
@@ -73,12 +75,13 @@ impl Gaussian {
         let x = self.parts();
         let (r, j) = turn(&x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
-        let m = r * x.field;
-        let d = r * x.local * fade;
+        let (m_by_m, d_by_d) = (r, r * fade);
+        let (m, d) = (m_by_m * x.field, d_by_d * x.local);
         self.set_vector(FIELD, &m);
         self.set_vector(LOCAL, &d);
 
-        let f = Transition { r, j, fade, m, d, increment_rad, dt_s };
+        let (m_by_theta, d_by_theta) = (m.cross_matrix() * j, d.cross_matrix() * j);
+        let f = Transition { m_by_m, d_by_d, m_by_theta, d_by_theta, increment_rad, dt_s };
         // of P F^T and of F (P F^T) the columns of m and d
         let mut columns = covariance(&self.p, |dx| f.times(dx));
         let rows = covariance(&columns.transpose(), |dx| f.times(dx));
@@ -89,10 +92,10 @@ impl Gaussian {
             self.p.row_mut(i).tr_copy_from(&column);
         }
 
-        let turn2 = noise.angle_rad.powi(2) * dt_s + noise.bridged_rad2;
+        let turn2 = ANGLE_WALK_RAD.powi(2) * dt_s + noise.bridged_rad2;
         self.add_block(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
-        self.add_variance(BIAS, noise.bias_rad_s.powi(2) * dt_s);
+        self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
     }
 }

@@ -1,46 +1,37 @@
-//! What is published after a sample: c, f, their uncertainties (equations in `output`), and the status.
+//! What is published after a sample: the corrected sample c, the carried field f, how sure they are, and the status.
+//!
+//! ```text
+//! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
+//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + floor^2) I + timing      (+ |v|^2/3 I while undecided)
+//! P_f = P_mm + floor^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
+//! timing = P_tau (w x h)(w x h)^T
+//! ```
+//! L and floor: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::events::Phase;
-use super::output::calibration_covariance;
-use super::state::{DELAY, FIELD, Gaussian, OFFSET};
+use super::Aided;
+use super::state::{DELAY, FIELD, Gaussian, calibration_covariance};
 use super::step::Step;
 use super::strength::impossible_field;
-use super::{Aided, AidedOutput};
+use crate::estimator::answer::Answer;
 use crate::reading::{HoldReason, Missing, Status};
 
 /// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
 
-impl Aided {
-    /// An answer that says nothing but its status.
-    pub(super) fn blank(&self, time_ns: i64, status: Status) -> AidedOutput {
-        AidedOutput {
-            time_ns,
-            corrected_ut: None,
-            corrected_covariance_ut2: Matrix3::zeros(),
-            filtered_ut: None,
-            filtered_covariance_ut2: Matrix3::zeros(),
-            up: None,
-            tilt_rad2: None,
-            status,
-            event: self.event,
-            mode: self.mode,
-        }
-    }
+/// A field, uT, and its covariance, uT^2.
+type Told = (Vector3<f64>, Matrix3<f64>);
 
-    pub(super) fn published(&self, step: &Step<'_>, filter: &Gaussian) -> AidedOutput {
-        let mut output = self.blank(step.time_ns, self.status(filter));
-        output.up = self.motion.up;
-        output.tilt_rad2 = Some(self.motion.tilt_rad2(&self.tuning));
-        let Some(w) = filter.soft_iron().try_inverse() else { return output };
-        let rate = filter.true_rate(step.rate_rad_s);
-        let still = w * (step.raw_ut - filter.vector(OFFSET));
-        let delay_s = filter.x[DELAY];
-        let c = still - rate.cross(&still) * delay_s.max(0.0);
+impl Aided {
+    /// What is published after a sample with a rotation; `None` where c or f has no value.
+    pub(super) fn published(&self, step: &Step<'_>, filter: &Gaussian) -> Option<Answer> {
+        let x = filter.parts();
+        let (w, still) = x.corrected(step.raw_ut)?;
+        let rate = x.true_rate(step.rate_rad_s);
+        let c = still - rate.cross(&still) * x.delay.max(0.0);
         let (m, elsewhere) = self.earth_ut(filter);
-        let f = m + rate.cross(&m) * delay_s.min(0.0);
+        let f = m + rate.cross(&m) * x.delay.min(0.0);
         let swing = rate.cross(&f);
         let timing = swing * swing.transpose() * filter.p[(DELAY, DELAY)];
         let floor = self.adaptation.floor_ut2(&self.tuning);
@@ -55,33 +46,48 @@ impl Aided {
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
         let p_f = filter.block(FIELD, FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
-        if !c.iter().chain(f.iter()).chain(p_c.iter()).chain(p_f.iter()).all(|v| v.is_finite()) {
-            return output;
-        }
-        let (_, scale) = self.gauge(m.norm());
-        output.corrected_ut = Some(c / scale);
-        output.filtered_ut = Some(f / scale);
-        output.corrected_covariance_ut2 = p_c / (scale * scale);
-        output.filtered_covariance_ut2 = p_f / (scale * scale);
-        output
+        let answer = self.answer(filter, (c, p_c), Some((f, p_f)))?;
+        Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
     }
 
-    fn status(&self, filter: &Gaussian) -> Status {
-        let impossible = impossible_field(filter);
-        if self.filter.is_none() && self.first.answer.is_some() {
+    /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
+    pub(super) fn held(&self, raw_ut: &Vector3<f64>) -> (Status, Answer) {
+        let Some(filter) = self.known() else { return (Status::Collecting(Missing::Directions), Answer::default()) };
+        let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
+            let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
+            let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
+            let p_c = calibration_covariance(&filter.calibration_block(), &w, &c) + noise + floor;
+            self.answer(filter, (c, p_c), None)
+        });
+        (Status::Held(HoldReason::NoGyroscope), answer.unwrap_or_default())
+    }
+
+    /// c, and f if it is known, in the gauge of the known strength; `None` unless they are finite.
+    fn answer(&self, filter: &Gaussian, c: Told, f: Option<Told>) -> Option<Answer> {
+        let is_finite = |(field, p): &Told| field.iter().chain(p.iter()).all(|v| v.is_finite());
+        if !is_finite(&c) || !f.iter().all(is_finite) {
+            return None;
+        }
+        let scale = self.scale(filter);
+        let gauged = |(field, p): Told| (field / scale, p / (scale * scale));
+        let (field_ut, field_covariance_ut2) = Some(gauged(c)).unzip();
+        let (filtered_field_ut, filtered_covariance_ut2) = f.map(gauged).unzip();
+        Some(Answer { field_ut, field_covariance_ut2, filtered_field_ut, filtered_covariance_ut2, ..Answer::default() })
+    }
+
+    /// The status after a sample with a rotation.
+    pub(super) fn status(&self, filter: &Gaussian) -> Status {
+        if self.filter.is_none() {
             return Status::Collecting(self.first.missing());
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
-            return match trial.phase {
-                Phase::Place => Status::Disturbed { since_ns },
-                Phase::Undecided => Status::Suspect { since_ns },
-            };
+            return if trial.is_place { Status::Disturbed { since_ns } } else { Status::Suspect { since_ns } };
         }
         if let Some(earth) = self.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
             return Status::Disturbed { since_ns: earth.since_ns };
         }
-        if let Some(error) = impossible {
+        if let Some(error) = impossible_field(filter) {
             Status::Held(HoldReason::FitRefused(error))
         } else if self.motion.at_rest() {
             Status::Held(HoldReason::AtRest)
@@ -90,26 +96,5 @@ impl Aided {
         } else {
             Status::Tracking
         }
-    }
-
-    /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
-    pub(super) fn held(&self, time_ns: i64, raw_ut: &Vector3<f64>) -> AidedOutput {
-        let kept = self.known();
-        let status = kept.map_or(Status::Collecting(Missing::Directions), |_| Status::Held(HoldReason::NoGyroscope));
-        let mut output = self.blank(time_ns, status);
-        output.up = self.motion.up;
-        let Some((filter, w)) = kept.and_then(|filter| Some((filter, filter.soft_iron().try_inverse()?))) else {
-            return output;
-        };
-        let c = w * (raw_ut - filter.vector(OFFSET));
-        let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
-        let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
-        let p_c = calibration_covariance(&filter.calibration_block(), &w, &c) + noise + floor;
-        if c.iter().chain(p_c.iter()).all(|v| v.is_finite()) {
-            let (_, scale) = self.gauge(self.strength_of(filter));
-            output.corrected_ut = Some(c / scale);
-            output.corrected_covariance_ut2 = p_c / (scale * scale);
-        }
-        output
     }
 }

@@ -6,13 +6,14 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
+use super::Aided;
 use super::first_fit::{Before, FirstFit};
 use super::state::{FIELD, Gaussian, IRON, LOCAL, OFFSET};
 use super::tuning::Tuning;
 use super::watch::Watch;
-use super::{Aided, AidedOutput};
 use crate::calibration::Given;
-use crate::reading::SensorMode;
+use crate::estimator::answer::Answer;
+use crate::reading::Status;
 
 /// Strength of the earth's field over most of the land, uT.
 const EARTH_UT: f64 = 45.0;
@@ -24,7 +25,7 @@ impl Aided {
         self.filter = None;
         self.first = FirstFit::new(given, self.known_ut, &self.tuning);
         self.trial = None;
-        self.watch = Watch::new();
+        self.watch = Watch::default();
         self.moved_s = 0.0;
         self.earth = None;
     }
@@ -59,35 +60,39 @@ impl Aided {
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
     pub(super) fn without_rotation(
         &mut self,
-        time_ns: i64,
         raw_ut: &Vector3<f64>,
         up: Option<Vector3<f64>>,
         dt_s: Option<f64>,
-    ) -> AidedOutput {
+    ) -> (Status, Answer) {
         self.motion.without_rotation(up);
         self.trial = None;
-        self.watch = Watch::new();
-        self.mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
-        let Some(mut filter) = self.filter.take() else {
-            // the chain of rotations is broken; a calibration that was given may still hold
-            self.begin(self.first.given);
-            return self.held(time_ns, raw_ut);
-        };
+        self.watch = Watch::default();
         let dt_s = dt_s.unwrap_or(0.0);
-        drift(&mut filter, dt_s, &self.tuning);
-        if dt_s > self.tuning.gap_s {
-            self.begin(Some(self.kept(&filter)));
-            return self.held(time_ns, raw_ut);
+        match self.filter.take() {
+            // the chain of rotations is broken; a calibration that was given may still hold
+            None => self.begin(self.first.given),
+            Some(mut filter) => {
+                drift(&mut filter, dt_s, &self.tuning);
+                if dt_s > self.tuning.gap_s {
+                    self.begin(Some(self.kept(&filter)));
+                } else {
+                    self.lose_field(&mut filter, raw_ut);
+                    self.filter = Some(filter);
+                }
+            }
         }
+        self.held(raw_ut)
+    }
+
+    /// Where the field points is lost, and the sample is the best guess of it.
+    fn lose_field(&mut self, filter: &mut Gaussian, raw_ut: &Vector3<f64>) {
         self.lost_strength_ut.get_or_insert(filter.vector(FIELD).norm());
-        if let Some(c) = filter.corrected(raw_ut) {
+        if let Some((_, c)) = filter.parts().corrected(raw_ut) {
             filter.set_vector(FIELD, &c);
         }
         filter.set_vector(LOCAL, &Vector3::zeros());
         filter.isolate(FIELD, &Matrix3::from_diagonal_element(self.tuning.far_sd_ut.powi(2)));
         filter.isolate(LOCAL, &Matrix3::from_diagonal_element(self.adaptation.local_ut.powi(2)));
-        self.filter = Some(filter);
-        self.held(time_ns, raw_ut)
     }
 }
 

@@ -10,9 +10,7 @@
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! ```
 //!
-//! The gauge: raw = M h + b leaves the scale between M and |h| free, so E is held traceless: every variance given to e
-//! (prior, process noise, step) has the pattern T, in which the trace has variance zero. Without it |m| walks away.
-//! Source: docs/METHOD-AIDED.md.
+//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/METHOD-AIDED.md.
 
 use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -28,6 +26,9 @@ pub(crate) const DELAY: usize = 15;
 pub(crate) const SCALE: usize = 16;
 pub(crate) const LOCAL: usize = 25;
 
+/// Offset of a phone before anything is known, uT: several hundred at the most.
+pub(crate) const OFFSET_SD_UT: f64 = 150.0;
+
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
@@ -35,7 +36,7 @@ pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 const TRACE_SHARE: f64 = 1e-6;
 
 /// State and covariance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Gaussian {
     pub(crate) x: SVector<f64, STATES>,
@@ -45,10 +46,6 @@ pub(crate) struct Gaussian {
 checked!(Gaussian, |it| is_covariance(&it.p));
 
 impl Gaussian {
-    pub(crate) fn zero() -> Self {
-        Self { x: SVector::zeros(), p: SMatrix::zeros() }
-    }
-
     /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
     pub(crate) fn is_finite(&self) -> bool {
         (self.x.sum() + self.p.trace()).is_finite()
@@ -74,19 +71,6 @@ impl Gaussian {
 
     pub(crate) fn parts(&self) -> Parts {
         Parts::of(|i| self.x[i])
-    }
-
-    pub(crate) fn soft_iron(&self) -> Matrix3<f64> {
-        self.parts().soft_iron()
-    }
-
-    pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
-        self.parts().true_rate(reading)
-    }
-
-    /// c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
-    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<Vector3<f64>> {
-        Some(self.soft_iron().try_inverse()? * (raw_ut - self.vector(OFFSET)))
     }
 
     /// Adds a symmetric 3x3 block on the diagonal.
@@ -147,6 +131,12 @@ impl Parts {
         Matrix3::identity() + self.iron
     }
 
+    /// W = M^-1, and c of a raw sample at its own time: W (raw - b). `None` while M has no inverse.
+    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
+        let w = self.soft_iron().try_inverse()?;
+        Some((w, w * (raw_ut - self.offset)))
+    }
+
     /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
     pub(crate) fn turned(&self, increment: &Vector3<f64>, dt_s: f64) -> Vector3<f64> {
         increment - self.scale * increment - self.bias * dt_s
@@ -179,4 +169,11 @@ pub(crate) fn iron_rows(h: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
         0.0, h.y, 0.0, h.x, 0.0, h.z,
         0.0, 0.0, h.z, 0.0, h.x, h.y,
     ])
+}
+
+/// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
+pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
+    let d = iron_rows(h);
+    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
+    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }

@@ -16,10 +16,17 @@ pub(crate) struct Step<'a> {
     /// Its angle.
     pub(crate) angle_rad: f64,
     pub(crate) dt_s: f64,
-    pub(crate) noise: &'a ProcessNoise,
+    pub(crate) noise: ProcessNoise,
     pub(crate) sigma_ut: f64,
     pub(crate) resting: bool,
+    /// Variance of the rate about the bias, (rad/s)^2, once the device has rested for long enough.
+    pub(crate) bias_variance: Option<f64>,
     pub(crate) motion: f64,
+}
+
+/// What a low-pass of `time_s` takes of a value that has lasted for `dt_s`.
+pub(crate) fn gain(dt_s: f64, time_s: f64) -> f64 {
+    1.0 - (-dt_s / time_s).exp()
 }
 
 /// What is known of calibration and gyroscope before a sample.

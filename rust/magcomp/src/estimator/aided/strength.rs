@@ -1,8 +1,6 @@
-//! How strong the field is, and how well that is known.
+//! How strong a field can be.
 
-use nalgebra::SVector;
-
-use super::state::{FIELD, Gaussian, OFFSET};
+use super::state::{FIELD, Gaussian};
 use crate::quadric::FitError;
 
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
@@ -21,16 +19,4 @@ pub(super) fn impossible_field(filter: &Gaussian) -> Option<FitError> {
         low_ut,
         high_ut,
     })
-}
-
-/// The covariance of (b, e) with |m|, and the variance of |m|. Where the field points is not known when it was lost; how strong
-/// it is stays known.
-pub(super) fn strength_covariance(filter: &Gaussian, lost: bool, lost_sd_ut: f64) -> (SVector<f64, 9>, f64) {
-    if lost {
-        return (SVector::zeros(), lost_sd_ut * lost_sd_ut);
-    }
-    let m = filter.vector(FIELD);
-    let along = m / m.norm().max(1.0);
-    let cross = filter.p.fixed_view::<9, 3>(OFFSET, FIELD) * along;
-    (cross, along.dot(&(filter.block(FIELD, FIELD) * along)))
 }

@@ -10,14 +10,8 @@ choices! {
         iron_sd: 0.08, "", "phones have up to 10 %";
         /// Bias of the gyroscope before anything is known
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
-        /// Delay of the magnetometer against the gyroscope before anything is known
-        delay_sd_s: 0.010, "s", "from -7 to 27 ms were found";
         /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
-        /// Angle random walk of the gyroscope
-        angle_walk_rad: 3e-4, "rad/s^0.5", "data sheets: 1e-4 to 3e-4";
-        /// Random walk of the gyroscope's bias
-        bias_walk_rad_s: 5e-5, "rad/s^1.5", "warming";
         /// Least random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
         /// Time over which corrections of the hard iron are gathered to see whether they go one way
@@ -26,8 +20,6 @@ choices! {
         largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
         noise_start_ut: 0.5, "uT", "a Nexus 5 has 0.48, iPhones 0.7 to 1.1";
-        /// Least magnetometer noise, per axis
-        noise_min_ut: 0.2, "uT", "phones";
         /// Correlation time of the local field, and over which the accelerometer is averaged, as the world sees it
         local_time_s: 1.0, "s", "a step or two";
         /// Standard deviation of the local field at the start, and of the slow difference between c and f
@@ -36,8 +28,6 @@ choices! {
         local_min_ut: 0.03, "uT", "families";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
         place_ut: 0.15, "uT", "the quiet recordings";
-        /// What the chain of the gyroscope's rotations is off in shape: turns about another axis by less tell nothing
-        chain_rad: 8.7e-4, "rad", "0.05 deg: cross axes, timing";
         /// Largest: above it an anomaly would be swallowed instead of declared
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
@@ -53,9 +43,7 @@ choices! {
         /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used
         gate: 16.0, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
-        suspect_share: 0.2, "", "0.13 s of nothing but gated samples";
-        /// Memory of the size of what does not fit
-        misfit_s: 0.1, "s", "short against the time in which a hand puts a cover on";
+        suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
         /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start
         smallest_step_ut: 8.0, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
@@ -84,7 +72,5 @@ choices! {
         full_motion_rad_s: 0.3, "rad/s", "families";
         /// One step beyond which a gyroscope does not explain what the field does
         useless_step_ut: 17.0, "uT", "families";
-        /// The same per turn
-        useless_lever_ut: 150.0, "uT/rad", "the largest offset";
     }
 }

@@ -4,14 +4,13 @@
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
 //! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.1 s)
 //! ```
-//! A former calibration whose residual is small is where the hypothesis `device` starts from. Source: docs/METHOD-AIDED.md;
-//! the recall is new.
+//! Source: docs/METHOD-AIDED.md; the recall of a former calibration is new.
 
 use crate::sound::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::state::{Gaussian, OFFSET, iron_rows};
-use super::step::Step;
+use super::step::{Step, gain};
 use super::tuning::Tuning;
 
 /// A calibration that was in force before a step.
@@ -44,7 +43,7 @@ impl Former {
 }
 
 /// Watches the share of samples that the filter does not explain.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
@@ -54,14 +53,15 @@ pub(crate) struct Watch {
     /// Low-passed |v| over gated samples, uT.
     pub(crate) misfit_ut: f64,
     /// Low-passed residual of the former calibration over gated samples, uT.
-    pub(crate) former_ut: Vector3<f64>,
+    former_ut: Vector3<f64>,
 }
 
 checked!(Watch, |it| (0.0..=1.0).contains(&it.share) && it.misfit_ut >= 0.0);
 
 impl Watch {
-    pub(crate) fn new() -> Self {
-        Self { share: 0.0, since_ns: 0, misfit_ut: 0.0, former_ut: Vector3::zeros() }
+    /// Whether the samples that do not fit now fit the calibration from before the last step.
+    pub(crate) fn fits_former(&self, tuning: &Tuning) -> bool {
+        self.former_ut.norm() < 0.5 * tuning.smallest_step_ut
     }
 
     /// One sample: its innovation if it was gated, and the residual of the former calibration.
@@ -80,12 +80,13 @@ impl Watch {
                 self.misfit_ut = v.norm();
                 self.former_ut = former.unwrap_or_default();
             }
-            let gain = 1.0 - (-step.dt_s / tuning.misfit_s).exp();
+            // short against a change
+            let gain = gain(step.dt_s, tuning.ramp_s / 4.0);
             self.misfit_ut += gain * (v.norm() - self.misfit_ut);
             if let Some(former) = former {
                 self.former_ut += (former - self.former_ut) * gain;
             }
         }
-        self.share += (1.0 - (-step.dt_s / time_s).exp()) * (f64::from(gated.is_some()) - self.share);
+        self.share += gain(step.dt_s, time_s) * (f64::from(gated.is_some()) - self.share);
     }
 }

@@ -43,8 +43,8 @@ fn positive_definite_over(samples: usize) {
         }
         let sample = world.sample(dt_s);
         let inertial = if k % 7_777 == 0 { PairedInertial::default() } else { sample.inertial };
-        let output = aided.push(sample.time_ns, sample.raw_ut, &inertial);
-        assert!(output.corrected_ut.is_none_or(|c| c.iter().all(|v| v.is_finite())));
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        assert!(output.field_ut.is_none_or(|c| c.iter().all(|v| v.is_finite())));
         if k % 500 == 0 {
             assert_positive_definite(&aided, k);
         }
@@ -89,7 +89,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     let mut state = Status::Tracking;
     for _ in 0..300 {
         let sample = world.sample(0.01);
-        state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).status;
+        state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).0;
     }
     assert_eq!(state, Status::Held(HoldReason::AtRest));
     let before = aided.filter.as_ref().unwrap().vector(OFFSET);
@@ -97,9 +97,9 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     let mut heading_moved = 0.0_f64;
     for _ in 0..1_000 {
         let sample = world.sample(0.01);
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        heading_moved = heading_moved.max(output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees());
-        state = output.status;
+        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        heading_moved = heading_moved.max(output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees());
+        state = status;
     }
     assert!(matches!(state, Status::Suspect { .. }), "{state:?}");
     assert_eq!(before, aided.filter.as_ref().unwrap().vector(OFFSET));
@@ -138,9 +138,9 @@ fn a_late_gyroscope_is_found_and_f_is_not_late() {
         // each rotation is stamped one sample, 10 ms, after its truth
         let sample = world.sample(0.01);
         let late = before.replace(sample.inertial).unwrap_or_default();
-        let output = aided.push(sample.time_ns, sample.raw_ut, &late);
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &late);
         if k >= 3_000 {
-            squares_deg2 += output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
+            squares_deg2 += output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
         }
     }
     let delay_s = aided.filter.as_ref().unwrap().x[DELAY];

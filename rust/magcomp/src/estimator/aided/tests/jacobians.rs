@@ -10,14 +10,7 @@ use super::super::propagate::ProcessNoise;
 use super::super::state::{Gaussian, STATES, covariance};
 use super::simulator::Random;
 
-const QUIET: ProcessNoise = ProcessNoise {
-    angle_rad: 0.0,
-    bridged_rad2: 0.0,
-    offset_ut: 0.0,
-    bias_rad_s: 0.0,
-    local_ut: 0.0,
-    local_time_s: 1.0,
-};
+const QUIET: ProcessNoise = ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut: 0.0, local_time_s: 1.0 };
 
 /// Sizes of the states, for steps and tolerances.
 fn scale(i: usize) -> f64 {
@@ -30,7 +23,7 @@ fn scale(i: usize) -> f64 {
 }
 
 fn random_state(random: &mut Random) -> Gaussian {
-    let mut state = Gaussian::zero();
+    let mut state = Gaussian::default();
     for i in 0..STATES {
         state.x[i] = scale(i) * random.normal();
     }

@@ -10,7 +10,7 @@ use super::super::tuning::Tuning;
 
 /// A bias known to 0.001 rad/s.
 fn known() -> Known {
-    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::zero()) }
+    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::default()) }
 }
 
 #[test]
@@ -30,7 +30,7 @@ fn a_turn_on_an_arm_does_not_tilt_up() {
     }
     assert!(worst_deg < 2.0, "{worst_deg} deg");
     // 22 deg of motion over a memory of 5 s
-    let sigma_deg = motion.tilt_rad2(&tuning).sqrt().to_degrees();
+    let sigma_deg = motion.tilt_rad2.sqrt().to_degrees();
     assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
 }
 
@@ -48,7 +48,7 @@ fn a_car_that_speeds_up_and_brakes_is_told() {
             if t_s > 20.0 {
                 // the angle is that about both horizontal axes
                 squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
-                variances += motion.tilt_rad2(&tuning) / 1e4;
+                variances += motion.tilt_rad2 / 1e4;
             }
         }
         [squares, variances].map(|v| f64::sqrt(v).to_degrees())

@@ -30,8 +30,8 @@ fn garbage_never_panics_and_never_comes_out() {
         time_ns = time_ns.saturating_add(if pick < 0.01 { i64::MAX / 2_000_000 } else { (pick * 3e7) as i64 + 1 });
         let rotation =
             (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate, variance_rad2: 0.0 });
-        let output = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
-        for v in [output.corrected_ut, output.filtered_ut, output.up].into_iter().flatten() {
+        let (_, output) = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
+        for v in [output.field_ut, output.filtered_field_ut, output.up].into_iter().flatten() {
             assert!(v.iter().all(|v| v.is_finite()), "sample {k}");
         }
         #[cfg(feature = "serde")]
@@ -53,22 +53,22 @@ fn the_gyroscope_comes_and_goes() {
         let sample = world.sample(0.01);
         let gone = (2_500..3_000).contains(&k);
         let inertial = PairedInertial { rotation: sample.inertial.rotation.filter(|_| !gone), ..sample.inertial };
-        let output = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &inertial);
         if gone && k > 2_510 {
             assert_eq!(output.mode, SensorMode::GravityOnly);
-            assert_eq!(output.filtered_ut, None);
-            assert_eq!(output.status, Status::Held(HoldReason::NoGyroscope));
-            let error = output.corrected_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            assert_eq!(output.filtered_field_ut, None);
+            assert_eq!(status, Status::Held(HoldReason::NoGyroscope));
+            let error = output.field_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 6.0, "without gyroscope: {error} deg at {k}");
         }
         if k > 3_100 {
-            let error = output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            let error = output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 4.0, "after it came back: {error} deg at {k}");
         }
-        last = Some(output);
+        last = Some((status, output));
     }
-    let last = last.unwrap();
-    assert_eq!((last.status, last.mode, last.event), (Status::Tracking, SensorMode::GyroscopeAndGravity, None));
+    let (status, last) = last.unwrap();
+    assert_eq!((status, last.mode, last.event), (Status::Tracking, SensorMode::GyroscopeAndGravity, None));
 }
 
 #[test]
@@ -81,10 +81,10 @@ fn a_gyroscope_that_reads_nonsense_is_found_out() {
         let noise = world.random.vector(0.003);
         sample.inertial.rotation =
             Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         if k >= 400 {
             assert!(aided.is_gyroscope_useless(), "at {k}");
-            assert_eq!((output.mode, output.corrected_ut), (SensorMode::GravityOnly, None), "at {k}");
+            assert_eq!((output.mode, output.field_ut), (SensorMode::GravityOnly, None), "at {k}");
         }
     }
 }
@@ -98,10 +98,10 @@ fn a_charger_put_on_slowly_does_not_discredit_the_gyroscope() {
         let put_on = (f64::from(k - 2_000) / 40.0).clamp(0.0, 1.0);
         world.hard_iron_ut = before + Vector3::new(500.0, -300.0, 200.0) * put_on;
         let sample = world.sample(0.01);
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         assert!(!aided.is_gyroscope_useless(), "at {k}");
         if k >= 2_500 {
-            let error = output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees();
+            let error = output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 5.0, "after the charger: {error} deg at {k}");
         }
     }
@@ -149,9 +149,9 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
             for k in 0..2_000 {
                 let sample = world.sample(0.01);
                 let unknown = PairedInertial { rotation: None, ..sample.inertial };
-                let output =
+                let (_, output) =
                     aided.push(sample.time_ns, sample.raw_ut, if k == 0 { &unknown } else { &sample.inertial });
-                if let Some(f) = output.filtered_ut.filter(|_| k >= 700) {
+                if let Some(f) = output.filtered_field_ut.filter(|_| k >= 700) {
                     worst_deg = worst_deg.max(f.angle(&sample.field_ut).to_degrees());
                 }
             }
@@ -170,7 +170,7 @@ fn a_field_that_no_place_has_is_told() {
         let mut told = 0;
         for k in 0..3_000 {
             let sample = world.sample(0.01);
-            let status = aided.push(sample.time_ns, sample.raw_ut * factor, &sample.inertial).status;
+            let status = aided.push(sample.time_ns, sample.raw_ut * factor, &sample.inertial).0;
             told += usize::from(k >= 1_000 && status.to_string().contains("unit is not microtesla"));
         }
         // a field ten times as strong also looks as if the gyroscope explained nothing, and the start begins anew

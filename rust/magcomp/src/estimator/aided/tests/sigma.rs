@@ -2,15 +2,16 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::super::Aided;
 use super::super::tuning::Tuning;
-use super::super::{Aided, AidedOutput};
 use super::simulator::World;
+use crate::estimator::answer::Answer;
 
 /// Squared error of f's direction and the variance told for it, rad^2.
-fn direction(output: &AidedOutput, field_ut: &Vector3<f64>) -> Option<(f64, f64)> {
-    let f = output.filtered_ut?;
-    let across =
-        output.filtered_covariance_ut2.trace() - f.dot(&(output.filtered_covariance_ut2 * f)) / f.norm_squared();
+fn direction(output: &Answer, field_ut: &Vector3<f64>) -> Option<(f64, f64)> {
+    let f = output.filtered_field_ut?;
+    let across = output.filtered_covariance_ut2.unwrap().trace()
+        - f.dot(&(output.filtered_covariance_ut2.unwrap() * f)) / f.norm_squared();
     Some((f.angle(field_ut).powi(2), across / f.norm_squared()))
 }
 
@@ -26,7 +27,7 @@ fn judge(change: impl Fn(&mut World), each: impl Fn(&mut World)) -> [f64; 3] {
         for k in 0..6_000 {
             each(&mut world);
             let sample = world.sample(0.01);
-            let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
             if let (true, Some((error, told))) = (k > 2_000, direction(&output, &(world.attitude.inverse() * earth_ut)))
             {
                 square += error;

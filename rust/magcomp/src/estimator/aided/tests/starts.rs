@@ -3,17 +3,18 @@
 
 use nalgebra::Vector3;
 
-use super::super::{Aided, AidedOutput, Tuning};
+use super::super::{Aided, Tuning};
 use super::simulator::{Sample, World};
 use crate::calibration::{Calibration, Given};
+use crate::estimator::answer::Answer;
 use crate::reading::{Missing, Status};
 
 /// Direction error of f and its standard deviation about the vertical, deg.
-fn heading_error(output: &AidedOutput, sample: &Sample) -> Option<(f64, f64)> {
-    let (f, up) = (output.filtered_ut?, output.up?);
+fn heading_error(output: &Answer, sample: &Sample) -> Option<(f64, f64)> {
+    let (f, up) = (output.filtered_field_ut?, output.up?);
     let level = |v: &Vector3<f64>| v - up * up.dot(v);
     let across = up.cross(&level(&f)).normalize();
-    let sigma = (across.dot(&(output.filtered_covariance_ut2 * across))).sqrt() / level(&f).norm();
+    let sigma = (across.dot(&(output.filtered_covariance_ut2.unwrap() * across))).sqrt() / level(&f).norm();
     Some((level(&f).angle(&level(&sample.field_ut)).to_degrees(), sigma.to_degrees()))
 }
 
@@ -33,8 +34,8 @@ fn run(world: &mut World, aided: &mut Aided, seconds: f64) -> Run {
     let begin_ns = world.time_ns;
     while ((world.time_ns - begin_ns) as f64) < seconds * 1e9 {
         let sample = world.sample(0.01);
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        run.status = output.status;
+        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        run.status = status;
         let Some((error, sigma)) = heading_error(&output, &sample) else { continue };
         run.first_s.get_or_insert((world.time_ns - begin_ns) as f64 * 1e-9);
         run.told += 1;
@@ -42,7 +43,7 @@ fn run(world: &mut World, aided: &mut Aided, seconds: f64) -> Run {
         if error > 3.0 * sigma {
             run.beyond[1] += 1;
             run.worst_deg = run.worst_deg.max(error);
-            run.tracked += usize::from(output.status == Status::Tracking);
+            run.tracked += usize::from(status == Status::Tracking);
         }
     }
     run
@@ -143,9 +144,9 @@ fn an_uneven_place_is_allowed_for() {
             local_ut = local_ut * 0.99 + world.random.vector(3.0 * (1.0_f64 - 0.99 * 0.99).sqrt());
             world.field_ut = earth_ut + local_ut;
             let sample = world.sample(0.01);
-            let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-            answered += i32::from(k >= 500 && output.filtered_ut.is_some());
-            if !matches!(output.status, Status::Collecting(_)) {
+            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            answered += i32::from(k >= 500 && output.filtered_field_ut.is_some());
+            if !matches!(status, Status::Collecting(_)) {
                 ended_s = ended_s.or(Some(f64::from(k) * 0.01));
             }
         }

@@ -14,7 +14,7 @@ fn settled(seed: u64) -> (World, Aided) {
     let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_500 {
         let sample = world.sample(0.01);
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         assert_eq!(output.event, None);
     }
     (world, aided)
@@ -24,9 +24,9 @@ fn run(world: &mut World, aided: &mut Aided, samples: usize) -> (f64, Option<usi
     let (mut worst_deg, mut suspect_at) = (0.0_f64, None);
     for k in 0..samples {
         let sample = world.sample(0.01);
-        let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        worst_deg = worst_deg.max(output.filtered_ut.unwrap().angle(&sample.field_ut).to_degrees());
-        if matches!(output.status, Status::Suspect { .. } | Status::Disturbed { .. }) {
+        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        worst_deg = worst_deg.max(output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees());
+        if matches!(status, Status::Suspect { .. } | Status::Disturbed { .. }) {
             suspect_at = suspect_at.or(Some(k));
         }
     }
@@ -94,11 +94,11 @@ fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once
             let (mut worst_sigmas, mut worst_deg, mut sd) = (0.0_f64, 0.0_f64, 0.0);
             for _ in 0..samples {
                 let sample = world.sample(0.01);
-                let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-                let (f, to_device) = (output.filtered_ut.unwrap(), world.attitude.inverse());
+                let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let (f, to_device) = (output.filtered_field_ut.unwrap(), world.attitude.inverse());
                 let across = f.cross(&(to_device * Vector3::z())).normalize();
                 let truth = to_device * earth;
-                sd = across.dot(&(output.filtered_covariance_ut2 * across)).sqrt();
+                sd = across.dot(&(output.filtered_covariance_ut2.unwrap() * across)).sqrt();
                 worst_sigmas = worst_sigmas.max(across.dot(&truth).abs() / sd);
                 worst_deg = worst_deg.max(f.angle(&truth).to_degrees());
             }
@@ -175,11 +175,11 @@ fn a_change_in_a_pause_is_found() {
                     sample.inertial.rotation =
                         sample.inertial.rotation.filter(|_| bridged).map(|it| Rotation { variance_rad2: 0.01, ..it });
                 }
-                let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-                let Some(filtered_ut) = output.filtered_ut.filter(|_| k > 2_500) else { continue };
+                let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let Some(filtered_ut) = output.filtered_field_ut.filter(|_| k > 2_500) else { continue };
                 let error = filtered_ut.angle(&sample.field_ut);
-                let sigma = (output.filtered_covariance_ut2.trace() / 2.0).sqrt() / filtered_ut.norm();
-                wrong_s += if output.status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
+                let sigma = (output.filtered_covariance_ut2.unwrap().trace() / 2.0).sqrt() / filtered_ut.norm();
+                wrong_s += if status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
             }
             assert!(step_ut > 0.0 || aided.event.is_none(), "{seed}: nothing had changed");
             found += i32::from(aided.event.is_some());
@@ -202,11 +202,11 @@ fn a_cover_slid_on_slowly_does_not_take_the_heading_along() {
             world.hard_iron_ut =
                 before + Vector3::new(50.0, -30.0, 20.0) * (f64::from(k - 500) / 1500.0).clamp(0.0, 1.0);
             let sample = world.sample(0.01);
-            let output = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-            let filtered_ut = output.filtered_ut.unwrap();
+            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let filtered_ut = output.filtered_field_ut.unwrap();
             let error = filtered_ut.angle(&sample.field_ut);
-            let sigma = (output.filtered_covariance_ut2.trace() / 2.0).sqrt() / filtered_ut.norm();
-            wrong_s += if output.status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
+            let sigma = (output.filtered_covariance_ut2.unwrap().trace() / 2.0).sqrt() / filtered_ut.norm();
+            wrong_s += if status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
             worst_deg = worst_deg.max(error.to_degrees());
         }
         lost += i32::from(worst_deg > 15.0);
