@@ -17,6 +17,8 @@ use std::ops::Range;
 pub(super) const MOST: usize = 16;
 /// Former calibrations that are remembered.
 const FORMER: usize = 4;
+/// A centre of the moments further from the samples than this (field strengths) is moved: moments about it are badly conditioned.
+const FAR: f64 = 6.0;
 /// Mixture weights below this do not count.
 const NO_WEIGHT: f64 = 1e-5;
 
@@ -190,7 +192,7 @@ impl Bank {
         at: &Setting,
     ) {
         let tuning = at.tuning;
-        let centre = if (sample.u - parent.centre()).norm() > tuning.far { sample.u } else { *parent.centre() };
+        let centre = if (sample.u - parent.centre()).norm() > FAR { sample.u } else { *parent.centre() };
         // kinds share the rate of changes
         let Before { id, ref known, log, born } = *before;
         let log_device = log + (tuning.devices_per_h / tuning.changes_per_h()).ln();

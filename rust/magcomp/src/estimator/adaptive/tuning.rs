@@ -100,8 +100,6 @@ choices! {
         doubt: 4.0, "", "two standard deviations";
         /// The share of gravity by which a vertical may be accelerated to be one
         calm: 0.1, "", "families";
-        /// A centre of the moments further from the samples than this (field strengths) is moved
-        far: 6.0, "", "moments about it are badly conditioned";
         /// Levenberg-Marquardt iterations that a sample may cost
         iterations: 12.0, "", "the longest push";
     }
