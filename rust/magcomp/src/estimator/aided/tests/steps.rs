@@ -1,12 +1,14 @@
 //! Device or place: exactly one event, the right one; a former calibration comes back.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{EventKind, Status};
 use crate::sensing::pairing::Rotation;
 
+/// Field of a car's body.
+const BODY_UT: Vector3<f64> = Vector3::new(22.0, -14.0, 9.0);
 const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
 
 fn settled(seed: u64) -> (World, Aided) {
@@ -119,6 +121,37 @@ fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once
         let (sigmas, deg, _) = follow(&mut world, &mut aided, 500);
         assert!(deg < 3.0 && sigmas < 5.0, "seed {seed}: {deg} deg, {sigmas} sigmas");
     }
+}
+
+/// A field that turns with a vehicle is neither the place's nor the device's: whatever it is taken for, the heading is not sure and wrong.
+#[test]
+fn a_field_that_turns_with_a_vehicle_is_not_followed_surely() {
+    let (mut wrong_s, mut tracked_s) = (0.0_f64, 0.0_f64);
+    for seed in 70..78 {
+        let (mut world, mut aided) = settled(seed);
+        world.tumbling_rad_s = 0.4;
+        let (earth, mut heading_rad, mut wrong) = (world.field_ut, 0.0_f64, 0.0);
+        for k in 0..12_000 {
+            // straight for 10 s, a bend of 10 s
+            heading_rad += if k % 2_000 < 1_000 { 0.0 } else { 0.0015 };
+            let entered = (k as f64 * 0.005).min(1.0);
+            world.field_ut = earth + Rotation3::from_euler_angles(0.0, 0.0, heading_rad) * BODY_UT * entered;
+            let sample = world.sample(0.01);
+            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (f, to_device) = (output.filtered_field_ut.unwrap(), world.attitude.inverse());
+            let across = f.cross(&(to_device * Vector3::z())).normalize();
+            let sd = across.dot(&(output.filtered_covariance_ut2.unwrap() * across)).sqrt();
+            if k > 300 && status == Status::Tracking {
+                tracked_s += 0.01;
+                wrong += if across.dot(&(to_device * earth)).abs() > 3.0 * sd { 0.01 } else { 0.0 };
+            }
+        }
+        println!("seed {seed}: {wrong} s");
+        wrong_s = wrong_s.max(wrong);
+    }
+    println!("{tracked_s} s tracked");
+    assert!(wrong_s < 2.0, "tracked and wrong for {wrong_s} s of 120");
+    assert!(tracked_s < 8.0 * 60.0, "{tracked_s} s tracked of 960");
 }
 
 #[test]
