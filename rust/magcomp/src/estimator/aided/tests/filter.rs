@@ -106,6 +106,26 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     assert!(heading_moved < 3.0, "carried field wrong by {heading_moved} deg");
 }
 
+/// A phone that lies there warms up: b walks on, and the sigmas of later headings know it.
+#[test]
+fn at_rest_the_hard_iron_walks_on() {
+    let mut world = World::new(6);
+    let mut aided = Aided::new(Tuning::default(), None);
+    let spread_ut2 = |world: &mut World, aided: &mut Aided, samples: usize| {
+        for _ in 0..samples {
+            let sample = world.sample(0.01);
+            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        }
+        aided.filter.as_ref().unwrap().block(OFFSET, OFFSET).trace()
+    };
+    spread_ut2(&mut world, &mut aided, 2_000);
+    world.tumbling_rad_s = 0.0;
+    let lain_down_ut2 = spread_ut2(&mut world, &mut aided, 300);
+    let grown_ut2 = spread_ut2(&mut world, &mut aided, 30_000) - lain_down_ut2;
+    // 0.08 uT/sqrt s for 300 s, three axes
+    assert!((5.0..6.5).contains(&grown_ut2), "{grown_ut2} uT^2");
+}
+
 /// Of the axes together: what they do not share is known less well, and trusted a little too much.
 #[test]
 fn the_scale_of_the_gyroscope_is_found() {
