@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! a new place:  h <- m as it was carried there,  s^2 <- tr P_mm / 2,  w <- 1
-//! then:         h <- R h,  s <- s + |h| sigma_g dt,  w <- w exp(-dt motion / 300 s)
+//! then:         h <- R h,  s^2 <- (s + |h| sigma_g dt)^2 + |h|^2 (q_g^2 dt + v),  w <- w exp(-dt motion / 300 s)
 //! f = m + w (h - m),   P_f = P_mm + w s^2 I + w (1 - w) (h - m) (h - m)^T + ...
 //! ```
 //! Source: docs/METHOD-AIDED.md.
@@ -44,9 +44,18 @@ impl Earth {
     /// One sample; `filter` is as it was before it.
     pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Gaussian, tuning: &Tuning) {
         let bias_rad_s = filter.block(BIAS, BIAS).diagonal().max().sqrt();
-        self.sd_ut += self.field_ut.norm() * bias_rad_s * step.dt_s;
+        let size_ut = self.field_ut.norm();
+        let drifted_ut = self.sd_ut + size_ut * bias_rad_s * step.dt_s;
+        self.sd_ut = drifted_ut.hypot(size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
         self.probability *= (-step.dt_s * step.motion / tuning.new_place_time_s).exp();
         self.field_ut = step.turn * self.field_ut;
+    }
+
+    /// The chain of rotations is broken, and the field of the place, which was `m`, is `now`: how far it is off is still known,
+    /// which way is not.
+    pub(crate) fn lose(&mut self, m: &Vector3<f64>, now: &Vector3<f64>) {
+        self.sd_ut = self.sd_ut.hypot((self.field_ut - m).norm() / 3.0_f64.sqrt());
+        self.field_ut = *now;
     }
 
     /// f where the field of the place is `m`, and what its covariance has beyond that of m.

@@ -69,6 +69,13 @@ impl Transition<'_> {
     }
 }
 
+impl ProcessNoise {
+    /// Variance of a step's turn per axis, rad^2.
+    pub(crate) fn turn_rad2(&self, dt_s: f64) -> f64 {
+        ANGLE_WALK_RAD.powi(2) * dt_s + self.bridged_rad2
+    }
+}
+
 impl Gaussian {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
@@ -92,7 +99,7 @@ impl Gaussian {
             self.p.row_mut(i).tr_copy_from(&column);
         }
 
-        let turn2 = ANGLE_WALK_RAD.powi(2) * dt_s + noise.bridged_rad2;
+        let turn2 = noise.turn_rad2(dt_s);
         self.add_block(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
         self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
         self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * dt_s);

@@ -86,8 +86,12 @@ impl Aided {
 
     /// Where the field points is lost, and the sample is the best guess of it.
     fn lose_field(&mut self, filter: &mut Gaussian, raw_ut: &Vector3<f64>) {
-        self.lost_strength_ut.get_or_insert(filter.vector(FIELD).norm());
+        let m = filter.vector(FIELD);
+        self.lost_strength_ut.get_or_insert(m.norm());
         if let Some((_, c)) = filter.parts().corrected(raw_ut) {
+            if let Some(earth) = &mut self.earth {
+                earth.lose(&m, &c);
+            }
             filter.set_vector(FIELD, &c);
         }
         filter.set_vector(LOCAL, &Vector3::zeros());

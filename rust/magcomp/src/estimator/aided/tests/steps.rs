@@ -4,8 +4,9 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::super::{Aided, Tuning};
 use super::simulator::World;
+use crate::estimator::answer::Answer;
 use crate::reading::{EventKind, Status};
-use crate::sensing::pairing::Rotation;
+use crate::sensing::pairing::{PairedInertial, Rotation};
 
 /// Field of a car's body.
 const BODY_UT: Vector3<f64> = Vector3::new(22.0, -14.0, 9.0);
@@ -33,6 +34,14 @@ fn run(world: &mut World, aided: &mut Aided, samples: usize) -> (f64, Option<usi
         }
     }
     (worst_deg, suspect_at)
+}
+
+fn run_while(world: &mut World, aided: &mut Aided, samples: usize, mut look: impl FnMut(&World, &Answer, usize)) {
+    for k in 0..samples {
+        let sample = world.sample(0.01);
+        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        look(world, &output, k);
+    }
 }
 
 #[test]
@@ -120,6 +129,40 @@ fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once
         follow(&mut world, &mut aided, 300);
         let (sigmas, deg, _) = follow(&mut world, &mut aided, 500);
         assert!(deg < 3.0 && sigmas < 5.0, "seed {seed}: {deg} deg, {sigmas} sigmas");
+    }
+}
+
+/// In a new place the chain of rotations breaks, or a turn is guessed: sigma of the carried field knows both.
+#[test]
+fn a_turn_that_is_lost_in_a_new_place_is_in_the_sigma() {
+    for lost in [true, false] {
+        let mut worst_sigmas = 0.0_f64;
+        for seed in 80..86 {
+            let (mut world, mut aided) = settled(seed);
+            let earth = world.field_ut;
+            world.field_ut = earth + Vector3::new(14.0, -8.0, 12.0);
+            run(&mut world, &mut aided, 3_600);
+            assert!(aided.earth.is_some(), "seed {seed}");
+            // half a second unseen, of which the gyroscope knows nothing, or guesses within 0.3 rad
+            let rotation = (!lost).then(|| Rotation {
+                increment_rad: Vector3::zeros(),
+                rate_rad_s: Vector3::zeros(),
+                variance_rad2: 0.09,
+            });
+            world.attitude *= Rotation3::new(Vector3::new(0.2, -0.3, 0.35));
+            let sample = world.sample(0.01);
+            aided.push(sample.time_ns, sample.raw_ut, &PairedInertial { rotation, ..sample.inertial });
+            run_while(&mut world, &mut aided, 1_000, |world, output, k| {
+                if k < 300 {
+                    return;
+                }
+                let (f, to_device) = (output.filtered_field_ut.unwrap(), world.attitude.inverse());
+                let across = f.cross(&(to_device * Vector3::z())).normalize();
+                let sd = across.dot(&(output.filtered_covariance_ut2.unwrap() * across)).sqrt();
+                worst_sigmas = worst_sigmas.max(across.dot(&(to_device * earth)).abs() / sd);
+            });
+        }
+        assert!((0.3..3.0).contains(&worst_sigmas), "lost {lost}: {worst_sigmas} sigmas");
     }
 }
 
