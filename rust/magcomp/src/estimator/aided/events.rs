@@ -58,6 +58,8 @@ pub(crate) struct Trial {
     age_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
+    /// When the place hypothesis last explained nearly all samples.
+    fitted_ns: i64,
 }
 
 checked!(Trial, |it| {
@@ -68,8 +70,13 @@ checked!(Trial, |it| {
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
     pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
+        Self::start_in(filter, filter, watch, former, tuning)
+    }
+
+    /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
+    fn start_in(filter: &Gaussian, there: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
-        let (mut device, mut place) = (filter.clone(), filter.clone());
+        let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
         if let Some(former) = recall {
             former.put_into(&mut device, tuning);
@@ -124,14 +131,16 @@ impl Trial {
         if step.resting {
             return Verdict::Open;
         }
-        self.decide(step.dt_s, tuning).unwrap_or_else(|| {
+        self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
             // a ramp, or a field that keeps changing
+            // in a place that held, the device may have stepped
+            let held = self.is_place && self.place_s > tuning.settled_s;
             *self = Self {
-                onset_ns: self.onset_ns,
+                onset_ns: if held { self.fitted_ns } else { self.onset_ns },
                 blind: self.blind,
                 young: self.young,
                 was_place: self.was_place || self.is_place,
-                ..Self::start(filter, watch, former, tuning)
+                ..Self::start_in(filter, if held { &self.place } else { filter }, watch, former, tuning)
             };
             Verdict::Open
         })
@@ -149,9 +158,12 @@ impl Trial {
     }
 
     /// `None` when what was believed has stopped fitting: the hypotheses start anew.
-    fn decide(&mut self, dt_s: f64, tuning: &Tuning) -> Option<Verdict> {
+    fn decide(&mut self, time_ns: i64, dt_s: f64, tuning: &Tuning) -> Option<Verdict> {
         let (device_fits, place_fits) = (self.device_misfit < MOST, self.place_misfit < MOST);
         if self.is_place {
+            if self.place_misfit < 0.5 * tuning.suspect_share {
+                self.fitted_ns = time_ns;
+            }
             self.place_s += dt_s;
             let is_new = self.place_s > tuning.place_time_s;
             return place_fits.then_some(if is_new { Verdict::NewPlace } else { Verdict::Open });

@@ -134,6 +134,32 @@ fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once
 
 /// In a new place the chain of rotations breaks, or a turn is guessed: sigma of the carried field knows both.
 #[test]
+fn a_device_step_in_a_changed_place_is_relearned() {
+    for seed in 60..66 {
+        let (mut world, mut aided) = settled(seed);
+        let earth = world.field_ut;
+        world.field_ut += Vector3::new(14.0, -8.0, 12.0);
+        run_while(&mut world, &mut aided, 1_200, |_, _, _| ());
+        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+        world.hard_iron_ut += MAGNET_UT;
+        let at = world.time_ns;
+        run_while(&mut world, &mut aided, 500, |_, _, _| ());
+        let event = aided.event.unwrap();
+        assert_eq!(event.kind, EventKind::DeviceStep, "seed {seed}");
+        assert!((event.since_ns - at).abs() < 300_000_000, "seed {seed}: {} s off", (event.since_ns - at) as f64 / 1e9);
+        let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+        assert!(error < 3.0, "seed {seed}: offset wrong by {error} uT");
+        // f is still the Earth's
+        let mut worst_deg = 0.0_f64;
+        run_while(&mut world, &mut aided, 1_000, |world, output, _| {
+            let truth = world.attitude.inverse() * earth;
+            worst_deg = worst_deg.max(output.filtered_field_ut.unwrap().angle(&truth).to_degrees());
+        });
+        assert!(worst_deg < 5.0, "seed {seed}: carried field wrong by {worst_deg} deg");
+    }
+}
+
+#[test]
 fn a_turn_that_is_lost_in_a_new_place_is_in_the_sigma() {
     for lost in [true, false] {
         let mut worst_sigmas = 0.0_f64;
