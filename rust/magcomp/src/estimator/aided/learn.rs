@@ -179,7 +179,9 @@ impl Aided {
             Verdict::Device => {
                 let winner = &trial.device;
                 let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
-                if !trial.young && (!trial.blind || moved_ut.norm() > self.tuning.smallest_step_ut) {
+                // less than half a step is an error of one's own; after a pause b may have walked
+                let least_ut = self.tuning.smallest_step_ut * if trial.blind { 1.0 } else { 0.5 };
+                if !trial.young && moved_ut.norm() > least_ut {
                     let kind = if trial.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
                     self.event = event(kind);
                     self.former = Some(Former::of(filter));

@@ -44,7 +44,7 @@ choices! {
         gate: 16.0, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
-        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start
+        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 8.0, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: 0.4, "s", "a cover put on";
