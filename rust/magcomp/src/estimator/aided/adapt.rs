@@ -5,8 +5,10 @@
 //! useless:  |e| > 17 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
-//! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = mean |s|^2 / 3 - sigma^2 dt / (2 t_s),   floor = 2.15 U
-//! L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3 - U^2:  what else is variance of c
+//! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
+//! s_w: as s, t_w = 2 s: the field of a place, correlated over tau_d, leaves 1 / (1 + t_w / tau_d) of its power in it
+//! F^2 = U^2 + 4 (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3
+//! F^2 is variance of f, which follows the place; F^2 + L^2 of c, which has the place's field in it.
 //! ```
 //! Source: docs/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
@@ -39,6 +41,8 @@ pub(crate) struct Adaptation {
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
+    /// c - f, low-passed for longer than the field of a place lasts.
+    lasting_ut: Vector3<f64>,
     /// Mean square of c - f per axis, uT^2.
     power_ut2: f64,
     slow_age_s: f64,
@@ -87,28 +91,27 @@ impl Adaptation {
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
+        self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.walk_s);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
     }
 
-    /// Variance per axis of what the covariance cannot know, uT^2.
+    /// F^2, variance per axis of the carried field for what the filter does not know of the place, uT^2.
     pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
-        tuning.uneven_gain.powi(2) * self.uneven_ut2()
+        let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
+        let uneven_ut2 = self.slow_power_ut2.max(lasts * self.lasting_ut.norm_squared() / 3.0);
+        let unexplained_ut2 = (uneven_ut2 - self.local_ut.powi(2)).max(0.0);
+        uneven_ut2.max(0.0) + tuning.unexplained_gain.powi(2) * unexplained_ut2
     }
 
     /// Largest variance per axis that a place may explain, uT^2.
     pub(crate) fn largest_local_ut2(&self, tuning: &Tuning) -> f64 {
-        self.uneven_ut2().max(tuning.local_max_ut.powi(2))
+        self.slow_power_ut2.max(tuning.local_max_ut.powi(2))
     }
 
-    fn uneven_ut2(&self) -> f64 {
-        self.slow_power_ut2.max(0.0)
-    }
-
-    /// Variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2` and beyond the
-    /// slow part, which the floor has, uT^2.
+    /// L^2, variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
     pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
-        (self.power_ut2 - noise_ut2 - self.uneven_ut2()).max(0.0)
+        (self.power_ut2 - noise_ut2).max(0.0)
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).

@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
-//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + floor^2) I + timing      (+ |v|^2/3 I while undecided)
-//! P_f = P_mm + floor^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
+//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + F^2) I + timing      (+ |v|^2/3 I while undecided)
+//! P_f = P_mm + F^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T
 //! ```
-//! L and floor: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
+//! L and F: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -32,8 +32,8 @@ choices! {
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
-        /// Unevenness of the field that the covariance cannot know, per uT of slow difference between c and f: f follows c
-        uneven_gain: 2.15, "", "the undisturbed recordings";
+        /// Error of f, per uT by which c and f differ beyond what the place is known for: f follows what it cannot explain
+        unexplained_gain: 2.0, "", "covers that slide, cars";
         /// Memory of what must be seen at once: whether samples fit, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
