@@ -128,7 +128,9 @@ impl Trial {
             self.log_ratio = 0.0;
             self.device_misfit = 0.0;
         }
-        if step.resting {
+        // while the filter as it was explains the samples again, nothing else wins
+        let fits_again = !self.blind && !self.is_place && watch.share < tuning.suspect_share;
+        if step.resting || fits_again {
             return Verdict::Open;
         }
         self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
