@@ -53,11 +53,9 @@ pub fn attitude_sigma_deg(
 ) -> Option<f64> {
     let up = unit(up)?;
     unit(field_ut)?.cross(&up).try_normalize(VERTICAL)?;
-    let east = field_ut.cross(&up);
-    let horizontal = east.norm();
-    let tilt = tilt_sigma_deg.to_radians();
-    let variance = across_ut2(field_ut, &up, covariance_ut2)? + (field_ut.dot(&up) * tilt).powi(2);
-    let about_up_deg = angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)?;
+    let leans_ut = field_ut.dot(&up) * tilt_sigma_deg.to_radians();
+    let variance_ut2 = across_ut2(field_ut, &up, covariance_ut2)? + leans_ut * leans_ut;
+    let about_up_deg = angle_sigma_deg(variance_ut2, field_ut.cross(&up).norm())?;
     let sigma = about_up_deg.hypot(tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)
 }

@@ -131,7 +131,7 @@ impl Calibration {
     ) -> Result<Self, CalibrationError> {
         check_finite(&soft_iron, &hard_iron_ut)?;
         let asymmetry = (soft_iron - soft_iron.transpose()).abs().max();
-        let symmetric = (soft_iron + soft_iron.transpose()) * 0.5;
+        let symmetric = soft_iron.symmetric_part();
         if asymmetry > 1e-9 * soft_iron.abs().max() || symmetric.cholesky().is_none() {
             return Err(CalibrationError::NotSymmetricPositiveDefinite);
         }
@@ -163,7 +163,7 @@ impl Calibration {
         // first M: of huge numbers the determinant overflows
         bounded(&soft_iron)?;
         let inverse = soft_iron.try_inverse().ok_or(CalibrationError::Singular { ratio: 0.0 })?;
-        let soft_iron_inverse = (inverse + inverse.transpose()) * 0.5;
+        let soft_iron_inverse = inverse.symmetric_part();
         bounded(&soft_iron_inverse)?;
         Ok(Self { soft_iron, soft_iron_inverse, hard_iron_ut, field_strength_ut })
     }
@@ -192,7 +192,7 @@ impl Calibration {
         }
         let root = Matrix3::from_diagonal(&squared.eigenvalues.map(f64::sqrt));
         let p = squared.eigenvectors * root * squared.eigenvectors.transpose();
-        let calibration = Self::from_symmetric((p + p.transpose()) * 0.5, hard_iron_ut, field_strength_ut)?;
+        let calibration = Self::from_symmetric(p.symmetric_part(), hard_iron_ut, field_strength_ut)?;
         let rotation = Rotation3::from_matrix_unchecked(calibration.soft_iron_inverse * m);
         Ok((calibration, rotation))
     }

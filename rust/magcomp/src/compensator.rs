@@ -21,7 +21,7 @@ use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing};
 use crate::sensing::tilt::Tilt;
-use crate::sound::{LARGEST_COUNT, checked};
+use crate::sound::checked;
 use active::Active;
 use nalgebra::SMatrix;
 
@@ -88,7 +88,7 @@ struct Inputs {
     adopted_sigma_ut: Option<f64>,
 }
 
-checked!(Inputs, |it| it.repeats as u64 <= LARGEST_COUNT && it.adopted_sigma_ut.is_none_or(|sigma_ut| sigma_ut > 0.0));
+checked!(Inputs, |it| it.adopted_sigma_ut.is_none_or(|sigma_ut| sigma_ut > 0.0));
 
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
@@ -204,10 +204,9 @@ impl Compensator {
             return self.reading(sample.time_ns, Status::Rejected(reason), answer);
         }
         (self.inputs.astray, self.inputs.astray_ns) = (0, 0);
-        let same = self.inputs.latest.is_some_and(|latest| latest.field_ut == sample.field_ut);
-        let previous_ns = self.inputs.latest.map(|latest| latest.time_ns);
-        self.inputs.repeats = if same { self.inputs.repeats + 1 } else { 0 };
-        self.inputs.latest = Some(sample);
+        let previous = self.inputs.latest.replace(sample);
+        let same = previous.is_some_and(|previous| previous.field_ut == sample.field_ut);
+        self.inputs.repeats = if same { self.inputs.repeats.saturating_add(1) } else { 0 };
         let mut paired = self.pairing.pair(sample.time_ns);
         if paired.rotation.is_some() {
             self.inputs.rotated_ns = Some(sample.time_ns);
@@ -215,7 +214,7 @@ impl Compensator {
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
-        if self.hand_over(sample.time_ns, previous_ns) {
+        if self.hand_over(sample.time_ns, previous.map(|previous| previous.time_ns)) {
             // it does not know yet where the field points: this sample goes in as one after a pause
             paired.rotation = None;
         }
@@ -301,7 +300,7 @@ impl Compensator {
     /// The latest ellipsoid fit that was accepted. None for the aided and the adaptive method, which make none.
     #[must_use]
     pub fn fit(&self) -> Option<&EllipsoidFit> {
-        self.active.fit()
+        if let Active::Windowed(windowed) = &*self.active { windowed.fit.as_ref() } else { None }
     }
 
     /// Which directions the window has seen, for guidance.

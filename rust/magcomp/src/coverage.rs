@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 
 /// Cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
 const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
@@ -19,12 +19,12 @@ fn bands() -> impl Iterator<Item = (usize, usize)> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coverage {
-    counts: Vec<u32>,
+    counts: SVector<u32, CELLS>,
 }
 
 impl Default for Coverage {
     fn default() -> Self {
-        Self { counts: vec![0; CELLS] }
+        Self { counts: SVector::zeros() }
     }
 }
 
@@ -49,23 +49,11 @@ impl Coverage {
         Vector3::new(flat * phi.cos(), flat * phi.sin(), z)
     }
 
-    /// One more sample in a cell; in none, nothing changes.
-    pub(crate) fn add(&mut self, cell: Option<u8>) {
+    /// So many samples more in a cell, or fewer; in none, nothing changes.
+    pub(crate) fn add(&mut self, cell: Option<u8>, samples: i32) {
         if let Some(count) = cell.and_then(|cell| self.counts.get_mut(usize::from(cell))) {
-            *count += 1;
+            *count = count.saturating_add_signed(samples);
         }
-    }
-
-    /// One sample fewer in a cell.
-    pub(crate) fn remove(&mut self, cell: Option<u8>) {
-        if let Some(count) = cell.and_then(|cell| self.counts.get_mut(usize::from(cell))) {
-            *count = count.saturating_sub(1);
-        }
-    }
-
-    /// No samples.
-    pub(crate) fn clear(&mut self) {
-        self.counts.fill(0);
     }
 
     /// Share of the cells with at least one sample, 0 to 1.

@@ -124,13 +124,9 @@ pub fn heading(
     rotation: ScreenRotation,
 ) -> Option<Heading> {
     let (up, field) = (unit(up)?, unit(field_ut)?);
-    let east = field.cross(&up);
-    let horizontal = east.norm();
-    if horizontal < VERTICAL {
-        return None;
-    }
+    let horizontal = field.cross(&up).norm();
     let (e, n) = parts(&field, &up, axis, rotation);
-    if e.hypot(n) < VERTICAL * horizontal {
+    if horizontal < VERTICAL || e.hypot(n) < VERTICAL * horizontal {
         return None;
     }
     let inclination_deg = (-field.dot(&up)).atan2(horizontal).to_degrees();
@@ -156,10 +152,9 @@ fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) ->
         ReferenceAxis::TopEdge => top,
         ReferenceAxis::Camera => camera,
         ReferenceAxis::Auto => {
-            let between = up.cross(&right);
             let rise = right.dot(up).abs();
             let share = ((rise - RISE_BEGIN) / (RISE_END - RISE_BEGIN)).clamp(0.0, 1.0);
-            let level = between.try_normalize(VERTICAL).unwrap_or_else(Vector3::zeros);
+            let level = up.cross(&right).try_normalize(VERTICAL).unwrap_or_default();
             level * (1.0 - share) + camera * share
         }
     }
@@ -192,7 +187,7 @@ pub fn heading_sigma_deg(
     };
     let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
     let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
-    angle_sigma_deg(variance.max(0.0).sqrt(), horizontal)
+    angle_sigma_deg(variance, horizontal)
 }
 
 /// Variance of the horizontal part of a field across it, uT^2, as far as it turns that part: a part whose length is not known
@@ -205,8 +200,9 @@ pub(crate) fn across_ut2(field_ut: &Vector3<f64>, up: &Vector3<f64>, covariance_
     Some(variance(&across) * (1.0 + 3.0 * variance(&along).max(0.0) / east.norm_squared()))
 }
 
-/// The standard deviation of an angle whose vector has this length, and this standard deviation across it, degrees.
-pub(crate) fn angle_sigma_deg(sd: f64, length: f64) -> Option<f64> {
+/// The standard deviation of an angle whose vector has this length, and this variance across it, degrees.
+pub(crate) fn angle_sigma_deg(variance: f64, length: f64) -> Option<f64> {
+    let sd = variance.max(0.0).sqrt();
     // the arc tangent stops at 90; a vector lost in its uncertainty knows no direction at all
     let sigma = if sd > 2.0 * length { 180.0 } else { sd.atan2(length).to_degrees() };
     sigma.is_finite().then_some(sigma)

@@ -81,8 +81,9 @@ pub enum ModelOrder {
     Former,
 }
 
-/// A change that was decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A change that was decided. Its text is one sentence an app may show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{kind} in {:.1} s", (*.decided_ns as f64 - *.since_ns as f64) * 1e-9)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Event {
@@ -95,40 +96,49 @@ pub struct Event {
 }
 
 /// What changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum EventKind {
     /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
+    #[error("the device's own disturbance changed: relearned")]
     DeviceStep,
     /// The device returned to an earlier calibration, which was restored.
+    #[error("the device is as it was before: restored")]
     DeviceStepBack,
     /// The field of the place stepped: the calibration is held.
+    #[error("the place's field changed: noticed")]
     PlaceChanged,
 }
 
-/// What the compensator is doing, so that an app can tell its user what to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the compensator is doing, so that an app can tell its user what to do. Its text is one sentence an app may show.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Status {
     /// No calibration yet.
+    #[error("collecting: {0}")]
     Collecting(Missing),
     /// Calibrated, and following changes.
+    #[error("tracking")]
     Tracking,
     /// Something changed; not yet decided what.
+    #[error("suspect: the field changed; not yet known whether the device's or the place's")]
     Suspect {
         /// Time of the first sample that did not fit, nanoseconds.
         since_ns: i64,
     },
     /// Calibrated, but not learning: the calibration is kept.
+    #[error("held: {0}")]
     Held(HoldReason),
     /// The environment is disturbed, not the device: its field is not the Earth's. With a gyroscope the heading is carried on.
+    #[error("disturbed: a magnetic object is near; move away from it")]
     Disturbed {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
     /// This sample was not used; nothing has changed. 50 in a row may begin another clock: see [`crate::Compensator::push`].
+    #[error("rejected: {0}")]
     Rejected(RejectReason),
 }
 
@@ -246,34 +256,6 @@ impl Status {
             Self::Held(_) => "held",
             Self::Disturbed { .. } => "disturbed",
             Self::Rejected(_) => "rejected",
-        }
-    }
-}
-
-impl std::fmt::Display for Status {
-    /// One sentence an app may show.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Collecting(missing) => write!(f, "collecting: {missing}"),
-            Self::Tracking => write!(f, "tracking"),
-            Self::Suspect { .. } => {
-                write!(f, "suspect: the field changed; not yet known whether the device's or the place's")
-            }
-            Self::Held(reason) => write!(f, "held: {reason}"),
-            Self::Disturbed { .. } => write!(f, "disturbed: a magnetic object is near; move away from it"),
-            Self::Rejected(reason) => write!(f, "rejected: {reason}"),
-        }
-    }
-}
-
-impl std::fmt::Display for Event {
-    /// One sentence an app may show.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let took_s = (self.decided_ns as f64 - self.since_ns as f64) * 1e-9;
-        match self.kind {
-            EventKind::DeviceStep => write!(f, "the device's own disturbance changed: relearned in {took_s:.1} s"),
-            EventKind::DeviceStepBack => write!(f, "the device is as it was before: restored in {took_s:.1} s"),
-            EventKind::PlaceChanged => write!(f, "the place's field changed: noticed in {took_s:.1} s"),
         }
     }
 }

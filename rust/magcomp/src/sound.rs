@@ -1,5 +1,6 @@
 //! What a restored state must hold. A right checksum makes no state a good one, so types that promise more than their fields
 //! can't be deserialised without it.
+//! Counts of samples need no check where they saturate.
 
 use nalgebra::SMatrix;
 
@@ -31,9 +32,6 @@ macro_rules! checked {
     };
 }
 pub(crate) use checked;
-
-/// No count of samples is larger: more than a year at 100 Hz.
-pub(crate) const LARGEST_COUNT: u64 = u32::MAX as u64;
 
 /// What rounding may have taken off a correlation matrix.
 const ROUNDING: f64 = 1e-4;

@@ -28,9 +28,6 @@ macro_rules! choices {
         }
 
         impl $name {
-            /// What phones get.
-            pub const PHONE: Self = Self { $($field: $value,)+ };
-
             /// Every choice.
             pub const LIST: &[$crate::tuning::Choice] = &[$($crate::tuning::Choice {
                 name: stringify!($field),
@@ -50,9 +47,10 @@ macro_rules! choices {
             }
         }
 
+        /// What phones get.
         impl Default for $name {
             fn default() -> Self {
-                Self::PHONE
+                Self { $($field: $value,)+ }
             }
         }
     };

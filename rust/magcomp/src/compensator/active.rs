@@ -7,7 +7,6 @@ use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::{Aided, calibration_covariance};
 use crate::estimator::answer::Answer;
 use crate::estimator::paper::{Clerk, Windowed};
-use crate::quadric::EllipsoidFit;
 use crate::reading::{SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
@@ -60,56 +59,37 @@ impl Active {
     /// One sample that was checked, with what the other sensors said; the clerk takes it down.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> (Status, Answer) {
         let (time_ns, raw_ut, up) = (sample.time_ns, &sample.field_ut, paired.up_m_s2);
-        let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
-        // what no calibration knows
-        let uneven_ut2 = Matrix3::identity() * UNEVEN_UT.powi(2);
-        match self {
+        let (status, answer) = match self {
             Self::Aided(aided) => {
                 let answered = aided.push(time_ns, *raw_ut, paired);
                 clerk.note(raw_ut, || aided.calibration());
-                answered
+                return answered;
             }
             Self::Adaptive(adaptive) => {
-                adaptive.level(up);
-                let output = adaptive.push(time_ns, raw_ut);
+                let answered = adaptive.push(time_ns, raw_ut, up);
                 if clerk.note(raw_ut, || adaptive.calibration()) {
                     clerk.measure();
                 }
-                let answer = Answer {
-                    field_ut: output.corrected_ut.map(|(field, _)| field),
-                    field_covariance_ut2: output.corrected_ut.map(|(_, covariance)| covariance + uneven_ut2),
-                    up,
-                    sigma_t: clerk.noted.sigma_t,
-                    direction_sigma_deg: output.direction_sigma_deg,
-                    worst_sigma_deg: output.worst_sigma_deg,
-                    model_order: output.corrected_ut.map(|_| output.order),
-                    mode,
-                    event: output.event,
-                    ..Answer::default()
-                };
-                (output.status, answer)
+                answered
             }
             Self::Windowed(windowed) => {
                 let status = windowed.push(time_ns, raw_ut, clerk);
                 let field_ut = clerk.noted.calibration.map(|calibration| calibration.correct(raw_ut));
                 let field_ut = field_ut.filter(|field| field.norm().is_finite());
-                let covariance = windowed.fit.zip(field_ut).map(|(fit, field)| {
+                let field_covariance_ut2 = windowed.fit.zip(field_ut).map(|(fit, field)| {
                     let w = fit.calibration.soft_iron_inverse();
                     let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
                     calibration_covariance(&fit.covariance, w, &field) + noise
                 });
-                let answer = Answer {
-                    field_ut,
-                    field_covariance_ut2: covariance.map(|covariance| covariance + uneven_ut2),
-                    up,
-                    sigma_t: clerk.noted.sigma_t,
-                    direction_sigma_deg: windowed.fit.map(|fit| fit.direction_sigma_deg),
-                    mode,
-                    ..Answer::default()
-                };
-                (status, answer)
+                let direction_sigma_deg = windowed.fit.map(|fit| fit.direction_sigma_deg);
+                (status, Answer { field_ut, field_covariance_ut2, direction_sigma_deg, ..Answer::default() })
             }
-        }
+        };
+        // what no calibration knows
+        let uneven_ut2 = Matrix3::identity() * UNEVEN_UT.powi(2);
+        let field_covariance_ut2 = answer.field_covariance_ut2.map(|covariance| covariance + uneven_ut2);
+        let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
+        (status, Answer { field_covariance_ut2, up, sigma_t: clerk.noted.sigma_t, mode, ..answer })
     }
 
     pub fn calibration(&self, clerk: &Clerk) -> Option<Calibration> {
@@ -137,14 +117,6 @@ impl Active {
             Self::Aided(aided) => aided.covariance(),
             Self::Adaptive(adaptive) => adaptive.covariance(),
             Self::Windowed(windowed) => windowed.fit.map(|fit| fit.covariance),
-        }
-    }
-
-    /// The latest ellipsoid fit that was accepted.
-    pub fn fit(&self) -> Option<&EllipsoidFit> {
-        match self {
-            Self::Windowed(windowed) => windowed.fit.as_ref(),
-            _ => None,
         }
     }
 

@@ -55,7 +55,7 @@ impl Compensator {
         if gap_s > MAX_GAP_S {
             return Err(RejectReason::TimeJump { gap_s, limit_s: MAX_GAP_S });
         }
-        let repeats = self.inputs.repeats + 1;
+        let repeats = self.inputs.repeats.saturating_add(1);
         if latest.field_ut == *field && repeats >= STUCK_SAMPLES {
             return Err(RejectReason::Stuck { repeats });
         }

@@ -16,7 +16,7 @@ fn cells_have_equal_areas() {
         for j in 0..columns {
             let phi = (f64::from(j) + 0.5) / f64::from(columns) * std::f64::consts::TAU;
             let flat = (1.0 - z * z).sqrt();
-            coverage.add(Some(Coverage::cell(&Vector3::new(flat * phi.cos(), flat * phi.sin(), z)) as u8));
+            coverage.add(Some(Coverage::cell(&Vector3::new(flat * phi.cos(), flat * phi.sin(), z)) as u8), 1);
         }
     }
     let even = f64::from(rows * columns) / CELLS as f64;
@@ -29,9 +29,9 @@ fn cells_have_equal_areas() {
 fn unseen_shrinks_as_cells_fill() {
     let mut coverage = Coverage::default();
     assert_eq!(coverage.unseen_directions().len(), CELLS);
-    coverage.add(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8));
+    coverage.add(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8), 1);
     assert_eq!(coverage.unseen_directions().len(), CELLS - 1);
     assert!((coverage.share() - 1.0 / 48.0).abs() < 1e-15);
-    coverage.remove(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8));
+    coverage.add(Some(Coverage::cell(&Vector3::new(0.0, 3.0, 0.1)) as u8), -1);
     assert_eq!(coverage.share(), 0.0);
 }

@@ -13,11 +13,7 @@ use nalgebra::Vector3;
 /// # Errors
 /// [`FitError`] says what is wrong with the samples.
 pub fn fit_ellipsoid(points_ut: &[Vector3<f64>], options: &FitOptions) -> Result<EllipsoidFit, FitError> {
-    if !points_ut.iter().all(|p| p.iter().all(|v| v.is_finite())) {
-        return Err(FitError::NotFinite);
-    }
-    let rough = Moments::of(points_ut);
-    let fit = rough.fit(options)?;
+    let fit = Moments::of(points_ut).fit(options)?;
     // a cap of the sphere lies off its own centre: once more about the centre that was found
     let mut moments = Moments::new(*fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
     points_ut.iter().for_each(|p| moments.add(p));
@@ -54,13 +50,13 @@ impl Moments {
 
     /// The cost of these samples, and its minimum.
     fn minimum(&self, previous: Option<&Calibration>, options: &FitOptions) -> Result<(Problem, Solution), FitError> {
+        if !self.is_finite() {
+            return Err(FitError::NotFinite);
+        }
         if self.count() < SMALLEST_SAMPLE_COUNT {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
         let (s, n) = self.scatter();
-        if !self.is_finite() || !s.iter().all(|v| v.is_finite()) {
-            return Err(FitError::NotFinite);
-        }
         let problem = Problem { s, n, residual: options.residual };
         let solution = problem.solve(previous.map(|calibration| self.shape_of(calibration)), options);
         Ok((problem, solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?))
@@ -78,6 +74,6 @@ impl Moments {
         let t = calibration.soft_iron_inverse() * (self.scale_ut() / calibration.field_strength_ut());
         let a = t * t;
         let beta = (calibration.hard_iron_ut() - self.centre_ut()) / self.scale_ut();
-        Shape { a: (a + a.transpose()) * 0.5, g: a * beta }
+        Shape { a: a.symmetric_part(), g: a * beta }
     }
 }

@@ -14,7 +14,7 @@
 mod tests;
 
 use super::exact::ExactSums;
-use crate::sound::{LARGEST_COUNT, checked};
+use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Exponents of x, y, z for each entry of d.
@@ -72,10 +72,7 @@ pub struct Moments {
     sums: ExactSums<MONOMIALS>,
 }
 
-checked!(Moments, |it| is_finite(&it.centre_ut)
-    && it.scale_ut > 0.0
-    && it.not_finite <= it.count
-    && it.count as u64 <= LARGEST_COUNT);
+checked!(Moments, |it| is_finite(&it.centre_ut) && it.scale_ut > 0.0 && it.not_finite <= it.count);
 
 impl Moments {
     /// No samples yet. `centre_ut` should lie within a field strength of the ellipsoid's centre and `scale_ut` near
@@ -133,8 +130,8 @@ impl Moments {
     /// The mean of `count` neighbouring samples enters the set in their place: constant time.
     #[inline]
     pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
-        self.count += count;
-        self.not_finite += if is_finite(raw_ut) { 0 } else { count };
+        self.count = self.count.saturating_add(count);
+        self.not_finite = self.not_finite.saturating_add(if is_finite(raw_ut) { 0 } else { count });
         self.sums.add_times(self.monomials(raw_ut), count as i64);
     }
 

@@ -89,8 +89,7 @@ impl Moments {
         let cholesky = information.cholesky().ok_or_else(|| self.poorly_covered(f64::INFINITY, noise_ut, options))?;
         let gradient =
             roots.parameter_jacobian(solution.ellipsoid().1, scale, scale / field, options.field_strength_ut.is_none());
-        let geometry = gradient * cholesky.inverse() * gradient.transpose();
-        let geometry = (geometry + geometry.transpose()) * 0.5;
+        let geometry = (gradient * cholesky.inverse() * gradient.transpose()).symmetric_part();
         let deg_per_ut = direction_sigma_deg(&calibration, &geometry);
         let expected_deg = deg_per_ut * noise_ut.max(options.noise_floor_ut);
         if expected_deg.is_nan() || expected_deg > options.max_direction_sigma_deg {
@@ -133,7 +132,7 @@ impl Moments {
             planar @ FitError::Planar { .. } => planar,
             _ => FitError::PoorCoverage {
                 // a direction is never off by more than half a turn
-                direction_sigma_deg: if direction_sigma_deg < 180.0 { direction_sigma_deg } else { 180.0 },
+                direction_sigma_deg: direction_sigma_deg.min(180.0),
                 limit_deg: options.max_direction_sigma_deg,
             },
         }
@@ -161,10 +160,7 @@ impl Roots {
             return None;
         }
         let vectors = eigen.eigenvectors;
-        let turned = |values: Vector3<f64>| {
-            let m = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
-            (m + m.transpose()) * 0.5
-        };
+        let turned = |values| (vectors * Matrix3::from_diagonal(&values) * vectors.transpose()).symmetric_part();
         Some(Self {
             vectors,
             roots,
@@ -222,7 +218,7 @@ pub(crate) fn mean_square_angle(
     by_centre: &Matrix3<f64>,
     of_centre: &Matrix3<f64>,
 ) -> f64 {
-    let symmetric = by_matrix.map(|e| (e + e.transpose()) * 0.5);
+    let symmetric = by_matrix.map(|e| e.symmetric_part());
     let mut variance = (by_centre.tr_mul(by_centre) * (2.0 / 3.0)).dot(of_centre);
     for (k, e) in by_matrix.iter().enumerate() {
         for (l, other) in by_matrix.iter().enumerate() {

@@ -77,15 +77,14 @@ fn ellipsoid_specific(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
     let s12 = s.fixed_view::<6, 4>(0, 6).into_owned();
     let s22: Matrix4<f64> = s.fixed_view::<4, 4>(6, 6).into_owned();
     let back = s22.cholesky()?.solve(&s12.transpose());
-    let reduced = s11 - s12 * back;
-    let reduced = (reduced + reduced.transpose()) * 0.5;
+    let reduced = (s11 - s12 * back).symmetric_part();
     // exact points leave S_r singular: a floor far below any real noise keeps the factorisation going
     let lower = (reduced + Matrix6::identity() * (1e-14 * reduced.trace())).cholesky()?.l();
     let mut constraint = Matrix6::from_diagonal(&Vector6::new(-2.0, -2.0, -2.0, -4.0, -4.0, -4.0));
     constraint.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(1.0);
     let left = lower.solve_lower_triangular(&constraint)?;
     let both = lower.solve_lower_triangular(&left.transpose())?;
-    let eigen = ((both + both.transpose()) * 0.5).symmetric_eigen();
+    let eigen = both.symmetric_part().symmetric_eigen();
     let best = eigen.eigenvalues.imax();
     let v1: Vector6<f64> = lower.transpose().solve_upper_triangular(&eigen.eigenvectors.column(best).into_owned())?;
     let v2 = -(back * v1);

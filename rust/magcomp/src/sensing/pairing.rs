@@ -89,9 +89,10 @@ struct Event {
     value: Vector3<f64>,
 }
 
-/// Whether events are in order and none is larger than any that is believed.
-fn are_sound(events: &[Event]) -> bool {
-    events.is_sorted_by(|a, b| a.time_ns < b.time_ns) && events.iter().all(|event| event.value.amax() <= LARGEST_VALUE)
+/// Whether events are in order, all behind `before`, and none is larger than any that is believed.
+fn are_sound(before: Option<Event>, events: &[Event]) -> bool {
+    before.iter().chain(events).is_sorted_by(|a, b| a.time_ns < b.time_ns)
+        && before.iter().chain(events).all(|event| event.value.amax() <= LARGEST_VALUE)
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
@@ -125,15 +126,10 @@ pub(crate) struct InertialPairing {
 }
 
 checked!(InertialPairing, |it| {
-    let after = |event: Option<&Event>, other: Option<Event>| {
-        event.zip(other).is_none_or(|(event, other)| event.time_ns > other.time_ns)
-    };
     let turns = [it.gathered_rad, it.owed_rad, it.bias_rad_s.cast(), it.scale.cast()];
-    are_sound(&it.rates)
-        && are_sound(&it.ups)
-        && after(it.rates.first(), it.anchor)
-        && after(it.rates.first(), it.last_rate)
-        && after(it.ups.first(), it.last_up)
+    are_sound(it.anchor, &it.rates)
+        && are_sound(it.last_rate, &it.rates)
+        && are_sound(it.last_up, &it.ups)
         && it.gathered_rad2 >= 0.0
         && turns.iter().all(|turn| turn.amax() <= LARGEST_VALUE)
         && it.scale.iter().all(|scale| *scale != 1.0)
@@ -145,10 +141,7 @@ impl InertialPairing {
         self.last_paired_ns == latest_ns
     }
 
-    /// Takes one gyroscope event: rad/s, device frame.
-    ///
-    /// # Errors
-    /// [`EventRejection`]; the event is then dropped and nothing has changed.
+    /// Takes one gyroscope event: rad/s, device frame. One that is rejected changes nothing.
     pub fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: Vector3<f64>) -> Result<(), EventRejection> {
         let taken_ns = self.anchor.map(|anchor| anchor.time_ns);
         let event = Event { time_ns, value: rate_rad_s };
@@ -159,10 +152,7 @@ impl InertialPairing {
         Ok(())
     }
 
-    /// Takes one accelerometer (or gravity) event: m/s^2, what a device at rest reads.
-    ///
-    /// # Errors
-    /// [`EventRejection`]; the event is then dropped and nothing has changed.
+    /// Takes one accelerometer (or gravity) event: m/s^2, what a device at rest reads. One that is rejected changes nothing.
     pub fn push_up(&mut self, time_ns: i64, up_m_s2: Vector3<f64>) -> Result<(), EventRejection> {
         let taken_ns = self.last_up.map(|last| last.time_ns);
         let event = Event { time_ns, value: up_m_s2 };
@@ -249,44 +239,39 @@ impl InertialPairing {
             Some(next) if anchor.time_ns < time_ns => {
                 let share = seconds(anchor.time_ns, time_ns) / seconds(anchor.time_ns, next.time_ns);
                 let rate = anchor.value + (next.value - anchor.value) * share;
-                let hole = seconds(anchor.time_ns, next.time_ns) > STALE_S;
                 self.advance(Event { time_ns, value: rate });
-                self.broken |= hole;
+                self.broken |= seconds(anchor.time_ns, next.time_ns) > STALE_S;
                 rate
             }
             _ => {
                 let beyond_s = seconds(anchor.time_ns, time_ns);
-                if beyond_s > STALE_S {
-                    self.broken = true;
-                } else {
-                    owed_rad = self.turned(&anchor.value, beyond_s);
-                }
+                owed_rad = self.turned(&anchor.value, beyond_s);
+                self.broken |= beyond_s > STALE_S;
                 anchor.value
             }
         };
-        let turned_rad = then(&then(&-self.owed_rad, &self.gathered_rad), &owed_rad);
+        let turned_rad = then(&then(&-take(&mut self.owed_rad), &take(&mut self.gathered_rad)), &owed_rad);
         let span_s = self.last_paired_ns.map_or(0.0, |last| seconds(last, time_ns));
         let increment_rad = self.as_read(&turned_rad, span_s);
         let (broken, variance_rad2) = (take(&mut self.broken), take(&mut self.gathered_rad2));
-        self.gathered_rad = Vector3::zeros();
-        self.owed_rad = if broken { Vector3::zeros() } else { owed_rad };
+        if !broken {
+            self.owed_rad = owed_rad;
+        }
         (started && !broken).then_some(Rotation { increment_rad, rate_rad_s, variance_rad2 })
     }
 
     /// More events came at once than the ring holds, and what was folded lies ahead of the sample too: how the turn is spread
     /// over that time is lost, and taken to be even.
     fn share_of_a_flood(&mut self, ahead_ns: i64, time_ns: i64, started: bool) -> Option<Rotation> {
-        let last_ns = self.last_paired_ns.filter(|_| started && !self.broken);
-        let Some(last_ns) = last_ns else {
+        let Some(last_ns) = self.last_paired_ns.filter(|_| started && !self.broken) else {
             self.broken = true;
             return None;
         };
         let (span_s, share) = (seconds(last_ns, time_ns), seconds(last_ns, time_ns) / seconds(last_ns, ahead_ns));
-        let all_rad = then(&-self.owed_rad, &self.gathered_rad);
+        let all_rad = then(&-take(&mut self.owed_rad), &self.gathered_rad);
         let (turned_rad, variance_rad2) = (all_rad * share, self.gathered_rad2 * share);
         self.gathered_rad = all_rad - turned_rad;
         self.gathered_rad2 -= variance_rad2;
-        self.owed_rad = Vector3::zeros();
         let increment_rad = self.as_read(&turned_rad, span_s);
         Some(Rotation { increment_rad, rate_rad_s: increment_rad / span_s, variance_rad2 })
     }
@@ -296,13 +281,11 @@ impl InertialPairing {
             self.last_up = Some(self.ups.remove(0));
         }
         let last = self.last_up?;
-        if let Some(next) = self.ups.first() {
-            let span_s = seconds(last.time_ns, next.time_ns);
-            if span_s <= STALE_S {
-                return Some(last.value + (next.value - last.value) * (seconds(last.time_ns, time_ns) / span_s));
-            }
+        let since_s = seconds(last.time_ns, time_ns);
+        match self.ups.first().map(|next| (next.value, seconds(last.time_ns, next.time_ns))) {
+            Some((next, span_s)) if span_s <= STALE_S => Some(last.value + (next - last.value) * (since_s / span_s)),
+            _ => (since_s <= STALE_S).then_some(last.value),
         }
-        (seconds(last.time_ns, time_ns) <= STALE_S).then_some(last.value)
     }
 }
 

@@ -22,12 +22,13 @@ mod tuning;
 mod vertical;
 
 use crate::calibration::{Calibration, Given, UNEVEN_UT, typical_field_ut};
-use crate::reading::{Event, HoldReason, Missing, ModelOrder, Status};
+use crate::estimator::answer::Answer;
+use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::tilt::GRAVITY_M_S2;
 use bank::Bank;
 use decision::Decision;
 use grouping::{Group, Grouping};
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{SMatrix, Vector3};
 use noise::{Level, Noise};
 use parameters::{Gaussian, is_bounded};
 use published::Published;
@@ -36,18 +37,6 @@ pub(crate) use tuning::Tuning;
 
 /// Samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
-
-/// One answer of the adaptive estimator.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AdaptiveOutput {
-    /// Corrected sample, uT, and its covariance, uT^2.
-    pub corrected_ut: Option<(Vector3<f64>, Matrix3<f64>)>,
-    pub direction_sigma_deg: Option<f64>,
-    pub worst_sigma_deg: Option<f64>,
-    pub order: ModelOrder,
-    pub event: Option<Event>,
-    pub status: Status,
-}
 
 /// Where the device stays, and for how long, samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +57,6 @@ pub(crate) struct Adaptive {
     given: Option<Given>,
     bank: Bank,
     noise: Noise,
-    up: Option<Vector3<f64>>,
     grouping: Grouping,
     stay: Stay,
     latest_ns: Option<i64>,
@@ -90,7 +78,6 @@ impl Adaptive {
             given: initial,
             bank: Bank::new(),
             noise: Noise::new(&tuning, unit_ut),
-            up: None,
             grouping: Grouping::default(),
             stay: Stay { at: Vector3::zeros(), samples: 0.0 },
             latest_ns: None,
@@ -109,15 +96,11 @@ impl Adaptive {
             && self.published.is_none_or(|it| (it.unit_ut, it.strength_ut) == (self.unit_ut, self.strength_ut))
     }
 
-    /// What gravity says with the next sample, m/s^2.
-    pub fn level(&mut self, up_m_s2: Option<Vector3<f64>>) {
-        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < self.tuning.calm;
-        self.up = up_m_s2.filter(calm).map(|up| up.normalize());
-    }
-
-    /// A raw sample, finite, times in order.
-    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>) -> AdaptiveOutput {
+    /// A raw sample, finite, times in order, and what gravity says with it, m/s^2.
+    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
         let u = raw_ut / self.unit_ut;
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < self.tuning.calm;
+        let up = up_m_s2.filter(calm).map(|up| up.normalize());
         let seconds = self.latest_ns.map(|latest| time_ns.saturating_sub(latest) as f64 * 1e-9);
         self.latest_ns = Some(time_ns);
         self.noise.raw(&u, seconds);
@@ -127,10 +110,10 @@ impl Adaptive {
         }
         let radius = self.tuning.group_ut / self.unit_ut + 4.5 * self.noise.white().sqrt();
         let longest = ((self.tuning.group_s - self.noise.period_s()).max(0.0) * 1e9) as i64;
-        for group in self.grouping.push((time_ns, u, self.up), radius, longest).into_iter().flatten() {
+        for group in self.grouping.push((time_ns, u, up), radius, longest).into_iter().flatten() {
             self.take(&group);
         }
-        self.output(&u)
+        (self.status(), self.answer(&u))
     }
 
     fn setting<'a>(&self, tuning: &'a Tuning) -> Setting<'a> {
@@ -225,16 +208,19 @@ impl Adaptive {
         }
     }
 
-    fn output(&self, u: &Vector3<f64>) -> AdaptiveOutput {
+    fn answer(&self, u: &Vector3<f64>) -> Answer {
         let at = self.setting(&self.tuning);
         let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
-        AdaptiveOutput {
-            corrected_ut: self.published.and_then(|published| published.correct(u, &at)),
+        let corrected = self.published.and_then(|published| published.correct(u, &at));
+        let (field_ut, field_covariance_ut2) = corrected.unzip();
+        Answer {
+            field_ut,
+            field_covariance_ut2,
             direction_sigma_deg: self.published.map(|published| degrees(published.error)),
             worst_sigma_deg: self.published.map(|_| degrees(self.worst)),
-            order: self.decision.order,
+            model_order: corrected.map(|_| self.decision.order),
             event: self.decision.event,
-            status: self.status(),
+            ..Answer::default()
         }
     }
 

@@ -7,7 +7,6 @@ use super::uniformity::uniformity;
 use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT, typical_field_ut};
 use crate::coverage::Coverage;
 use crate::quadric::Moments;
-use crate::sound::LARGEST_COUNT;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
@@ -66,7 +65,7 @@ impl Clerk {
     /// As new, in the memory that is there.
     pub fn restart(&mut self, initial: Option<Calibration>) {
         self.kept.clear();
-        self.coverage.clear();
+        self.coverage = Coverage::default();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
         self.without_moments = false;
@@ -135,9 +134,9 @@ impl Clerk {
         if !self.without_moments {
             self.moments.add(raw_ut);
         }
-        self.coverage.add(cell);
+        self.coverage.add(cell, 1);
         self.window += 1;
-        self.noted.since_recentred += 1;
+        self.noted.since_recentred = self.noted.since_recentred.saturating_add(1);
     }
 
     /// Samples enter or leave the window at its old end until it has this length.
@@ -148,13 +147,13 @@ impl Clerk {
             if !self.without_moments {
                 self.moments.remove(&oldest.raw_ut);
             }
-            self.coverage.remove(oldest.cell);
+            self.coverage.add(oldest.cell, -1);
             self.window -= 1;
         }
         while self.window < length {
             let next = self.kept[kept - 1 - self.window];
             self.moments.add(&next.raw_ut);
-            self.coverage.add(next.cell);
+            self.coverage.add(next.cell, 1);
             self.window += 1;
         }
     }
@@ -174,11 +173,11 @@ impl Clerk {
             (None, _) => return,
         };
         self.noted.seen_through = Some(through);
-        self.coverage.clear();
+        self.coverage = Coverage::default();
         for (age, slot) in self.kept.iter_mut().rev().enumerate() {
             let counted = age < self.window.min(RECOUNT_SPAN);
             slot.cell = counted.then(|| Coverage::cell(&through.correct(&slot.raw_ut)) as u8);
-            self.coverage.add(slot.cell);
+            self.coverage.add(slot.cell, 1);
         }
     }
 
@@ -208,7 +207,6 @@ impl Clerk {
             && slots.iter().all(|slot| slot.raw_ut.amax() <= range_ut)
             && centre_ut.amax() <= LARGEST_RAW_UT
             && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&scale_ut)
-            && noted.since_recentred as u64 <= LARGEST_COUNT
             && noted.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0);
         if !fits {
             return None;

@@ -6,6 +6,7 @@
 //! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
 use nalgebra::Vector3;
+use std::f64::consts::SQRT_2;
 
 /// What the standard deviations in (15) are divided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,10 +20,10 @@ pub enum Normalisation {
     EvenSphere,
 }
 
-/// Standard deviation of phi on an even sphere: 180 / sqrt(3) deg.
-const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64;
-/// Standard deviation of theta on an even sphere: its variance is pi^2 / 4 - 2 rad^2.
-const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52;
+/// Standard deviation of phi on an even sphere, 180 / sqrt(3) deg, times sqrt(2).
+const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64 * SQRT_2;
+/// The same of theta: its variance is pi^2 / 4 - 2 rad^2.
+const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52 * SQRT_2;
 
 /// (15) sigma_T of a set of corrected vectors (any unit): 0 when all are equal, 0.723 (`HalfRange`) or 1 (`EvenSphere`) when
 /// they are even. The azimuth jumps from 180 to -180 degrees: nearly equal vectors about azimuth 180 give up to 1.
@@ -32,9 +33,7 @@ const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52;
 pub fn uniformity(corrected: impl IntoIterator<Item = Vector3<f64>>, normalisation: Normalisation) -> f64 {
     let (phi_unit, theta_unit) = match normalisation {
         Normalisation::HalfRange => (180.0, 90.0),
-        Normalisation::EvenSphere => {
-            (EVEN_PHI_DEG * std::f64::consts::SQRT_2, EVEN_THETA_DEG * std::f64::consts::SQRT_2)
-        }
+        Normalisation::EvenSphere => (EVEN_PHI_DEG, EVEN_THETA_DEG),
     };
     let (mut phi, mut theta) = (Spread::default(), Spread::default());
     for h in corrected {

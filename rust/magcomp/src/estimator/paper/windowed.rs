@@ -16,7 +16,7 @@ use super::clerk::Clerk;
 use super::config::WindowedConfig;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
-use crate::sound::{LARGEST_COUNT, checked, is_covariance};
+use crate::sound::{checked, is_covariance};
 use nalgebra::Vector3;
 
 /// The constant method keeps its first fit that predicts direction errors below this, degrees: an even sphere of 100
@@ -52,10 +52,7 @@ pub(crate) struct Windowed {
     suspect_since_ns: Option<i64>,
 }
 
-checked!(Windowed, |it| {
-    [it.since_fit, it.since_change].into_iter().all(|count| count as u64 <= LARGEST_COUNT)
-        && it.fit.is_none_or(|fit| is_covariance(&fit.covariance) && fit.residual_rms_ut >= 0.0)
-});
+checked!(Windowed, |it| it.fit.is_none_or(|fit| is_covariance(&fit.covariance) && fit.residual_rms_ut >= 0.0));
 
 impl Windowed {
     /// `constant`: the first good fit is kept.
@@ -67,8 +64,8 @@ impl Windowed {
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> Status {
         let WindowedConfig { n_min, n_max, sigma_th, .. } = clerk.config;
         clerk.enter(raw_ut);
-        self.since_change += 1;
-        self.since_fit += 1;
+        self.since_change = self.since_change.saturating_add(1);
+        self.since_fit = self.since_fit.saturating_add(1);
         let spread = clerk.measure();
         let status = match clerk.noted.sigma_t {
             _ if self.constant && clerk.noted.calibration.is_some() => {
@@ -101,9 +98,11 @@ impl Windowed {
         let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
         if self.since_fit >= wait {
             self.since_fit = 0;
+            let WindowedConfig { n_min, n_max, .. } = clerk.config;
             let options = clerk.config.fit_options(clerk.field_strength_ut);
             match clerk.moments.fit_from(clerk.noted.calibration.as_ref(), &options) {
-                Ok(fit) if self.constant && !settled(&fit, clerk) => {}
+                // a better one may come while the window grows
+                Ok(fit) if self.constant && fit.direction_sigma_deg > CONSTANT_SIGMA_DEG && clerk.window < n_max => {}
                 Ok(fit) => {
                     (clerk.noted.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
                     clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
@@ -112,8 +111,8 @@ impl Windowed {
                     self.refused = Some(error);
                     if matches!(error, FitError::Inconsistent { .. }) {
                         // something changed inside the window: only its latest samples may still agree
-                        self.since_change = clerk.config.n_min;
-                        clerk.resize(self.since_change);
+                        self.since_change = n_min;
+                        clerk.resize(n_min);
                     }
                 }
             }
@@ -131,9 +130,4 @@ impl Windowed {
             None => Missing::Samples { have: clerk.len(), need: clerk.config.n_min },
         })
     }
-}
-
-/// Whether the constant method keeps this fit.
-fn settled(fit: &EllipsoidFit, clerk: &Clerk) -> bool {
-    fit.direction_sigma_deg <= CONSTANT_SIGMA_DEG || clerk.window == clerk.config.n_max
 }
