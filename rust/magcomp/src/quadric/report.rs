@@ -41,18 +41,6 @@ pub struct EllipsoidFit {
     pub samples: usize,
 }
 
-impl EllipsoidFit {
-    /// Smallest eigenvalue of the information matrix of [b / |h|, M] (dimensionless): near zero when some
-    /// combination of the parameters is not seen by these samples, infinite when they are free of noise.
-    #[must_use]
-    pub fn smallest_information_eigenvalue(&self) -> f64 {
-        let mut unit = SVector::<f64, 9>::repeat(1.0);
-        unit.fixed_rows_mut::<3>(0).fill(1.0 / self.calibration.field_strength_ut());
-        let scaled = self.covariance.component_mul(&(unit * unit.transpose()));
-        1.0 / scaled.symmetric_eigenvalues().max()
-    }
-}
-
 impl Moments {
     /// M, b and field strength at a minimum found on these moments.
     pub(super) fn calibration_of(
