@@ -19,6 +19,7 @@ mod step_course;
 mod step_score;
 mod step_trace;
 mod step_view;
+pub mod surroundings;
 
 use magcomp::{Config, HeadingConfig, Method};
 use serde::Serialize;

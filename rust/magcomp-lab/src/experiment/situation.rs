@@ -1,6 +1,7 @@
 //! The situations of `magcomp evaluate`: simulated phones ([`Phone`]) with an ordinary motion or a turn about one axis, and one
 //! thing that happens to them at 30 s.
 
+use super::surroundings::Surroundings;
 use crate::motion::{Motion, Trajectory};
 use crate::phone::{CHANGE_S, DURATION_S, FIELD_UT, PLACE_S, Phone, PhoneChange};
 use crate::random::{Purpose, Random};
@@ -13,7 +14,7 @@ use magcomp::{Config, EventKind};
 
 /// Hard iron that a cover adds, uT.
 const COVER_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
-/// How long it stays where it comes off again, and how long a charger stays, s.
+/// How long it stays where it comes off again, how long a charger stays, and when one is put on in another room, s.
 const STAYS_S: f64 = 10.0;
 /// Hard iron that a charger adds along x, uT. The sensor's full scale is smaller, so x reads the full scale.
 const CHARGER_UT: f64 = 400.0;
@@ -32,6 +33,8 @@ pub enum Group {
     Ordinary,
     /// With gyroscope: a cover that is slid on slowly or comes off again, a charger that saturates an axis
     Device,
+    /// With gyroscope: steel doors, uneven fields, a cover put on in another room, a car
+    Surroundings,
     /// With gyroscope: turned about one axis from a cold start
     OneAxis,
     /// With gyroscope: all sensors pause
@@ -47,6 +50,7 @@ impl Group {
         match self {
             Self::Ordinary => "With gyroscope and accelerometer",
             Self::Device => "The device's own disturbance, with gyroscope",
+            Self::Surroundings => "The surroundings, with gyroscope",
             Self::OneAxis => "Turned about one axis from a cold start, with gyroscope",
             Self::Pause => "All sensors pause at 30 s, walking, with gyroscope",
             Self::Alone => "Magnetometer and accelerometer, no gyroscope",
@@ -56,8 +60,9 @@ impl Group {
     /// Its situations, in the order of the table.
     #[must_use]
     pub fn situations(self) -> Vec<Situation> {
-        use Happening::{Charger, Cover, CoverOnOff, Nothing, Pause, Room, Usual};
+        use Happening::{Charger, Cover, CoverOnOff, Nothing, Pause, Room, Through, Usual};
         use Motion::{Pedestrian, Stroll, Tumble};
+        use Surroundings::{Braking, Car, Doors, Uneven};
         let usual = |motion, change| Situation::of(motion, Usual(change));
         let walked = |happening| Situation::of(Pedestrian, happening);
         match self {
@@ -70,8 +75,8 @@ impl Group {
                 Situation { has_poor_gyroscope: true, ..usual(Pedestrian, PhoneChange::Offset) },
                 usual(Tumble, PhoneChange::Place),
                 usual(Pedestrian, PhoneChange::Place),
-                Situation::of(Tumble, Room),
-                walked(Room),
+                Situation::of(Tumble, Room { is_covered_there: false }),
+                walked(Room { is_covered_there: false }),
                 usual(Tumble, PhoneChange::Drift),
                 usual(Pedestrian, PhoneChange::Drift),
             ],
@@ -84,6 +89,10 @@ impl Group {
                     walked(Charger { is_full_scale_set: true }),
                 ];
                 covers.into_iter().chain(others).collect()
+            }
+            Self::Surroundings => {
+                let through = [Doors, Uneven(3.0), Uneven(10.0), Car, Braking].map(|it| walked(Through(it)));
+                std::iter::once(walked(Room { is_covered_there: true })).chain(through).collect()
             }
             Self::OneAxis => {
                 let axes = [true, false].into_iter();
@@ -119,8 +128,11 @@ enum Happening {
         over_s: f64,
     },
     CoverOnOff,
-    /// The place differs for a minute.
-    Room,
+    /// The place differs for a minute; a cover is put on there or not.
+    Room {
+        is_covered_there: bool,
+    },
+    Through(Surroundings),
     /// x is at the sensor's full scale for 10 s; `rail_ut` of the config is set or not.
     Charger {
         is_full_scale_set: bool,
@@ -222,7 +234,12 @@ impl Situation {
             },
             Happening::Cover { over_s } => format!(", cover slid on over {over_s} s"),
             Happening::CoverOnOff => ", cover on, off after 10 s".to_owned(),
-            Happening::Room => ", the place differs by 20 uT for 60 s".to_owned(),
+            Happening::Room { is_covered_there: false } => ", the place differs by 20 uT for 60 s".to_owned(),
+            Happening::Room { is_covered_there: true } => ", another room, and a cover put on there".to_owned(),
+            Happening::Through(Surroundings::Doors) => ", a steel door every 10 s".to_owned(),
+            Happening::Through(Surroundings::Uneven(rms_ut)) => format!(", the place uneven by {rms_ut} uT"),
+            Happening::Through(Surroundings::Car) => return "held in a car that turns, its body 30 uT".to_owned(),
+            Happening::Through(Surroundings::Braking) => return "held in a car that speeds up and brakes".to_owned(),
             Happening::Charger { is_full_scale_set: false } => ", charger saturates x for 10 s".to_owned(),
             Happening::Charger { is_full_scale_set: true } => ", the same with rail_ut set".to_owned(),
             Happening::Pause { for_s, changes } => {
@@ -247,7 +264,7 @@ impl Situation {
         let change = if let Happening::Usual(change) = self.happening { change } else { PhoneChange::Nothing };
         let longer_s = match self.happening {
             Happening::Pause { for_s, .. } => for_s,
-            Happening::Room => ROOM_S,
+            Happening::Room { .. } | Happening::Through(_) => ROOM_S,
             _ => 0.0,
         };
         let mut phone = Phone {
@@ -282,6 +299,7 @@ impl Situation {
                 }
             }
             Happening::Pause { for_s, .. } => pause(&mut simulation, CHANGE_S, CHANGE_S + for_s),
+            Happening::Through(what) => what.push(&mut simulation, seed, CHANGE_S),
             _ => {}
         }
         let is_calm = matches!(self.happening, Happening::Nothing | Happening::Usual(PhoneChange::Nothing));
@@ -313,12 +331,20 @@ impl Situation {
                     Change { at_s: CHANGE_S + for_s / 2.0, over_s: 0.0, to: with(direction * RANDOM_CHANGE_UT) };
                 Schedule { start, changes: vec![change] }
             }
-            Happening::Room => {
+            Happening::Through(what) => {
+                let until_s = scenario.duration_s();
+                scenario.world_ut = what.field(scenario.world_ut.start, scenario.seed, CHANGE_S, until_s);
+                return;
+            }
+            Happening::Room { is_covered_there } => {
                 let (world_ut, direction) =
                     (scenario.world_ut.start, Random::new(scenario.seed, Purpose::Bootstrap).direction());
                 scenario.world_ut =
                     Schedule::pulse(world_ut, CHANGE_S, ROOM_S, world_ut + direction * RANDOM_CHANGE_UT);
-                return;
+                if !is_covered_there {
+                    return;
+                }
+                Schedule::step(start, CHANGE_S + STAYS_S, with(COVER_UT))
             }
             Happening::Nothing | Happening::Usual(_) | Happening::Pause { changes: false, .. } => return,
         };
@@ -341,9 +367,17 @@ impl Situation {
                 let place = Expected { until_s: CHANGE_S + PLACE_S, ..of(Changed::Place, true, CHANGE_S, 0.0) };
                 vec![place]
             }
-            Happening::Room => {
+            // a field that changes on and on may be told at any time
+            Happening::Through(Surroundings::Braking) => Vec::new(),
+            Happening::Through(_) => vec![of(Changed::Place, false, CHANGE_S, ROOM_S)],
+            Happening::Room { is_covered_there } => {
                 let back = of(Changed::Place, false, CHANGE_S + ROOM_S, 0.0);
-                vec![of(Changed::Place, true, CHANGE_S, 0.0), back]
+                let mut expected = vec![of(Changed::Place, true, CHANGE_S, 0.0), back];
+                if is_covered_there {
+                    expected[0].until_s = CHANGE_S + STAYS_S;
+                    expected.insert(1, of(Changed::Device, true, CHANGE_S + STAYS_S, 0.0));
+                }
+                expected
             }
             Happening::Cover { over_s } => device(over_s),
             Happening::CoverOnOff => {
