@@ -160,6 +160,22 @@ fn a_device_step_in_a_changed_place_is_relearned() {
 }
 
 #[test]
+fn a_small_change_is_relearned_without_an_event() {
+    for (size_ut, is_told) in [(2.5, false), (6.0, true)] {
+        let mut told = 0;
+        for seed in 90..96 {
+            let (mut world, mut aided) = settled(seed);
+            world.hard_iron_ut += MAGNET_UT.normalize() * size_ut;
+            run_while(&mut world, &mut aided, 1_500, |_, _, _| ());
+            told += i32::from(aided.event.is_some());
+            let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+            assert!(error < 1.0, "{size_ut} uT, seed {seed}: offset wrong by {error} uT");
+        }
+        assert_eq!(told, if is_told { 6 } else { 0 }, "{size_ut} uT: {told} of 6 told");
+    }
+}
+
+#[test]
 fn a_turn_that_is_lost_in_a_new_place_is_in_the_sigma() {
     for lost in [true, false] {
         let mut worst_sigmas = 0.0_f64;
