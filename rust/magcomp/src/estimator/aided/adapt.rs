@@ -91,7 +91,7 @@ impl Adaptation {
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
-        self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.walk_s);
+        self.lasting_ut += (difference_ut - self.lasting_ut) * (dt_s / tuning.walk_s).min(1.0);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
     }
