@@ -17,7 +17,7 @@ use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 
-/// A hypothesis to which most samples of late were a misfit has failed.
+/// A hypothesis to which most samples of late were a misfit has failed, and so has the filter as it was.
 const MOST: f64 = 0.5;
 
 /// What just happened in a trial.
@@ -128,9 +128,9 @@ impl Trial {
             self.log_ratio = 0.0;
             self.device_misfit = 0.0;
         }
-        // while the filter as it was explains the samples again, nothing else wins
-        let fits_again = !self.blind && !self.is_place && watch.share < tuning.suspect_share;
-        if step.resting || fits_again {
+        // while the filter as it was explains the samples, nothing else wins
+        let unchanged = !self.blind && !self.is_place && watch.share < MOST;
+        if step.resting || unchanged {
             return Verdict::Open;
         }
         self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
