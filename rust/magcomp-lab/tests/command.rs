@@ -481,5 +481,5 @@ fn the_page_of_situations_has_the_lines_of_the_command() {
         lines(&page),
         "run `cargo run --release -- evaluate --runs 10 --markdown > docs/EVALUATION.md`"
     );
-    assert_eq!(lines(&page).len(), 45);
+    assert_eq!(lines(&page).len(), 51);
 }
