@@ -17,7 +17,7 @@ use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 
-/// A hypothesis to which most samples of late were a misfit has failed, and so has the filter as it was.
+/// A hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;
 
 /// What just happened in a trial.
@@ -58,7 +58,7 @@ pub(crate) struct Trial {
     age_s: f64,
     /// Seconds the place hypothesis has held.
     place_s: f64,
-    /// When the place hypothesis last explained nearly all samples.
+    /// When the place was found to have changed, or later, when nearly all samples of late fitted it.
     fitted_ns: i64,
 }
 
@@ -181,7 +181,7 @@ impl Trial {
         } else if self.blind && place_fits {
             Verdict::Unchanged
         } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
-            self.is_place = true;
+            (self.is_place, self.fitted_ns) = (true, time_ns);
             Verdict::Place
         } else {
             Verdict::Open
