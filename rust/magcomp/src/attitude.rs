@@ -13,8 +13,7 @@ use crate::heading::{VERTICAL, across_ut2, angle_sigma_deg, unit};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Attitude {
     /// Takes a vector of the device frame (not turned with the screen's content) to (east, north, up), north magnetic. Its w is at least 0.

@@ -4,7 +4,7 @@
 //! ellipsoid. A [`Calibration`] holds the symmetric positive definite M; [`Calibration::from_any`] brings any
 //! invertible M there by the polar decomposition M = P R and hands back the rotation R it dropped.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 /// Why a pair (M, b) is no calibration.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -73,18 +73,18 @@ pub(crate) fn typical_field_ut(known_ut: Option<f64>) -> f64 {
 }
 
 /// M, b and the strength of the field they were found in: h_m = M h + b.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "CalibrationParts"))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "CalibrationParts")]
 pub struct Calibration {
     soft_iron: Matrix3<f64>,
-    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    #[serde(skip_serializing)]
     soft_iron_inverse: Matrix3<f64>,
     hard_iron_ut: Vector3<f64>,
     field_strength_ut: f64,
 }
 
 /// What is stored of a calibration.
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(serde::Deserialize)]
 struct CalibrationParts {
     soft_iron: Matrix3<f64>,
     hard_iron_ut: Vector3<f64>,
@@ -100,21 +100,60 @@ impl TryFrom<CalibrationParts> for Calibration {
 
 /// A calibration from elsewhere, and how well it is believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Given {
     pub calibration: Calibration,
-    /// One standard deviation of each component of its b, uT.
-    pub sigma_ut: f64,
+    /// In the order b_x b_y b_z (uT) m_xx m_yy m_zz m_xy m_xz m_yz.
+    pub covariance: SMatrix<f64, 9, 9>,
 }
 
-/// The same of a calibration that comes without it.
-pub(crate) const USUAL_SIGMA_UT: f64 = 2.0;
-
 impl Given {
-    /// Nothing is known of how well it is to be believed.
-    pub fn usual(calibration: Calibration) -> Self {
-        Self { calibration, sigma_ut: USUAL_SIGMA_UT }
+    /// Variance of a component of b, their mean, uT^2.
+    pub fn hard_iron_ut2(&self) -> f64 {
+        self.covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0
     }
+}
+
+/// Covariance of independent errors: of each component of b (uT^2), and of each element of M - I on the diagonal; half of that beside it.
+pub(crate) fn independent(hard_iron_ut2: f64, iron: f64) -> SMatrix<f64, 9, 9> {
+    let mut covariance = SMatrix::<f64, 9, 9>::zeros();
+    for (first, variance) in [(0, hard_iron_ut2), (3, iron), (6, 0.5 * iron)] {
+        covariance.fixed_view_mut::<3, 3>(first, first).fill_diagonal(variance);
+    }
+    covariance
+}
+
+/// D(h) e = E h: the 3x6 matrix that makes M h linear in e.
+#[rustfmt::skip]
+pub(crate) fn iron_rows(h: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
+    SMatrix::from_row_slice(&[
+        h.x, 0.0, 0.0, h.y, h.z, 0.0,
+        0.0, h.y, 0.0, h.x, 0.0, h.z,
+        0.0, 0.0, h.z, 0.0, h.x, h.y,
+    ])
+}
+
+/// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
+pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
+    let d = iron_rows(h);
+    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
+    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
+}
+
+/// What rounding may have taken off a correlation matrix.
+const ROUNDING: f64 = 1e-4;
+
+/// Whether a matrix is finite, symmetric and positive semi-definite, within rounding.
+pub(crate) fn is_covariance<const N: usize>(p: &SMatrix<f64, N, N>) -> bool {
+    let sd = p.diagonal().map(f64::sqrt);
+    let near = |i: usize, j: usize| {
+        let both = sd[i] * sd[j];
+        p[(i, j)].abs() <= both * (1.0 + ROUNDING) && (p[(i, j)] - p[(j, i)]).abs() <= both * ROUNDING
+    };
+    let mut correlation = p.zip_map(&(sd * sd.transpose()), |p, both| if both == 0.0 { 0.0 } else { p / both });
+    correlation.fill_diagonal(1.0 + ROUNDING);
+    sd.iter().all(|sd| (0.0..1e9).contains(sd))
+        && (0..N).all(|i| (0..i).all(|j| near(i, j)))
+        && correlation.cholesky().is_some()
 }
 
 impl Calibration {

@@ -1,32 +1,37 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, gives it to the estimator, corrects it, and
 //! forms the heading from the corrected field and the latest `up`. One file each:
-//! `active` (the estimators), `check` (what a sample may be), `keep` (snapshots).
+//! `active` (the estimators), `adopted` (a calibration from elsewhere), `check` (what a sample may be).
 
 mod active;
+mod adopted;
 mod check;
-#[cfg(feature = "serde")]
-mod keep;
 
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
-use crate::calibration::{Calibration, Given, USUAL_SIGMA_UT};
-use crate::config::{Config, Method, validate_heading, validate_sigma};
+use crate::calibration::{Calibration, Given, independent};
+use crate::config::{Config, Method, validate_heading};
 use crate::coverage::Coverage;
 use crate::estimator::Tunings;
 use crate::estimator::answer::Answer;
 use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
+use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, USUAL_SIGMA_UT};
 use crate::quadric::EllipsoidFit;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing};
-use crate::sensing::tilt::Tilt;
-use crate::sound::checked;
+use crate::sensing::tilt::{GRAVITY_M_S2, Tilt};
 use active::Active;
-use nalgebra::SMatrix;
+use adopted::Adopted;
+use nalgebra::{SMatrix, Vector3};
 
 /// Without a rotation for so long the magnetometer goes on alone, ns: long enough for a hiccup of the system.
 const GYROSCOPE_GONE_NS: i64 = 1_000_000_000;
+
+/// The share of gravity by which a vertical may be accelerated to judge an adopted calibration by.
+const CALM: f64 = 0.05;
+/// The dip that is kept is a mean over this time, s: a walk's accelerations pass.
+const DIP_S: f64 = 5.0;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -64,18 +69,24 @@ pub struct Compensator {
     inputs: Inputs,
 }
 
+/// Whether two will answer alike, but for samples of another clock that were refused so far.
+impl PartialEq for Compensator {
+    fn eq(&self, other: &Self) -> bool {
+        let inputs = |it: &Self| Inputs { astray: 0, astray_ns: 0, ..it.inputs };
+        (&self.config, &self.tunings, &self.pairing) == (&other.config, &other.tunings, &other.pairing)
+            && (&self.active, &self.clerk) == (&other.active, &other.clerk)
+            && inputs(self) == inputs(other)
+    }
+}
+
 /// What the checks of the next sample look at, and which estimator is to answer it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Inputs {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.
     repeats: usize,
-    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns. They are no
-    /// part of a snapshot: what is rejected changes nothing else.
-    #[cfg_attr(feature = "serde", serde(skip))]
+    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
     astray: u32,
-    #[cfg_attr(feature = "serde", serde(skip))]
     astray_ns: i64,
     /// Time of the latest sample with a rotation, ns: the gyroscope is there.
     rotated_ns: Option<i64>,
@@ -84,11 +95,15 @@ struct Inputs {
     mode: SensorMode,
     event: Option<Event>,
     tilt: Tilt,
+    /// What was adopted, until something is learned from live samples.
+    adopted: Option<Adopted>,
+    /// The calibration in force was learned from live samples.
+    has_learned: bool,
+    /// Dip of the field when it was last known, deg.
+    inclination_deg: Option<f64>,
     /// How well the calibration was believed that was adopted last, uT.
     adopted_sigma_ut: Option<f64>,
 }
-
-checked!(Inputs, |it| it.adopted_sigma_ut.is_none_or(|sigma_ut| sigma_ut > 0.0));
 
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
@@ -106,18 +121,24 @@ impl Compensator {
     #[doc(hidden)]
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
-        Ok(Self {
+        let mut it = Self {
             pairing: InertialPairing::default(),
-            active: Box::new(Active::new(&config, &tunings, Self::initial(&config))),
-            clerk: Clerk::new(config.windowed, config.field_strength_ut, config.initial),
+            active: Box::new(Active::new(&config, &tunings, None)),
+            clerk: Clerk::new(config.windowed, config.field_strength_ut),
             inputs: Inputs::default(),
             tunings,
             config,
-        })
+        };
+        it.adopt_initial();
+        Ok(it)
     }
 
-    fn initial(config: &Config) -> Option<Given> {
-        config.initial.map(|calibration| Given { calibration, sigma_ut: config.initial_sigma_ut })
+    fn adopt_initial(&mut self) {
+        let Config { initial: Some(calibration), initial_sigma_ut, .. } = self.config else { return };
+        // its sigma is that of a validated config
+        if let Ok(kept) = KeptCalibration::given(calibration, initial_sigma_ut) {
+            self.adopt(&kept, None);
+        }
     }
 
     /// The config it was made with, and the heading settings that were set since.
@@ -136,45 +157,82 @@ impl Compensator {
         Ok(())
     }
 
-    /// From now on this calibration is in force, until something better is learned: for instance one the operating
-    /// system reports. The stream goes on.
+    /// From now on this calibration is in force, until something better is learned. The stream goes on.
     ///
-    /// `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, uT, 0.01 to 1000; of its soft iron it is taken
-    /// to err by as much, up to what is usual for phones. The first readings are as unsure as that. Of a calibration that was kept, it
-    /// is the root of a third of the trace of the first 3 x 3 of [`Self::covariance`]. The windowed methods have no prior: their readings
-    /// have no sigma before their own fit.
+    /// One that was kept has aged by `unix_time_s` (seconds since 1970, by the clock that [`Self::keep`] was told), less the time it was kept
+    /// at: the older, the likelier the device has changed since. `None`: not known, so of one that was learned as good as nothing is
+    /// believed beforehand. The first sample that comes with a vertical is judged by: a total field or a dip that is not as it was widens the
+    /// hard iron's uncertainty or moves it, up to a start from nothing. The status is never `Tracking` before live samples of a turned
+    /// device agree. The windowed methods have no prior: their readings have no sigma before their own fit.
     ///
-    /// # Errors
-    /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range; nothing has changed then.
-    pub fn adopt(&mut self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), ConfigError> {
-        validate_sigma("hard_iron_sigma_ut", hard_iron_sigma_ut)?;
-        self.begin_anew(Given { calibration, sigma_ut: hard_iron_sigma_ut });
-        Ok(())
+    /// A calibration of the operating system replaces nothing that was learned. Beside one of another source that no live sample has confirmed
+    /// the first such is one more measurement of the hard iron.
+    pub fn adopt(&mut self, kept: &KeptCalibration, unix_time_s: Option<i64>) {
+        let inputs = &mut self.inputs;
+        if kept.source() == CalibrationSource::System {
+            if inputs.has_learned {
+                return;
+            }
+            if let Some(adopted) = &mut inputs.adopted {
+                if adopted.hear(kept) {
+                    self.begin_as_believed();
+                }
+                return;
+            }
+        }
+        (inputs.adopted, inputs.has_learned) = (Some(Adopted::new(kept, unix_time_s)), false);
+        inputs.adopted_sigma_ut = Some((kept.covariance().fixed_view::<3, 3>(0, 0).trace() / 3.0).sqrt());
+        self.begin_from(Some(Given { calibration: *kept.calibration(), covariance: *kept.covariance() }));
     }
 
-    fn begin_anew(&mut self, given: Given) {
-        self.inputs.adopted_sigma_ut = Some(given.sigma_ut);
+    /// The calibration in force with what is known of it, to be kept for the next launch; `unix_time_s` is now, seconds since 1970. `None`
+    /// while nothing was learned from live samples: what was adopted is kept where it came from.
+    #[must_use]
+    pub fn keep(&self, unix_time_s: i64) -> Option<KeptCalibration> {
+        let Given { calibration, covariance } =
+            self.active.in_force(&self.clerk).filter(|_| self.inputs.has_learned)?;
+        KeptCalibration::learned(calibration, covariance, self.inputs.inclination_deg, unix_time_s)
+    }
+
+    /// What live samples say of an adopted calibration, before anything is learned.
+    fn judge_adopted(&mut self, sample: &MagneticSample, up: Option<Vector3<f64>>) {
+        let Some(adopted) = &mut self.inputs.adopted else { return };
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < CALM;
+        if adopted.see(sample, up.filter(calm).map(|up| up.normalize()).as_ref()) {
+            self.begin_as_believed();
+        }
+    }
+
+    fn begin_as_believed(&mut self) {
+        let believed = self.inputs.adopted.as_ref().and_then(Adopted::believed);
+        self.begin_from(believed);
+    }
+
+    fn begin_from(&mut self, given: Option<Given>) {
         match &mut *self.active {
             Active::Windowed(windowed) => windowed.fit = None,
             // the aided one takes over with the next rotation
-            other => *other = Active::new(&self.config, &self.tunings, Some(given)),
+            other => *other = Active::new(&self.config, &self.tunings, given),
         }
-        self.clerk.look_through(Some(given.calibration));
+        self.clerk.look_through(given.map(|given| given.calibration));
     }
 
-    /// Forgets everything but the config, and begins from this.
-    fn begin_with(&mut self, given: Option<Given>) {
+    /// Another clock: all begins anew, but for the calibration in force.
+    fn begin_another_clock(&mut self) {
+        let (given, inputs) = (self.in_force(), self.inputs);
         self.reset();
-        if let Some(given) = given {
-            self.begin_anew(given);
-        }
+        let Inputs { adopted, has_learned, inclination_deg, adopted_sigma_ut, .. } = inputs;
+        self.inputs = Inputs { adopted, has_learned, inclination_deg, adopted_sigma_ut, ..self.inputs };
+        self.begin_from(given);
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
     fn in_force(&self) -> Option<Given> {
-        let given = self.active.in_force(&self.clerk)?;
-        let adopted_ut = self.inputs.adopted_sigma_ut.or(self.config.initial.map(|_| self.config.initial_sigma_ut));
-        Some(Given { sigma_ut: given.sigma_ut.max(adopted_ut.unwrap_or(USUAL_SIGMA_UT).min(USUAL_SIGMA_UT)), ..given })
+        let mut given = self.active.in_force(&self.clerk)?;
+        let least_ut = self.inputs.adopted_sigma_ut.map_or(USUAL_SIGMA_UT, |sigma_ut| sigma_ut.min(USUAL_SIGMA_UT));
+        let lacks_ut2 = (least_ut * least_ut - given.hard_iron_ut2()).max(0.0);
+        given.covariance += independent(lacks_ut2, IRON_PER_UT * IRON_PER_UT * lacks_ut2);
+        Some(given)
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -195,7 +253,7 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50
     /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-    /// stays then, and all else begins anew. How many of them there have been is no part of a snapshot.
+    /// stays then, and all else begins anew.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         if let Err(reason) = self.check(&sample)
             && !self.begins_another_clock(sample.time_ns, reason)
@@ -214,6 +272,7 @@ impl Compensator {
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
         }
+        self.judge_adopted(&sample, paired.up_m_s2);
         if self.hand_over(sample.time_ns, previous.map(|previous| previous.time_ns)) {
             // it does not know yet where the field points: this sample goes in as one after a pause
             paired.rotation = None;
@@ -226,7 +285,16 @@ impl Compensator {
         }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
-        self.reading(sample.time_ns, status, answer)
+        if !self.inputs.has_learned && self.active.has_learned() {
+            (self.inputs.has_learned, self.inputs.adopted) = (true, None);
+        }
+        let reading = self.reading(sample.time_ns, status, answer);
+        if let (Status::Tracking, Some(heading)) = (status, reading.heading) {
+            let seconds = previous.map_or(0.0, |previous| (sample.time_ns - previous.time_ns) as f64 * 1e-9);
+            let dip_deg = self.inputs.inclination_deg.get_or_insert(heading.inclination_deg);
+            *dip_deg += (heading.inclination_deg - *dip_deg) * -(-seconds / DIP_S).exp_m1();
+        }
+        reading
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -312,8 +380,9 @@ impl Compensator {
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
         self.pairing = InertialPairing::default();
-        *self.active = Active::new(&self.config, &self.tunings, Self::initial(&self.config));
-        self.clerk.restart(self.config.initial);
+        *self.active = Active::new(&self.config, &self.tunings, None);
+        self.clerk.restart();
         self.inputs = Inputs::default();
+        self.adopt_initial();
     }
 }

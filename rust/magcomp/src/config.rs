@@ -1,14 +1,14 @@
 //! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
 
-use crate::calibration::{Calibration, USUAL_SIGMA_UT};
+use crate::calibration::Calibration;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
+use crate::kept::USUAL_SIGMA_UT;
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
 use crate::range::{ConfigError, in_range};
 
 /// How M and b are estimated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Method {
     /// Gyroscope and gravity beside the magnetometer; `Adaptive` while there is no usable gyroscope. The default.
@@ -26,8 +26,8 @@ pub enum Method {
 
 /// Everything a [`crate::Compensator`] can be told: sixteen settings. `Config::default()` suits a phone; a setting is changed
 /// on it, as the example there shows.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Config {
     /// How M and b are estimated. Default [`Method::Auto`].

@@ -17,7 +17,6 @@ fn bands() -> impl Iterator<Item = (usize, usize)> {
 
 /// Counts of samples per cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coverage {
     counts: SVector<u32, CELLS>,
 }

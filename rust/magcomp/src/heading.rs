@@ -19,8 +19,7 @@ mod tests;
 use nalgebra::{Matrix3, Vector3};
 
 /// Which axis of the device the heading is that of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum ReferenceAxis {
     /// Top edge of the screen.
@@ -33,8 +32,7 @@ pub enum ReferenceAxis {
 }
 
 /// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum ScreenRotation {
     /// Natural orientation: portrait on phones.
     #[default]
@@ -62,8 +60,8 @@ impl ScreenRotation {
 }
 
 /// How headings are reported.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct HeadingConfig {
     /// The axis whose heading it is. Default the top edge.
@@ -89,8 +87,7 @@ impl Default for HeadingConfig {
 }
 
 /// A heading and what belongs to it. All angles in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Heading {
     /// Clockwise from magnetic north, 0 to 360.

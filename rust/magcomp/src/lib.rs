@@ -34,16 +34,13 @@
 //! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
 //! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
-//! | the settings; the state as text | [`Config`], [`Compensator::snapshot`] | `config.rs`, `snapshot.rs` |
+//! | the settings | [`Config`] | `config.rs` |
+//! | a calibration kept from one launch to the next; what live samples say of it | [`KeptCalibration`], [`Compensator::adopt`] | `kept.rs`, `compensator/adopted.rs` |
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
 //!
-//! The feature `serde`, on by default, brings [`Compensator::snapshot`] and serde's traits of the config and of what is read.
-//!
 //! The core needs `std`: without it f64 has no `sqrt`, `sin` or `atan2`, and with `libm` in their place every file of mathematics
 //! would change, for targets that no phone is.
-
-#![cfg_attr(not(feature = "serde"), allow(dead_code, reason = "what a restored state must hold"))]
 
 pub use nalgebra;
 
@@ -54,14 +51,12 @@ mod config;
 mod coverage;
 mod estimator;
 mod heading;
+mod kept;
 mod quadric;
 mod range;
 mod reading;
 mod sample;
 mod sensing;
-#[cfg(feature = "serde")]
-mod snapshot;
-mod sound;
 mod tuning;
 
 pub use attitude::{Attitude, attitude, attitude_sigma_deg};
@@ -75,6 +70,7 @@ pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniform
 pub use heading::{
     Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
 };
+pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
 pub use quadric::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
@@ -84,12 +80,10 @@ pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, Re
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;
-#[cfg(feature = "serde")]
-pub use snapshot::{Restored, SNAPSHOT_VERSION, SnapshotError};
 #[doc(hidden)]
 pub use tuning::Choice;
 
 /// README's code runs as a test.
-#[cfg(all(doctest, feature = "serde"))]
+#[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

@@ -6,8 +6,7 @@ use crate::quadric::FitError;
 use nalgebra::Vector3;
 
 /// The answer to one magnetometer sample. What is not known is None, never NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Reading {
     /// Time of the sample, nanoseconds.
@@ -50,8 +49,7 @@ pub struct Reading {
 }
 
 /// The sensors an estimator runs on, as they come and go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum SensorMode {
     /// Gyroscope and accelerometer beside the magnetometer: everything works.
@@ -66,8 +64,7 @@ pub enum SensorMode {
 }
 
 /// Which parameters were free to change at the latest change, as the evidence had it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum ModelOrder {
     /// None: they are what they were.
@@ -84,7 +81,7 @@ pub enum ModelOrder {
 /// A change that was decided. Its text is one sentence an app may show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{kind} in {:.1} s", (*.decided_ns as f64 - *.since_ns as f64) * 1e-9)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Event {
     /// What changed.
@@ -96,8 +93,7 @@ pub struct Event {
 }
 
 /// What changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum EventKind {
     /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
@@ -112,8 +108,7 @@ pub enum EventKind {
 }
 
 /// What the compensator is doing, so that an app can tell its user what to do. Its text is one sentence an app may show.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Status {
     /// No calibration yet.
@@ -143,8 +138,7 @@ pub enum Status {
 }
 
 /// What a first calibration still lacks.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Missing {
     /// More samples before a first fit is tried.
@@ -167,8 +161,7 @@ pub enum Missing {
 }
 
 /// Why nothing is learned at the moment.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum HoldReason {
     /// sigma_T is below its threshold.
@@ -192,8 +185,7 @@ pub enum HoldReason {
 }
 
 /// Why a sample was not used.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum RejectReason {
     /// A component is NaN or infinite.

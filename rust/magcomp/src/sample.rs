@@ -5,8 +5,7 @@
 use nalgebra::Vector3;
 
 /// One raw magnetometer event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MagneticSample {
     /// Time of the event, nanoseconds, strictly increasing from one sample to the next.
     pub time_ns: i64,
@@ -15,8 +14,7 @@ pub struct MagneticSample {
 }
 
 /// One gyroscope event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RotationRateSample {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     pub time_ns: i64,
@@ -25,8 +23,7 @@ pub struct RotationRateSample {
 }
 
 /// One accelerometer or gravity event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct UpSample {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     pub time_ns: i64,

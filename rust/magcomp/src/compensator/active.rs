@@ -1,20 +1,20 @@
 //! The estimator that answers. There is one at a time; another takes its place in the same memory.
 
-use crate::calibration::{Calibration, Given, UNEVEN_UT, USUAL_SIGMA_UT};
+use crate::calibration::{Calibration, Given, UNEVEN_UT, calibration_covariance, independent};
 use crate::config::{Config, Method};
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
-use crate::estimator::aided::{Aided, calibration_covariance};
+use crate::estimator::aided::Aided;
 use crate::estimator::answer::Answer;
 use crate::estimator::paper::{Clerk, Windowed};
+use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
 use crate::reading::{SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix};
 
 /// One of the estimators.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box in each would allocate")]
 pub(super) enum Active {
     Aided(Aided),
@@ -40,20 +40,6 @@ impl Active {
             aided.begin_from(&given);
         }
         Self::Aided(aided)
-    }
-
-    /// Whether a compensator with this config could have come to it.
-    pub fn belongs_to(&self, config: &Config) -> bool {
-        match (self, config.method) {
-            (Self::Aided(aided), Method::Auto | Method::Aided) => aided.belongs_to(config.field_strength_ut),
-            (Self::Adaptive(adaptive), Method::Auto | Method::Aided | Method::Adaptive) => {
-                adaptive.belongs_to(config.field_strength_ut)
-            }
-            (Self::Windowed(windowed), Method::Windowed | Method::Constant) => {
-                windowed.constant == (config.method == Method::Constant)
-            }
-            _ => false,
-        }
     }
 
     /// One sample that was checked, with what the other sensors said; the clerk takes it down.
@@ -100,16 +86,27 @@ impl Active {
         }
     }
 
-    /// The calibration in force, and the root of the mean variance of a component of b.
+    /// The calibration in force, and how well it is known.
     pub fn in_force(&self, clerk: &Clerk) -> Option<Given> {
         if let Self::Adaptive(adaptive) = self
             && let Some(given) = adaptive.untouched()
         {
             return Some(given);
         }
-        let variance_ut2 = self.covariance().map(|p| p.fixed_view::<3, 3>(0, 0).trace() / 3.0);
-        let sigma_ut = variance_ut2.map_or(USUAL_SIGMA_UT, |variance| variance.max(0.0).sqrt());
-        Some(Given { calibration: self.calibration(clerk)?, sigma_ut })
+        let covariance = self.covariance().unwrap_or_else(|| {
+            let sigma_ut = USUAL_SIGMA_UT;
+            independent(sigma_ut.powi(2), (IRON_PER_UT * sigma_ut).powi(2))
+        });
+        Some(Given { calibration: self.calibration(clerk)?, covariance })
+    }
+
+    /// Whether the calibration in force was learned from live samples.
+    pub fn has_learned(&self) -> bool {
+        match self {
+            Self::Aided(aided) => aided.has_learned(),
+            Self::Adaptive(adaptive) => adaptive.has_learned(),
+            Self::Windowed(windowed) => windowed.fit.is_some(),
+        }
     }
 
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {

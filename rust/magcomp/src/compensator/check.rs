@@ -26,7 +26,7 @@ impl Compensator {
         if inputs.astray < ANOTHER_CLOCK {
             return false;
         }
-        self.begin_with(self.in_force());
+        self.begin_another_clock();
         true
     }
 

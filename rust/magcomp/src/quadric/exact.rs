@@ -4,7 +4,6 @@ use nalgebra::{ArrayStorage, SVector};
 
 /// Exact running sums of so many values at once, in units of 2^-60.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ExactSums<const N: usize>(SVector<i128, N>);
 
 const HIGH_UNIT: f64 = (1u64 << 20) as f64;

@@ -22,7 +22,6 @@ type Vector10 = SVector<f64, 10>;
 
 /// Why the iteration stopped. Each is an answer; `Stalled` and `MaxIterations` say how good.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Termination {
     /// The last step was below the tolerance.

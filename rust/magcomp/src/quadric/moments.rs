@@ -14,7 +14,6 @@
 mod tests;
 
 use super::exact::ExactSums;
-use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Exponents of x, y, z for each entry of d.
@@ -62,7 +61,6 @@ const PLACES: [[Entry; 10]; 10] = {
 
 /// Exact sums of the monomials of a set of raw samples.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,
@@ -71,8 +69,6 @@ pub struct Moments {
     not_finite: usize,
     sums: ExactSums<MONOMIALS>,
 }
-
-checked!(Moments, |it| is_finite(&it.centre_ut) && it.scale_ut > 0.0 && it.not_finite <= it.count);
 
 impl Moments {
     /// No samples yet. `centre_ut` should lie within a field strength of the ellipsoid's centre and `scale_ut` near
@@ -91,11 +87,6 @@ impl Moments {
         let mut moments = Self::new(centre, if spread > 0.0 { spread } else { 1.0 });
         points_ut.iter().for_each(|point| moments.add(point));
         moments
-    }
-
-    /// Whether the coordinates are the same.
-    pub(crate) fn is_about(&self, other: &Self) -> bool {
-        (self.centre_ut, self.scale_ut) == (other.centre_ut, other.scale_ut)
     }
 
     /// Whether every sample in the set is finite.

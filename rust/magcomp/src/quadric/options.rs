@@ -6,8 +6,7 @@ use crate::calibration::EARTH_FIELD_UT;
 pub const SMALLEST_SAMPLE_COUNT: usize = 9;
 
 /// What is squared and summed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Residual {
     /// Eq. (10) as written. Biased in scale by about 3 s^2 (s: noise over field strength), and in everything when the
     /// sphere is only partly covered.
@@ -18,8 +17,8 @@ pub enum Residual {
 }
 
 /// What a fit accepts and how it iterates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct FitOptions {
     /// What is squared and summed. Default [`Residual::Corrected`].
@@ -62,8 +61,7 @@ impl Default for FitOptions {
 }
 
 /// Why there is no ellipsoid to report.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum FitError {
     /// Fewer samples than parameters.

@@ -19,7 +19,6 @@ const PLANAR_RATIO: f64 = 0.01;
 const PLANAR_NOISES: f64 = 3.0;
 /// An ellipsoid and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct EllipsoidFit {
     /// M, b and the field strength.

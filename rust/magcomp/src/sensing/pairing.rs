@@ -14,7 +14,6 @@
 #[cfg(test)]
 mod tests;
 
-use crate::sound::checked;
 use arrayvec::ArrayVec;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::mem::take;
@@ -24,8 +23,6 @@ const RATE_EVENTS: usize = 16;
 /// `up` events held: they vary slowly, only the two around a sample matter.
 const UP_EVENTS: usize = 8;
 const NANO: f64 = 1e-9;
-/// No rate, turn or acceleration that is believed is larger: rad/s, rad, m/s^2.
-const LARGEST_VALUE: f64 = 1000.0;
 /// Memory of that density, s: a hand changes its motion about as fast.
 const WANDER_TIME_S: f64 = 0.5;
 
@@ -83,21 +80,13 @@ pub(crate) struct Rotation {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Event {
     time_ns: i64,
     value: Vector3<f64>,
 }
 
-/// Whether events are in order, all behind `before`, and none is larger than any that is believed.
-fn are_sound(before: Option<Event>, events: &[Event]) -> bool {
-    before.iter().chain(events).is_sorted_by(|a, b| a.time_ns < b.time_ns)
-        && before.iter().chain(events).all(|event| event.value.amax() <= LARGEST_VALUE)
-}
-
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct InertialPairing {
     rates: ArrayVec<Event, RATE_EVENTS>,
     ups: ArrayVec<Event, UP_EVENTS>,
@@ -125,22 +114,7 @@ pub(crate) struct InertialPairing {
     last_paired_ns: Option<i64>,
 }
 
-checked!(InertialPairing, |it| {
-    let turns = [it.gathered_rad, it.owed_rad, it.bias_rad_s.cast(), it.scale.cast()];
-    are_sound(it.anchor, &it.rates)
-        && are_sound(it.last_rate, &it.rates)
-        && are_sound(it.last_up, &it.ups)
-        && it.gathered_rad2 >= 0.0
-        && turns.iter().all(|turn| turn.amax() <= LARGEST_VALUE)
-        && it.scale.iter().all(|scale| *scale != 1.0)
-});
-
 impl InertialPairing {
-    /// Whether the latest sample is one of this time.
-    pub fn belongs_to(&self, latest_ns: Option<i64>) -> bool {
-        self.last_paired_ns == latest_ns
-    }
-
     /// Takes one gyroscope event: rad/s, device frame. One that is rejected changes nothing.
     pub fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: Vector3<f64>) -> Result<(), EventRejection> {
         let taken_ns = self.anchor.map(|anchor| anchor.time_ns);

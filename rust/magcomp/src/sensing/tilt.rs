@@ -9,8 +9,6 @@
 #[cfg(test)]
 mod tests;
 
-use crate::sound::checked;
-
 /// Standard gravity, m/s^2.
 pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const MEMORY_S: f64 = 1.0;
@@ -19,14 +17,11 @@ const LARGEST_RAD: f64 = 1.0;
 
 /// The low-passed square of what motion adds to gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Tilt {
     /// Of `up` about a horizontal axis, what it has at rest aside.
     pub variance_rad2: f64,
     last_ns: Option<i64>,
 }
-
-checked!(Tilt, |it| (0.0..=1.0).contains(&it.variance_rad2));
 
 impl Tilt {
     /// One sample of `up`, of size `up_m_s2`.

@@ -6,10 +6,12 @@
 
 use super::hypothesis::{Hypothesis, Kind};
 use super::motion::Motion;
-use super::parameters::{Gaussian, Tau, TauMatrix, shape};
+use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
 use super::setting::{Sample, Setting};
 use super::tuning::Tuning;
-use nalgebra::Vector3;
+use crate::calibration::Given;
+use crate::quadric::symmetric::{basis, six};
+use nalgebra::{SMatrix, Vector3};
 use std::f64::consts::LN_2;
 use std::ops::Range;
 
@@ -19,6 +21,8 @@ pub(super) const MOST: usize = 16;
 const FORMER: usize = 4;
 /// A centre of the moments further from the samples than this (field strengths) is moved: moments about it are badly conditioned.
 const FAR: f64 = 6.0;
+/// Variance below which no element of a given T or beta is believed to be known.
+const LEAST_VARIANCE: f64 = 1e-8;
 /// Mixture weights below this do not count.
 const NO_WEIGHT: f64 = 1e-5;
 
@@ -33,7 +37,6 @@ struct Before {
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bank {
     all: [Option<Hypothesis>; MOST],
     former: [Option<Gaussian>; FORMER],
@@ -45,11 +48,6 @@ pub(super) struct Bank {
 impl Bank {
     pub fn new() -> Self {
         Self { all: [const { None }; MOST], former: [None; FORMER], next_id: 0, turn: 0, since_look_s: 0.0 }
-    }
-
-    /// Whether its moments count in the same unit.
-    pub fn is_in_units_of(&self, unit_ut: f64) -> bool {
-        self.each().all(|h| h.is_in_units_of(unit_ut))
     }
 
     pub fn is_empty(&self) -> bool {
@@ -408,12 +406,23 @@ fn cold(u: &Vector3<f64>, deviation: f64, at: &Setting) -> Gaussian {
     Gaussian { mean, covariance }
 }
 
-/// A calibration that was given, whose b errs by `sigma_ut`.
-pub(super) fn given(tau: &Tau, sigma_ut: f64, at: &Setting) -> Gaussian {
-    let known = Gaussian { mean: *tau, covariance: TauMatrix::zeros() };
-    let iron = (at.tuning.iron_per_ut * sigma_ut).min(at.tuning.cold_little);
+/// A calibration that was given.
+pub(super) fn given(given: &Given, at: &Setting) -> Gaussian {
+    let per_unit = at.unit_ut / given.calibration.field_strength_ut();
+    let t = given.calibration.soft_iron_inverse() * per_unit;
+    let mean = tau_of(&t, &(given.calibration.hard_iron_ut() / at.unit_ut));
+    // T = k M^-1: dT = -T dM T / k
+    let mut by = SMatrix::<f64, 9, 9>::zeros();
+    for (k, dm) in basis().into_iter().enumerate() {
+        by.fixed_view_mut::<6, 1>(0, 3 + k).copy_from(&six(&(t * dm * t / -per_unit)));
+    }
+    by.fixed_view_mut::<3, 3>(6, 0).fill_diagonal(1.0 / at.unit_ut);
+    let mut covariance = TauMatrix::zeros();
+    covariance.fixed_view_mut::<9, 9>(0, 0).copy_from(&(by * given.covariance * by.transpose()));
+    // what was measured best is not known better than this
+    (0..9).for_each(|k| covariance[(k, k)] += LEAST_VARIANCE);
     // the strength of this place may differ from that of the last
-    let mut known = elsewhere(&after(&known, iron, sigma_ut / at.unit_ut, at.tuning), 2.0 * at.tuning.small_place);
+    let mut known = elsewhere(&Gaussian { mean, covariance }, 2.0 * at.tuning.small_place);
     known.covariance[(9, 9)] = 1.0;
     known
 }

@@ -10,7 +10,6 @@ use crate::reading::{Event, EventKind, ModelOrder};
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Decision {
     /// The hypothesis that was decided for, and what it says.
     id: u32,

@@ -18,12 +18,10 @@ use super::setting::{Sample, Setting};
 use super::vertical::{VerticalLikelihood, VerticalMoments, miss};
 use crate::quadric::Moments;
 use crate::quadric::ldl::{self, Ldl};
-use crate::sound::{checked, is_covariance};
 use nalgebra::Vector3;
 
 /// What a hypothesis says has changed at its onset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Kind {
     /// Nothing was known before.
     Cold,
@@ -37,7 +35,6 @@ pub(super) enum Kind {
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Hypothesis {
     pub kind: Kind,
     /// The change before this one.
@@ -76,9 +73,6 @@ pub(super) struct Hypothesis {
     pub error: f64,
     next_twin: f64,
 }
-
-checked!(Hypothesis, |it| is_covariance(&it.information)
-    && [it.groups, it.age, it.damping, it.error, it.next_fit, it.next_twin].iter().all(|value| *value >= 0.0));
 
 /// Reference for the level of the noise, units^2: only keeps numbers small.
 const LEVEL: f64 = 1e-4;
@@ -154,11 +148,6 @@ impl Hypothesis {
 
     pub fn centre(&self) -> &Vector3<f64> {
         &self.centre
-    }
-
-    /// Whether its moments are about its centre in this unit.
-    pub fn is_in_units_of(&self, unit_ut: f64) -> bool {
-        self.moments.is_about(&Moments::new(self.centre * unit_ut, unit_ut))
     }
 
     pub fn samples(&self) -> f64 {

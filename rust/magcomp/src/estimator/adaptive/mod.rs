@@ -38,9 +38,11 @@ pub(crate) use tuning::Tuning;
 /// Samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
+/// Mean square turn, about one axis at least, after which a given calibration was looked at from sides enough to be confirmed, rad^2.
+const TURNED_RAD2: f64 = 0.1;
+
 /// Where the device stays, and for how long, samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Stay {
     at: Vector3<f64>,
     samples: f64,
@@ -48,9 +50,7 @@ struct Stay {
 
 /// The estimator. All state is plain numbers.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Adaptive {
-    #[cfg_attr(feature = "serde", serde(skip))]
     tuning: Tuning,
     unit_ut: f64,
     strength_ut: Option<f64>,
@@ -65,6 +65,9 @@ pub(crate) struct Adaptive {
     worst: f64,
     decision: Decision,
     count: u64,
+    /// Sum of the corrected directions, and of how many groups.
+    seen: Vector3<f64>,
+    groups: u64,
 }
 
 impl Adaptive {
@@ -86,14 +89,9 @@ impl Adaptive {
             worst: 0.0,
             decision: Decision::default(),
             count: 0,
+            seen: Vector3::zeros(),
+            groups: 0,
         }
-    }
-
-    /// Whether an estimator that knows this field strength, uT, can go on from it.
-    pub fn belongs_to(&self, strength_ut: Option<f64>) -> bool {
-        (self.unit_ut, self.strength_ut) == (typical_field_ut(strength_ut), strength_ut)
-            && self.bank.is_in_units_of(self.unit_ut)
-            && self.published.is_none_or(|it| (it.unit_ut, it.strength_ut) == (self.unit_ut, self.strength_ut))
     }
 
     /// A raw sample, finite, times in order, and what gravity says with it, m/s^2.
@@ -123,10 +121,7 @@ impl Adaptive {
     fn begin(&mut self, time_ns: i64, u: &Vector3<f64>) {
         let tuning = self.tuning;
         let at = self.setting(&tuning);
-        let given = self.given.map(|Given { calibration, sigma_ut }| {
-            let t = calibration.soft_iron_inverse() * (self.unit_ut / calibration.field_strength_ut());
-            bank::given(&parameters::tau_of(&t, &(calibration.hard_iron_ut() / self.unit_ut)), sigma_ut, &at)
-        });
+        let given = self.given.map(|given| bank::given(&given, &at));
         self.published = given.map(|known| Published::new(known, self.unit_ut, self.strength_ut));
         self.bank.begin(time_ns, u, given, &at);
     }
@@ -146,6 +141,10 @@ impl Adaptive {
         }
         self.bank.push(group.began_ns(), &sample, surprise, seconds.min(1.0), &at);
         self.publish(group.began_ns(), &at);
+        if let Some(seen) = self.published.and_then(|published| parameters::see(&published.known.mean, &u)) {
+            self.seen += seen.direction;
+            self.groups += 1;
+        }
     }
 
     /// What the best hypothesis misses tells of the noise, where it is known well enough.
@@ -239,7 +238,7 @@ impl Adaptive {
         if let Some(since_ns) = self.decision.elsewhere_ns() {
             return Status::Disturbed { since_ns };
         }
-        if published.error > self.tuning.publish_deg.to_radians().powi(2) {
+        if published.error > self.tuning.publish_deg.to_radians().powi(2) || !self.has_learned() {
             return Status::Held(HoldReason::TooLittleRotation);
         }
         Status::Tracking
@@ -251,6 +250,12 @@ impl Adaptive {
             Some(published) => published.calibration(),
             None => self.untouched().map(|given| given.calibration),
         }
+    }
+
+    /// Whether live samples, from directions that differ, agree with the calibration in force.
+    pub fn has_learned(&self) -> bool {
+        let mean = self.seen / (self.groups as f64).max(1.0);
+        self.published.is_some() && (self.given.is_none() || 1.0 - mean.norm_squared() > TURNED_RAD2)
     }
 
     /// What was given, before the first sample.

@@ -5,20 +5,16 @@
 use super::parameters::{COUNT, Gaussian, Tau, TauMatrix};
 use super::setting::Setting;
 use crate::quadric::ldl::Ldl;
-use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Motion {
     pub moves: bool,
     pub rate: Vector3<f64>,
     gain: SMatrix<f64, 3, COUNT>,
     covariance: Matrix3<f64>,
 }
-
-checked!(Motion, |it| is_covariance(&it.covariance));
 
 impl Motion {
     /// With a rate to begin with, units/s, of which nothing is known but the size of rates.

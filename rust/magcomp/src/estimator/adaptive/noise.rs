@@ -13,7 +13,6 @@
 //! are worth one: what lasts is not averaged away.
 
 use super::tuning::Tuning;
-use crate::sound::checked;
 use nalgebra::Vector3;
 
 /// Times over which errors are summed: 0.02 s times 2^j, up to 5.12 s.
@@ -49,13 +48,10 @@ pub(super) struct Level {
 
 /// A clipped running mean square.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Mean {
     value: f64,
     count: f64,
 }
-
-checked!(Mean, |it| it.value > 0.0 && it.count >= 1.0);
 
 impl Mean {
     fn new(value: f64) -> Self {
@@ -71,7 +67,6 @@ impl Mean {
 
 /// What is believed of errors that last before any are seen, and the least that is believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Believed {
     /// s0 and the least s.
     pub size: (f64, f64),
@@ -81,11 +76,8 @@ pub(super) struct Believed {
     pub spread: f64,
 }
 
-checked!(Believed, |it| [it.size.0, it.size.1, it.lasts_s.0, it.lasts_s.1, it.spread].iter().all(|value| *value > 0.0));
-
 /// Sums of errors over one length of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Scale {
     /// The sum and its samples that wait for the next.
     pending: Option<(f64, f64)>,
@@ -94,11 +86,8 @@ struct Scale {
     count: f64,
 }
 
-checked!(Scale, |it| it.count >= 0.0 && it.allan >= 0.0 && it.pending.is_none_or(|(_, samples)| samples > 0.0));
-
 /// Errors that last: s and tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 struct Lasting {
     believed: Believed,
     bin: (f64, f64),
@@ -107,8 +96,6 @@ struct Lasting {
     square: f64,
     worth_s: f64,
 }
-
-checked!(Lasting, |it| it.square > 0.0 && it.worth_s > 0.0 && it.bin.1 >= 0.0);
 
 impl Lasting {
     fn new(believed: Believed) -> Self {
@@ -187,7 +174,6 @@ impl Lasting {
 
 /// White and lasting errors of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Errors {
     white: Mean,
     /// The latest mean, and of how many.
@@ -235,7 +221,6 @@ const LEAST_TILT_RAD: f64 = 0.005;
 
 /// The learned noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Noise {
     distance: Errors,
     vertical: Errors,
@@ -246,8 +231,6 @@ pub(super) struct Noise {
     most: f64,
     period_s: f64,
 }
-
-checked!(Noise, |it| it.least > 0.0 && it.most > it.least && it.period_s > 0.0);
 
 impl Noise {
     pub fn new(tuning: &Tuning, unit_ut: f64) -> Self {

@@ -9,7 +9,6 @@ mod tests;
 
 use crate::quadric::mean_square_angle;
 use crate::quadric::symmetric::{PLACES, basis, six, symmetric};
-use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Parameters of a hypothesis.
@@ -26,13 +25,10 @@ const BOUNDS: (f64, f64) = (0.25, 3.5);
 
 /// A Gaussian over tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Gaussian {
     pub mean: Tau,
     pub covariance: TauMatrix,
 }
-
-checked!(Gaussian, |it| is_covariance(&it.covariance));
 
 impl Gaussian {
     /// Variance of what has this derivative by tau.

@@ -6,14 +6,12 @@ use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::quadric::symmetric::{basis, six};
-use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// A Gaussian over tau in coordinates of `unit_ut`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Published {
     pub known: Gaussian,
     /// Expected direction error all around, rad^2.
@@ -21,8 +19,6 @@ pub(super) struct Published {
     pub unit_ut: f64,
     pub strength_ut: Option<f64>,
 }
-
-checked!(Published, |it| shape(&it.known.mean).cholesky().is_some() && it.error >= 0.0 && it.unit_ut > 0.0);
 
 impl Published {
     pub fn new(known: Gaussian, unit_ut: f64, strength_ut: Option<f64>) -> Self {

@@ -29,7 +29,6 @@ const PAIRS: [(usize, usize); SUMS] = {
 
 /// Exact sums of y y^T.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct VerticalMoments {
     count: usize,
     sums: ExactSums<SUMS>,

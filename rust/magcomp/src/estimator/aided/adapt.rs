@@ -12,7 +12,6 @@
 //! ```
 //! Source: docs/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
-use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
@@ -25,7 +24,6 @@ const LEAST_NOISE_UT: f64 = 0.2;
 
 /// Noise levels, learned.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
     pub(crate) local_ut: f64,
@@ -48,14 +46,6 @@ pub(crate) struct Adaptation {
     slow_age_s: f64,
     useless_share: f64,
 }
-
-checked!(Adaptation, |it| {
-    [it.variance_ut2, it.local_ut, it.slow_age_s].iter().all(|v| *v > 0.0)
-        && it.walk_ut > 0.0
-        && it.walked_s >= 0.0
-        && it.power_ut2 >= 0.0
-        && (0.0..=1.0).contains(&it.useless_share)
-});
 
 impl Adaptation {
     pub(crate) fn new(tuning: &Tuning) -> Self {

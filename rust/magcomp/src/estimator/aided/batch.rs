@@ -11,7 +11,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Group, Groups};
 use super::measure::Model;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, Parts, SCALE as S, iron_rows};
+use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, Parts, SCALE as S};
+use crate::calibration::iron_rows;
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL;

@@ -8,7 +8,6 @@
 //! ```
 //! Source: docs/METHOD-AIDED.md.
 
-use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
 use super::state::{BIAS, FIELD, Gaussian};
@@ -17,7 +16,6 @@ use super::tuning::Tuning;
 
 /// The Earth's field in a place whose field is another.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Earth {
     /// When the field of the place changed.
     pub(crate) since_ns: i64,
@@ -28,8 +26,6 @@ pub(crate) struct Earth {
     /// w.
     probability: f64,
 }
-
-checked!(Earth, |it| it.sd_ut >= 0.0 && (0.0..=1.0).contains(&it.probability));
 
 impl Earth {
     /// As `carried` has it, which went by what `before` knew.

@@ -9,8 +9,6 @@
 //! Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
 //! the recall of a former calibration are new.
 
-use crate::sound::checked;
-
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Gaussian, OFFSET};
 use super::step::{Step, gain};
@@ -37,7 +35,6 @@ pub(crate) enum Verdict {
 
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Trial {
     /// Whether the field of the place was found to have changed, and whether it was before.
     pub(crate) is_place: bool,
@@ -61,11 +58,6 @@ pub(crate) struct Trial {
     /// When the place was found to have changed, or later, when nearly all samples of late fitted it.
     fitted_ns: i64,
 }
-
-checked!(Trial, |it| {
-    let ages = [it.rotation_rad, it.age_s, it.place_s];
-    ages.iter().all(|v| *v >= 0.0) && [it.device_misfit, it.place_misfit].iter().all(|v| (0.0..=1.0).contains(v))
-});
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.

@@ -19,7 +19,6 @@ use super::tuning::Tuning;
 use crate::heading::across_ut2;
 use crate::quadric::FitError;
 use crate::reading::Missing;
-use crate::sound::checked;
 
 /// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
 /// nothing, rad.
@@ -28,6 +27,9 @@ const CHAIN_RAD: f64 = 8.7e-4;
 const DELAY_SD_S: f64 = 0.010;
 /// Variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
+/// Variances below which a given calibration is not believed: of a component of b, uT^2, and of an element of E.
+const LEAST_OFFSET_UT2: f64 = 1e-4;
+const LEAST_IRON: f64 = 1e-8;
 /// A device that was turned so far, root mean square, about one axis lacks others.
 const ONE_AXIS_RAD2: f64 = 0.1;
 
@@ -36,7 +38,6 @@ const EARTH_UT: (f64, f64) = (18.0, 72.0);
 
 /// A start under way.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct FirstFit {
     groups: Groups,
     /// The latest fit.
@@ -60,26 +61,24 @@ pub(super) struct FirstFit {
     widest_rad2: f64,
 }
 
-checked!(FirstFit, |it| it.earth_ut.0.is_finite()
-    && it.earth_ut.1.is_finite()
-    && it.bias_variance > 0.0
-    && it.misfit_ut2 >= 0.0
-    && it.widest_rad2.is_finite());
-
-/// A calibration from elsewhere, or from before a pause: b and e, and their variance.
+/// A calibration from elsewhere, or from before a pause: b and e.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Before {
     pub(super) mean: SVector<f64, 9>,
-    /// Of b, per axis, uT^2.
-    pub(super) offset_ut2: f64,
-    /// Of an element of M - I.
-    pub(super) iron: f64,
+    pub(super) covariance: SMatrix<f64, 9, 9>,
     /// |h|, uT.
     pub(super) strength_ut: f64,
 }
 
-checked!(Before, |it| it.offset_ut2 > 0.0 && it.iron > 0.0 && it.strength_ut > 0.0);
+impl Before {
+    /// The trace of E is a gauge, and what was measured best is not known better than rounding.
+    fn precision(&self) -> Option<SMatrix<f64, 9, 9>> {
+        let mut covariance = self.covariance;
+        (0..3).for_each(|k| covariance[(k, k)] += LEAST_OFFSET_UT2);
+        (3..9).for_each(|k| covariance[(k, k)] += LEAST_IRON);
+        Some(covariance.cholesky()?.inverse())
+    }
+}
 
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
@@ -212,18 +211,17 @@ impl FirstFit {
         let mut mean = Vector::zeros();
         mean.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
         let mut precision = Matrix::zeros();
-        let (offset_ut2, iron) =
-            given.map_or((OFFSET_SD_UT.powi(2), tuning.iron_sd.powi(2)), |it| (it.offset_ut2, it.iron));
-        let iron = 1.0 / iron;
-        if let Some(given) = given {
-            mean.fixed_rows_mut::<9>(OFFSET).copy_from(&given.mean);
-        }
+        let iron = 1.0 / tuning.iron_sd.powi(2);
         for k in 0..3 {
             precision[(FIELD + k, FIELD + k)] = tuning.far_sd_ut.powi(-2);
-            precision[(OFFSET + k, OFFSET + k)] = 1.0 / offset_ut2;
+            precision[(OFFSET + k, OFFSET + k)] = 1.0 / OFFSET_SD_UT.powi(2);
             precision[(IRON + k, IRON + k)] = iron;
             precision[(IRON + 3 + k, IRON + 3 + k)] = 2.0 * iron;
             precision[(G + k, G + k)] = 1.0 / self.bias_variance;
+        }
+        if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
+            mean.fixed_rows_mut::<9>(OFFSET).copy_from(&given.mean);
+            precision.fixed_view_mut::<9, 9>(OFFSET, OFFSET).copy_from(&known);
         }
         let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
@@ -259,9 +257,11 @@ impl FirstFit {
         let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
         let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
         // at most what was known before any sample
-        let most_ut2 = before[(OFFSET, OFFSET)].recip().min(tuning.far_sd_ut.powi(2));
+        let given_ut2 = self.given.map(|given| given.covariance.fixed_view::<3, 3>(0, 0).into_owned());
         let d = Vector3::from_fn(|k, _| {
             let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
+            let before_ut2 = given_ut2.map_or(OFFSET_SD_UT.powi(2), |given| axis.dot(&(given * axis)));
+            let most_ut2 = before_ut2.min(tuning.far_sd_ut.powi(2));
             (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
         });
         let mut spread = SMatrix::<f64, 6, 3>::zeros();

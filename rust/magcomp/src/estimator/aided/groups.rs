@@ -10,7 +10,6 @@
 //! While a fit leaves more than a place does, the oldest groups go: a device that changed during its start is known soon after.
 //! Source: docs/METHOD-AIDED.md, Start.
 
-use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::propagate::turn;
@@ -25,7 +24,6 @@ const LONGEST_S: f64 = 0.5;
 
 /// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Group {
     turn: Matrix3<f64>,
     /// R' to the samples: their mean field is `back` h.
@@ -59,16 +57,11 @@ impl Group {
 
 /// The groups, the oldest first; the last one is being filled.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(super) struct Groups {
     groups: [Group; GROUPS],
     used: usize,
     longest_s: f64,
 }
-
-checked!(Groups, |it| (1..=GROUPS).contains(&it.used)
-    && (SHORTEST_S..=LONGEST_S).contains(&it.longest_s)
-    && it.groups.iter().all(|group| group.count >= 0.0 && group.moved_s >= 0.0));
 
 impl Default for Groups {
     fn default() -> Self {

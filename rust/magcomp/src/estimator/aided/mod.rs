@@ -24,7 +24,6 @@ mod tests;
 mod tuning;
 mod watch;
 
-use crate::sound::checked;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::calibration::Calibration;
@@ -36,7 +35,6 @@ use earth::Earth;
 use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
-pub(crate) use state::calibration_covariance;
 use state::{FIELD, Gaussian, OFFSET};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
@@ -52,9 +50,7 @@ const LARGEST_UP_M_S2: f64 = 1000.0;
 
 /// The estimator. All state is plain numbers: it can be cloned, compared and serialized.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Aided {
-    #[cfg_attr(feature = "serde", serde(skip))]
     tuning: Tuning,
     last_ns: Option<i64>,
     /// None until a first calibration is found.
@@ -76,8 +72,6 @@ pub(crate) struct Aided {
     lost_strength_ut: Option<f64>,
 }
 
-checked!(Aided, |it| it.moved_s >= 0.0 && it.lost_strength_ut.is_none_or(|strength_ut| strength_ut > 0.0));
-
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
     pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
@@ -91,9 +85,9 @@ impl Aided {
         }
     }
 
-    /// Whether the same field strength was known to it.
-    pub fn belongs_to(&self, known_ut: Option<f64>) -> bool {
-        self.known_ut == known_ut
+    /// Whether its calibration was found in live samples.
+    pub fn has_learned(&self) -> bool {
+        self.filter.is_some()
     }
 
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.

@@ -10,7 +10,6 @@
 //! Source: docs/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
 use crate::sensing::tilt::GRAVITY_M_S2;
-use crate::sound::checked;
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Known, gain};
@@ -23,7 +22,6 @@ const LARGEST_TILT_RAD: f64 = 0.03;
 
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Motion {
     rate_rad_s: f64,
     mean_rad_s: Vector3<f64>,
@@ -45,13 +43,6 @@ pub(crate) struct Motion {
     /// Mean square of that across `up`, per axis, g^2.
     leaning: f64,
 }
-
-checked!(Motion, |it| {
-    [it.rate_rad_s, it.scatter_rad2_s2, it.rest_s, it.lately_rad_s, it.up_age_s, it.tilt_rad2, it.leaning]
-        .iter()
-        .all(|v| *v >= 0.0)
-        && it.up.is_none_or(|up| (up.norm() - 1.0).abs() < 1e-3)
-});
 
 impl Motion {
     pub(crate) fn new() -> Self {

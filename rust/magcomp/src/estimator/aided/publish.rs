@@ -11,9 +11,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;
-use super::state::{DELAY, FIELD, Gaussian, calibration_covariance};
+use super::state::{DELAY, FIELD, Gaussian};
 use super::step::Step;
 use super::strength::impossible_field;
+use crate::calibration::calibration_covariance;
 use crate::estimator::answer::Answer;
 use crate::reading::{HoldReason, Missing, Status};
 

@@ -4,19 +4,16 @@
 //! Without rotations the direction of the field is lost; its strength and the calibration are not, and wait.
 //! Source: docs/METHOD-AIDED.md.
 
-use nalgebra::{Matrix3, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
-use super::state::{FIELD, Gaussian, IRON, LOCAL, OFFSET};
+use super::state::{FIELD, Gaussian, LOCAL, OFFSET};
 use super::tuning::Tuning;
 use super::watch::Watch;
 use crate::calibration::Given;
 use crate::estimator::answer::Answer;
 use crate::reading::Status;
-
-/// Strength of the earth's field over most of the land, uT.
-const EARTH_UT: f64 = 45.0;
 
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
@@ -32,27 +29,32 @@ impl Aided {
 
     /// Begins with a calibration from elsewhere.
     pub fn begin_from(&mut self, given: &Given) {
-        let Given { calibration, sigma_ut } = given;
-        // the gauge here is trace M = 3
-        let trace = calibration.soft_iron().trace();
-        let e = calibration.soft_iron() * (3.0 / trace) - Matrix3::identity();
-        let b = calibration.hard_iron_ut();
+        // the gauge here is trace M = 3: e = 3 M / tr M - I
+        let m = given.calibration.soft_iron();
+        let (trace, b) = (m.trace(), given.calibration.hard_iron_ut());
+        let e = m * (3.0 / trace) - Matrix3::identity();
+        let e = SVector::from([e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
+        let by_trace = SVector::from([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        let of_identity = e + by_trace;
+        let mut by = SMatrix::<f64, 9, 9>::identity();
+        by.fixed_view_mut::<6, 6>(3, 3).copy_from(
+            &((SMatrix::<f64, 6, 6>::identity() - of_identity * by_trace.transpose() / 3.0) * (3.0 / trace)),
+        );
+        let mut mean = SVector::<f64, 9>::zeros();
+        mean.fixed_rows_mut::<3>(0).copy_from(b);
+        mean.fixed_rows_mut::<6>(3).copy_from(&e);
         self.begin(Some(Before {
-            mean: SVector::from([b.x, b.y, b.z, e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]),
-            offset_ut2: sigma_ut.powi(2),
-            iron: (sigma_ut / EARTH_UT).min(self.tuning.iron_sd).powi(2),
-            strength_ut: calibration.field_strength_ut() * trace / 3.0,
+            mean,
+            covariance: by * given.covariance * by.transpose(),
+            strength_ut: given.calibration.field_strength_ut() * trace / 3.0,
         }));
     }
 
     /// The filter's calibration, which may have changed in a pause.
     fn kept(&self, filter: &Gaussian) -> Before {
-        let iron = filter.p.fixed_view::<6, 6>(IRON, IRON).trace();
         Before {
             mean: filter.x.fixed_rows::<9>(OFFSET).into_owned(),
-            offset_ut2: filter.block(OFFSET, OFFSET).trace() / 3.0,
-            // of six elements, whose variances sum to 3.5 of that of the pattern T
-            iron: iron / 3.5,
+            covariance: filter.calibration_block(),
             strength_ut: self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm()),
         }
     }

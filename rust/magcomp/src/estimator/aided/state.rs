@@ -12,7 +12,6 @@
 //!
 //! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/METHOD-AIDED.md.
 
-use crate::sound::{checked, is_covariance};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Length of the state.
@@ -37,13 +36,10 @@ const TRACE_SHARE: f64 = 1e-6;
 
 /// State and covariance.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Gaussian {
     pub(crate) x: SVector<f64, STATES>,
     pub(crate) p: SMatrix<f64, STATES, STATES>,
 }
-
-checked!(Gaussian, |it| is_covariance(&it.p));
 
 impl Gaussian {
     /// Whether mean and variances are; what is not finite elsewhere comes there with the next step.
@@ -159,21 +155,4 @@ pub(crate) fn covariance<const N: usize, const R: usize>(
         to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p[(k, i)])));
     }
     to
-}
-
-/// D(h) e = E h: the 3x6 matrix that makes M h linear in e.
-#[rustfmt::skip]
-pub(crate) fn iron_rows(h: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
-    SMatrix::from_row_slice(&[
-        h.x, 0.0, 0.0, h.y, h.z, 0.0,
-        0.0, h.y, 0.0, h.x, 0.0, h.z,
-        0.0, 0.0, h.z, 0.0, h.x, h.y,
-    ])
-}
-
-/// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
-pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
-    let d = iron_rows(h);
-    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
-    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }

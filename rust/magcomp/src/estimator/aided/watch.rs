@@ -6,23 +6,20 @@
 //! ```
 //! Source: docs/METHOD-AIDED.md; the recall of a former calibration is new.
 
-use crate::sound::{checked, is_covariance};
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::state::{Gaussian, OFFSET, iron_rows};
+use super::state::{Gaussian, OFFSET};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
+use crate::calibration::iron_rows;
 
 /// A calibration that was in force before a step.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Former {
     /// b and e.
     mean: SVector<f64, 9>,
     covariance: SMatrix<f64, 9, 9>,
 }
-
-checked!(Former, |it| is_covariance(&it.covariance));
 
 impl Former {
     pub(crate) fn of(filter: &Gaussian) -> Self {
@@ -44,7 +41,6 @@ impl Former {
 
 /// Watches the share of samples that the filter does not explain.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
     pub(crate) share: f64,
@@ -55,8 +51,6 @@ pub(crate) struct Watch {
     /// Low-passed residual of the former calibration over gated samples, uT.
     former_ut: Vector3<f64>,
 }
-
-checked!(Watch, |it| (0.0..=1.0).contains(&it.share) && it.misfit_ut >= 0.0);
 
 impl Watch {
     /// Whether the samples that do not fit now fit the calibration from before the last step.

@@ -4,7 +4,7 @@
 
 use super::config::WindowedConfig;
 use super::uniformity::uniformity;
-use crate::calibration::{Calibration, FIELD_STRENGTHS_UT, LARGEST_RAW_UT, typical_field_ut};
+use crate::calibration::{Calibration, typical_field_ut};
 use crate::coverage::Coverage;
 use crate::quadric::Moments;
 use nalgebra::Vector3;
@@ -20,7 +20,7 @@ const RECOUNT_SPAN: usize = 250;
 const RECOUNT_SHIFT: f64 = 0.2;
 
 /// Keeps the latest samples and counts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Clerk {
     pub(super) config: WindowedConfig,
     pub(super) field_strength_ut: Option<f64>,
@@ -37,7 +37,6 @@ pub(crate) struct Clerk {
 
 /// What is carried from sample to sample besides the samples themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Noted {
     /// In force; of an estimator without a window as of the last time it was asked.
     pub calibration: Option<Calibration>,
@@ -48,28 +47,23 @@ pub(crate) struct Noted {
     pub sigma_t: Option<f64>,
 }
 
-/// The state as a snapshot holds it: samples (oldest first), window, centre and scale of the moments (uT), and what is noted.
-/// Moments and counts follow from the samples, exactly.
-pub(crate) type ClerkState = (Vec<Slot>, usize, Vector3<f64>, f64, Noted);
-
 impl Clerk {
-    /// For a validated config, a field strength (uT) where it is known, and a calibration to begin with. All memory is taken
-    /// here.
-    pub fn new(config: WindowedConfig, field_strength_ut: Option<f64>, initial: Option<Calibration>) -> Self {
+    /// For a validated config and a field strength (uT) where it is known. All memory is taken here.
+    pub fn new(config: WindowedConfig, field_strength_ut: Option<f64>) -> Self {
         let moments = Moments::new(Vector3::zeros(), typical_field_ut(field_strength_ut));
-        let noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
+        let noted = Noted::default();
         let (kept, coverage) = (VecDeque::with_capacity(config.n_max), Coverage::default());
         Self { config, field_strength_ut, kept, window: 0, moments, without_moments: false, coverage, noted }
     }
 
     /// As new, in the memory that is there.
-    pub fn restart(&mut self, initial: Option<Calibration>) {
+    pub fn restart(&mut self) {
         self.kept.clear();
         self.coverage = Coverage::default();
         self.window = 0;
         self.moments = Moments::new(Vector3::zeros(), typical_field_ut(self.field_strength_ut));
         self.without_moments = false;
-        self.noted = Noted { calibration: initial, seen_through: initial, ..Noted::default() };
+        self.noted = Noted::default();
     }
 
     /// A sample that an estimator without a window has answered. Now and then it is asked for its calibration: whether it was.
@@ -193,34 +187,10 @@ impl Clerk {
             self.moments = moments;
         }
     }
-
-    pub fn state(&self) -> ClerkState {
-        let slots = self.kept.iter().copied().collect();
-        (slots, self.window, *self.moments.centre_ut(), self.moments.scale_ut(), self.noted)
-    }
-
-    /// As new, then in a state of raw samples up to `range_ut`; None when the state does not belong to its config.
-    pub fn resume(mut self, state: ClerkState, range_ut: f64) -> Option<Self> {
-        let (slots, window, centre_ut, scale_ut, noted) = state;
-        let fits = slots.len() <= self.config.n_max
-            && window <= slots.len()
-            && slots.iter().all(|slot| slot.raw_ut.amax() <= range_ut)
-            && centre_ut.amax() <= LARGEST_RAW_UT
-            && (FIELD_STRENGTHS_UT.0..=FIELD_STRENGTHS_UT.1).contains(&scale_ut)
-            && noted.sigma_t.is_none_or(|sigma_t| sigma_t >= 0.0);
-        if !fits {
-            return None;
-        }
-        (self.noted, self.moments) = (noted, Moments::new(centre_ut, scale_ut));
-        self.kept.extend(slots);
-        self.resize(window);
-        Some(self)
-    }
 }
 
 /// A sample and the cell of the sphere its direction was counted in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Slot {
     raw_ut: Vector3<f64>,
     cell: Option<u8>,

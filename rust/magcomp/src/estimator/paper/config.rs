@@ -8,8 +8,8 @@ use crate::quadric::{FitOptions, Residual};
 const STREAM_TOLERANCE: f64 = 1e-6;
 
 /// The paper's method (section IV, fig. 3).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct WindowedConfig {
     /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows

@@ -8,8 +8,6 @@ mod uniformity;
 mod windowed;
 
 pub(crate) use clerk::Clerk;
-#[cfg(feature = "serde")]
-pub(crate) use clerk::ClerkState;
 pub use config::WindowedConfig;
 pub use constant::ConstantField;
 pub use uniformity::{Normalisation, uniformity};

@@ -9,8 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::SQRT_2;
 
 /// What the standard deviations in (15) are divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Normalisation {
     /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, near
     /// the transient of about 700 samples in the paper's fig. 4). The default.

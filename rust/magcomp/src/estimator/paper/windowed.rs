@@ -16,7 +16,6 @@ use super::clerk::Clerk;
 use super::config::WindowedConfig;
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
-use crate::sound::{checked, is_covariance};
 use nalgebra::Vector3;
 
 /// The constant method keeps its first fit that predicts direction errors below this, degrees: an even sphere of 100
@@ -39,7 +38,6 @@ pub fn window_length(sigma_t: f64, n_min: usize, n_max: usize) -> usize {
 
 /// The paper's estimator, over the samples of a clerk, who has the calibration in force too.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub(crate) struct Windowed {
     /// The first good fit is kept.
     pub constant: bool,
@@ -51,8 +49,6 @@ pub(crate) struct Windowed {
     refused: Option<FitError>,
     suspect_since_ns: Option<i64>,
 }
-
-checked!(Windowed, |it| it.fit.is_none_or(|fit| is_covariance(&fit.covariance) && fit.residual_rms_ut >= 0.0));
 
 impl Windowed {
     /// `constant`: the first good fit is kept.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::super::{Aided, Tuning};
 use super::simulator::{Sample, World};
-use crate::calibration::{Calibration, Given};
+use crate::calibration::{Calibration, Given, independent};
 use crate::estimator::answer::Answer;
 use crate::reading::{Missing, Status};
 
@@ -118,7 +118,7 @@ fn one_axis_with_a_wrong_calibration_is_not_tracked_beyond_its_sigma() {
             let mut aided = Aided::new(Tuning::default(), None);
             let off = world.random.vector(1.0).normalize() * off_ut;
             let calibration = Calibration::new(world.soft_iron, world.hard_iron_ut + off, 50.0).unwrap();
-            aided.begin_from(&Given { calibration, sigma_ut: 10.0 });
+            aided.begin_from(&Given { calibration, covariance: independent(100.0, 0.08 * 0.08) });
             let run = run(&mut world, &mut aided, 40.0);
             assert_eq!(run.tracked, 0, "{off_ut} uT, seed {seed}: {:?} of {}", run.beyond, run.told);
             beyond[0] += run.beyond[0];

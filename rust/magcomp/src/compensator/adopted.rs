@@ -1,0 +1,164 @@
+//! A calibration from elsewhere, and what the first live samples say of it before anything is learned.
+//!
+//! ```text
+//! b, M of now = those that were kept + x,     x ~ sum_k p_k N(0, P + s_k^2 C)         C: b by 1 uT an axis, M by 0.3 % a uT
+//! s_0 = 2 uT: it is as it was          p_0 = exp(-age / 4 h), 0.99 at the most
+//! s_k = 4, 8, ... 512 uT: it changed   p_k = (1 - p_0) / 8: small and large changes are as likely, from a current to a cover with a magnet
+//! r = (|h| - |c|, -|h| sin(dip) - up.c),  c = W (raw - b):   r ~ N(H x, (3 uT)^2 I)        rooms differ by 3 uT
+//! b_system - b ~ N(x_b, sigma^2 I)                                                         where the system's is listened to
+//! ```
+//!
+//! Each summand is conditioned on r, and weighed by the probability of r; mean and covariance of the mixture are what the estimators begin
+//! with. So a total field or a dip that disagrees widens or moves the hard iron, and an offset that neither can show stays as likely as its age
+//! makes it. Source: ours; the same phones differ from day to day by 3 to 50 uT, and by less than 3 within a day's hours.
+
+use crate::calibration::{Calibration, Given, independent, iron_rows};
+use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, UNSEEN_IRON};
+use crate::sample::MagneticSample;
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+
+/// Time in which one device in e has changed: a cover, a charger, a car, s.
+const CHANGES_S: f64 = 4.0 * 3600.0;
+/// Share of calibrations that never held: taken beside a magnet, or of another phone.
+const NEVER_HELD: f64 = 0.01;
+/// How far b walks where nothing changed, with temperature and currents, uT.
+const WALK_UT: f64 = 2.0;
+/// Sizes of changes: this, and twice as large each, uT.
+const LEAST_CHANGE_UT: f64 = 4.0;
+const SIZES: usize = 8;
+/// Standard deviation of the field from one room to the next, of its strength and of its vertical part, uT.
+const ROOMS_UT: f64 = 3.0;
+/// A vertical that has not come by then is not waited for, ns.
+const UP_LATE_NS: i64 = 1_000_000_000;
+/// A hard iron that is known no better than the strongest field of the Earth, 67 uT, an axis, tells no direction.
+const LOST_UT: f64 = 39.0;
+
+type Matrix9 = SMatrix<f64, 9, 9>;
+type Vector9 = SVector<f64, 9>;
+
+/// One summand: log of its weight, mean and covariance of x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Summand {
+    log_weight: f64,
+    mean: Vector9,
+    covariance: Matrix9,
+}
+
+/// A calibration that live samples have not confirmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Adopted {
+    kept: Calibration,
+    inclination_deg: Option<f64>,
+    summands: [Summand; SIZES + 1],
+    /// Time of the first sample, ns.
+    since_ns: Option<i64>,
+    /// A total field was seen, with a dip where there was one.
+    is_seen: bool,
+    /// The system's hard iron was heard.
+    is_heard: bool,
+}
+
+/// Seconds since a calibration was kept. Of one that was learned at an unknown time, or by another clock, nothing is known.
+fn age_s(kept: &KeptCalibration, unix_time_s: Option<i64>) -> f64 {
+    match (kept.unix_time_s(), unix_time_s) {
+        (Some(then), Some(now)) if now >= then => now.saturating_sub(then) as f64,
+        (None, _) if kept.source() != CalibrationSource::Learned => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+impl Adopted {
+    pub fn new(kept: &KeptCalibration, unix_time_s: Option<i64>) -> Self {
+        let holds = (1.0 - NEVER_HELD) * (-age_s(kept, unix_time_s) / CHANGES_S).exp();
+        let is_learned = kept.source() == CalibrationSource::Learned;
+        let summands = std::array::from_fn(|k| {
+            let (size_ut, weight) = match k {
+                // what was given says itself how well it holds
+                0 => (if is_learned { WALK_UT } else { 0.0 }, holds),
+                _ => (LEAST_CHANGE_UT * f64::from(1 << (k - 1)), (1.0 - holds) / SIZES as f64),
+            };
+            let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
+            let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
+            Summand { log_weight: weight.ln(), mean: Vector9::zeros(), covariance }
+        });
+        let inclination_deg = kept.inclination_deg();
+        Self { kept: *kept.calibration(), inclination_deg, summands, since_ns: None, is_seen: false, is_heard: false }
+    }
+
+    /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
+    pub fn see(&mut self, sample: &MagneticSample, up: Option<&Vector3<f64>>) -> bool {
+        let since_ns = *self.since_ns.get_or_insert(sample.time_ns);
+        let waits = up.is_none() && sample.time_ns.saturating_sub(since_ns) < UP_LATE_NS;
+        if self.is_seen || waits {
+            return false;
+        }
+        self.is_seen = true;
+        let raw_ut = &sample.field_ut;
+        let c = self.kept.correct(raw_ut);
+        let Some(along) = c.try_normalize(1e-6) else { return false };
+        let strength_ut = self.kept.field_strength_ut();
+        // dc = -W (db + dM c)
+        let w = self.kept.soft_iron_inverse();
+        let mut by = SMatrix::<f64, 3, 9>::zeros();
+        by.fixed_columns_mut::<3>(0).copy_from(&-w);
+        by.fixed_columns_mut::<6>(3).copy_from(&(-w * iron_rows(&c)));
+        let vertical = self.inclination_deg.zip(up).map(|(dip_deg, up)| {
+            let vertical_ut = -strength_ut * dip_deg.to_radians().sin();
+            (vertical_ut - up.dot(&c), up.transpose() * by)
+        });
+        let (off_ut, by_vertical) = vertical.unwrap_or_default();
+        let r = Vector2::new(strength_ut - c.norm(), off_ut);
+        let h = SMatrix::<f64, 2, 9>::from_rows(&[along.transpose() * by, by_vertical]);
+        let noise = Matrix2::from_diagonal_element(ROOMS_UT.powi(2));
+        self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
+        true
+    }
+
+    /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
+    pub fn hear(&mut self, system: &KeptCalibration) -> bool {
+        if self.is_heard {
+            return false;
+        }
+        self.is_heard = true;
+        let r = system.calibration().hard_iron_ut() - self.kept.hard_iron_ut();
+        let noise = system.covariance().fixed_view::<3, 3>(0, 0).into_owned();
+        let h = SMatrix::<f64, 3, 9>::identity();
+        self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
+        true
+    }
+
+    /// What is believed now; `None` where so little is left of it that a start from nothing is as good.
+    pub fn believed(&self) -> Option<Given> {
+        let most = self.summands.iter().fold(f64::NEG_INFINITY, |most, it| most.max(it.log_weight));
+        let weights = self.summands.map(|it| (it.log_weight - most).exp());
+        let sum: f64 = weights.iter().sum();
+        let shares = || self.summands.iter().zip(weights.map(|weight| weight / sum));
+        let mean = shares().fold(Vector9::zeros(), |mean, (it, share)| mean + it.mean * share);
+        let covariance = shares().fold(Matrix9::zeros(), |covariance, (it, share)| {
+            let off = it.mean - mean;
+            covariance + (it.covariance + off * off.transpose()) * share
+        });
+        let variance_ut2 = covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0;
+        if !(variance_ut2 < LOST_UT * LOST_UT) {
+            return None;
+        }
+        let [xx, yy, zz, xy, xz, yz] = mean.fixed_rows::<6>(3).into_owned().data.0[0];
+        let soft_iron = self.kept.soft_iron() + Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let hard_iron_ut = self.kept.hard_iron_ut() + mean.fixed_rows::<3>(0);
+        let calibration = Calibration::new(soft_iron, hard_iron_ut, self.kept.field_strength_ut()).ok()?;
+        Some(Given { calibration, covariance: covariance.symmetric_part() })
+    }
+}
+
+impl Summand {
+    /// r = H x + noise.
+    fn measure<const N: usize>(&mut self, h: &SMatrix<f64, N, 9>, r: &SVector<f64, N>, noise: &SMatrix<f64, N, N>) {
+        let v = r - h * self.mean;
+        let s = h * self.covariance * h.transpose() + noise;
+        let Some(cholesky) = s.cholesky() else { return };
+        let gain = cholesky.solve(&(h * self.covariance)).transpose();
+        self.log_weight -= 0.5 * (v.dot(&cholesky.solve(&v)) + cholesky.determinant().ln());
+        self.mean += gain * v;
+        self.covariance -= gain * s * gain.transpose();
+    }
+}
