@@ -105,6 +105,16 @@ struct Inputs {
     adopted_sigma_ut: Option<f64>,
 }
 
+impl Inputs {
+    /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
+    fn no_surer_than_usual(&self, mut given: Given) -> Given {
+        let least_ut = self.adopted_sigma_ut.map_or(USUAL_SIGMA_UT, |sigma_ut| sigma_ut.min(USUAL_SIGMA_UT));
+        let lacks_ut2 = (least_ut * least_ut - given.hard_iron_ut2()).max(0.0);
+        given.covariance += independent(lacks_ut2, IRON_PER_UT * IRON_PER_UT * lacks_ut2);
+        given
+    }
+}
+
 impl Compensator {
     /// A compensator for a config. Everything it will ever need is allocated here.
     ///
@@ -219,20 +229,12 @@ impl Compensator {
 
     /// Another clock: all begins anew, but for the calibration in force.
     fn begin_another_clock(&mut self) {
-        let (given, inputs) = (self.in_force(), self.inputs);
+        let inputs = self.inputs;
+        let given = self.active.in_force(&self.clerk).map(|given| inputs.no_surer_than_usual(given));
         self.reset();
         let Inputs { adopted, has_learned, inclination_deg, adopted_sigma_ut, .. } = inputs;
         self.inputs = Inputs { adopted, has_learned, inclination_deg, adopted_sigma_ut, ..self.inputs };
         self.begin_from(given);
-    }
-
-    /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
-    fn in_force(&self) -> Option<Given> {
-        let mut given = self.active.in_force(&self.clerk)?;
-        let least_ut = self.inputs.adopted_sigma_ut.map_or(USUAL_SIGMA_UT, |sigma_ut| sigma_ut.min(USUAL_SIGMA_UT));
-        let lacks_ut2 = (least_ut * least_ut - given.hard_iron_ut2()).max(0.0);
-        given.covariance += independent(lacks_ut2, IRON_PER_UT * IRON_PER_UT * lacks_ut2);
-        Some(given)
     }
 
     /// A gyroscope event, at its own rate: before the magnetometer sample that follows it in time, or a little late.
@@ -278,7 +280,7 @@ impl Compensator {
             paired.rotation = None;
         }
         let (status, answer) = self.active.push(&sample, &paired, &mut self.clerk);
-        if let Active::Aided(aided) = &*self.active {
+        if let Some(aided) = self.active.aided() {
             let (bias_rad_s, scale) = aided.gyroscope();
             self.pairing.assume(bias_rad_s, scale.diagonal());
             self.inputs.is_gyroscope_useless = aided.is_gyroscope_useless();
@@ -308,12 +310,11 @@ impl Compensator {
         }
         // a pause of all sensors is no loss of the gyroscope
         let is_usable = !self.inputs.is_gyroscope_useless && (!is_gone || Some(rotated_ns) == previous_ns);
-        *self.active = match (&*self.active, is_usable) {
-            (Active::Adaptive(_), true) => Active::aided(&self.config, &self.tunings, self.in_force()),
-            (Active::Aided(_), false) => Active::new(&self.config, &self.tunings, self.in_force()),
-            _ => return false,
-        };
-        is_usable
+        let (clerk, inputs) = (&self.clerk, &self.inputs);
+        let others = self.active.follow_gyroscope(is_usable, &self.config, &self.tunings, |active| {
+            inputs.no_surer_than_usual(active.in_force(clerk)?).into()
+        });
+        others && is_usable
     }
 
     fn reading(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {

@@ -157,7 +157,7 @@ fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) ->
     }
 }
 
-/// One standard deviation of the heading of an axis, degrees: up to 63, or 180 where the field's or the axis' horizontal
+/// One standard deviation of the heading of an axis, degrees: up to 115, or 180 where the field's or the axis' horizontal
 /// part is lost in its uncertainty.
 ///
 /// `field_ut` is the corrected field, `covariance_ut2` the covariance of its error (uT^2), `tilt_sigma_deg` the
@@ -200,8 +200,8 @@ pub(crate) fn across_ut2(field_ut: &Vector3<f64>, up: &Vector3<f64>, covariance_
 /// The standard deviation of an angle whose vector has this length, and this variance across it, degrees.
 pub(crate) fn angle_sigma_deg(variance: f64, length: f64) -> Option<f64> {
     let sd = variance.max(0.0).sqrt();
-    // the arc tangent stops at 90; a vector lost in its uncertainty knows no direction at all
-    let sigma = if sd > 2.0 * length { 180.0 } else { sd.atan2(length).to_degrees() };
+    // as an arc, since an arc tangent would stop at 90; a vector lost in its uncertainty knows no direction at all
+    let sigma = if sd > 2.0 * length { 180.0 } else { (sd / length).to_degrees() };
     sigma.is_finite().then_some(sigma)
 }
 

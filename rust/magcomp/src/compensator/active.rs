@@ -1,4 +1,4 @@
-//! The estimator that answers. There is one at a time; another takes its place in the same memory.
+//! The estimator that answers. There is one at a time, or two while a start tries both; another takes its place in the same memory.
 
 use crate::calibration::{Calibration, Given, UNEVEN_UT, calibration_covariance, independent};
 use crate::config::{Config, Method};
@@ -6,19 +6,22 @@ use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::Aided;
 use crate::estimator::answer::Answer;
-use crate::estimator::paper::{Clerk, Windowed};
+use crate::estimator::paper::{Clerk, Noted, Windowed};
 use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
+use crate::quadric::direction_sigma_deg;
 use crate::reading::{SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix};
 
-/// One of the estimators.
+/// One of the estimators, or the two that a start tries.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box in each would allocate")]
 pub(super) enum Active {
     Aided(Aided),
     Adaptive(Adaptive),
+    /// The gyroscope is there, and has not led to a first calibration yet: one that stutters never does.
+    Starting(Aided, Adaptive),
     Windowed(Windowed),
 }
 
@@ -33,30 +36,47 @@ impl Active {
         }
     }
 
-    /// The aided estimator, from the calibration in force.
-    pub fn aided(config: &Config, tunings: &Tunings, given: Option<Given>) -> Self {
-        let mut aided = Aided::new(tunings.aided, config.field_strength_ut);
-        if let Some(given) = given {
-            aided.begin_from(&given);
-        }
-        Self::Aided(aided)
+    /// The gyroscope is usable now (or no longer): whether the estimators are others for it. Those that come begin from `given`.
+    pub fn follow_gyroscope(
+        &mut self,
+        is_usable: bool,
+        config: &Config,
+        tunings: &Tunings,
+        given: impl FnOnce(&Self) -> Option<Given>,
+    ) -> bool {
+        let given = match (&*self, is_usable) {
+            (Self::Adaptive(_), true) | (Self::Aided(_), false) => given(self),
+            (Self::Starting(..), false) => None,
+            _ => return false,
+        };
+        // any, for a moment
+        *self = match std::mem::replace(self, Self::Windowed(Windowed::default())) {
+            Self::Adaptive(adaptive) => {
+                let mut aided = Aided::new(tunings.aided, config.field_strength_ut);
+                if let Some(given) = given {
+                    aided.begin_from(&given);
+                }
+                Self::Starting(aided, adaptive)
+            }
+            Self::Starting(_, adaptive) => Self::Adaptive(adaptive),
+            Self::Aided(_) | Self::Windowed(_) => Self::new(config, tunings, given),
+        };
+        true
     }
 
     /// One sample that was checked, with what the other sensors said; the clerk takes it down.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, clerk: &mut Clerk) -> (Status, Answer) {
         let (time_ns, raw_ut, up) = (sample.time_ns, &sample.field_ut, paired.up_m_s2);
+        let alone = |(status, answer): (Status, Answer)| {
+            let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
+            (status, Answer { up, mode, ..answer })
+        };
         let (status, answer) = match self {
-            Self::Aided(aided) => {
-                let answered = aided.push(time_ns, *raw_ut, paired);
-                clerk.note(raw_ut, || aided.calibration());
-                return answered;
-            }
-            Self::Adaptive(adaptive) => {
-                let answered = adaptive.push(time_ns, raw_ut, up);
-                if clerk.note(raw_ut, || adaptive.calibration()) {
-                    clerk.measure();
-                }
-                answered
+            Self::Aided(aided) => aided.push(time_ns, *raw_ut, paired),
+            Self::Adaptive(adaptive) => alone(adaptive.push(time_ns, raw_ut, up)),
+            Self::Starting(aided, adaptive) => {
+                let (told, other) = (aided.push(time_ns, *raw_ut, paired), adaptive.push(time_ns, raw_ut, up));
+                if knows_more(aided, adaptive) { told } else { alone(other) }
             }
             Self::Windowed(windowed) => {
                 let status = windowed.push(time_ns, raw_ut, clerk);
@@ -65,24 +85,47 @@ impl Active {
                 let field_covariance_ut2 = windowed.fit.zip(field_ut).map(|(fit, field)| {
                     let w = fit.calibration.soft_iron_inverse();
                     let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
-                    calibration_covariance(&fit.covariance, w, &field) + noise
+                    // what this method does not learn: rooms are not uniform
+                    let uneven = Matrix3::from_diagonal_element(UNEVEN_UT.powi(2));
+                    calibration_covariance(&fit.covariance, w, &field) + noise + uneven
                 });
                 let direction_sigma_deg = windowed.fit.map(|fit| fit.direction_sigma_deg);
-                (status, Answer { field_ut, field_covariance_ut2, direction_sigma_deg, ..Answer::default() })
+                let sigma_t = clerk.noted.sigma_t;
+                let answer = Answer { field_ut, field_covariance_ut2, direction_sigma_deg, ..Answer::default() };
+                return alone((status, Answer { sigma_t, ..answer }));
             }
         };
-        // what no calibration knows
-        let uneven_ut2 = Matrix3::identity() * UNEVEN_UT.powi(2);
-        let field_covariance_ut2 = answer.field_covariance_ut2.map(|covariance| covariance + uneven_ut2);
-        let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
-        (status, Answer { field_covariance_ut2, up, sigma_t: clerk.noted.sigma_t, mode, ..answer })
+        if matches!(self, Self::Starting(aided, _) if aided.has_learned())
+            && let Self::Starting(aided, _) = std::mem::replace(self, Self::Windowed(Windowed::default()))
+        {
+            *self = Self::Aided(aided);
+        }
+        if clerk.note(raw_ut, || self.own_calibration()) {
+            clerk.measure();
+            clerk.noted.direction_sigma_deg = self
+                .own_calibration()
+                .zip(self.covariance())
+                .map(|(calibration, covariance)| direction_sigma_deg(&calibration, &covariance).min(180.0));
+        }
+        let Noted { sigma_t, direction_sigma_deg, .. } = clerk.noted;
+        (status, Answer { sigma_t, direction_sigma_deg, ..answer })
     }
 
     pub fn calibration(&self, clerk: &Clerk) -> Option<Calibration> {
+        self.own_calibration().or(match self {
+            Self::Windowed(_) => clerk.noted.calibration,
+            _ => None,
+        })
+    }
+
+    /// The calibration of an estimator that has no window.
+    fn own_calibration(&self) -> Option<Calibration> {
         match self {
             Self::Aided(aided) => aided.calibration(),
             Self::Adaptive(adaptive) => adaptive.calibration(),
-            Self::Windowed(_) => clerk.noted.calibration,
+            Self::Starting(aided, adaptive) if knows_more(aided, adaptive) => aided.calibration(),
+            Self::Starting(_, adaptive) => adaptive.calibration(),
+            Self::Windowed(_) => None,
         }
     }
 
@@ -105,6 +148,8 @@ impl Active {
         match self {
             Self::Aided(aided) => aided.has_learned(),
             Self::Adaptive(adaptive) => adaptive.has_learned(),
+            Self::Starting(aided, adaptive) if knows_more(aided, adaptive) => aided.has_learned(),
+            Self::Starting(_, adaptive) => adaptive.has_learned(),
             Self::Windowed(windowed) => windowed.fit.is_some(),
         }
     }
@@ -113,7 +158,17 @@ impl Active {
         match self {
             Self::Aided(aided) => aided.covariance(),
             Self::Adaptive(adaptive) => adaptive.covariance(),
+            Self::Starting(aided, adaptive) if knows_more(aided, adaptive) => aided.covariance(),
+            Self::Starting(_, adaptive) => adaptive.covariance(),
             Self::Windowed(windowed) => windowed.fit.map(|fit| fit.covariance),
+        }
+    }
+
+    /// The estimator that has a gyroscope.
+    pub fn aided(&self) -> Option<&Aided> {
+        match self {
+            Self::Aided(aided) | Self::Starting(aided, _) => Some(aided),
+            Self::Adaptive(_) | Self::Windowed(_) => None,
         }
     }
 
@@ -121,7 +176,18 @@ impl Active {
     pub fn window(&self, clerk: &Clerk) -> usize {
         match self {
             Self::Adaptive(adaptive) => adaptive.window(),
-            Self::Aided(_) | Self::Windowed(_) => clerk.window,
+            Self::Aided(_) | Self::Starting(..) | Self::Windowed(_) => clerk.window,
         }
+    }
+}
+
+/// Which of the two of a start speaks: the one with the gyroscope, unless the other one knows a calibration and it does not, or has learned
+/// b better.
+fn knows_more(aided: &Aided, adaptive: &Adaptive) -> bool {
+    let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();
+    match (aided.covariance().map(of_b), adaptive.covariance().map(of_b)) {
+        (Some(ours), Some(theirs)) => !adaptive.has_learned() || ours <= theirs,
+        (None, Some(_)) => false,
+        (_, None) => true,
     }
 }

@@ -4,7 +4,8 @@
 //! b, M of now = those that were kept + x,     x ~ sum_k p_k N(0, P + s_k^2 C)         C: b by 1 uT an axis, M by 0.3 % a uT
 //! s_0 = 2 uT: it is as it was          p_0 = exp(-age / 4 h), 0.99 at the most
 //! s_k = 4, 8, ... 512 uT: it changed   p_k = (1 - p_0) / 8: small and large changes are as likely, from a current to a cover with a magnet
-//! r = (|h| - |c|, -|h| sin(dip) - up.c),  c = W (raw - b):   r ~ N(H x, (3 uT)^2 I)        rooms differ by 3 uT
+//! r = |h| (sin dip, cos dip) - (c's part down, |c's level part|),  c = W (raw - b):   r ~ N(H x, (3 uT)^2 I)        rooms differ by 3 uT an axis
+//!     without a dip or a vertical  r = |h| - |c|
 //! b_system - b ~ N(x_b, sigma^2 I)                                                         where the system's is listened to
 //! ```
 //!
@@ -18,15 +19,15 @@ use crate::sample::MagneticSample;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 /// Time in which one device in e has changed: a cover, a charger, a car, s.
-const CHANGES_S: f64 = 4.0 * 3600.0;
+const CHANGES_S: f64 = 2.0 * 3600.0;
 /// Share of calibrations that never held: taken beside a magnet, or of another phone.
 const NEVER_HELD: f64 = 0.01;
 /// How far b walks where nothing changed, with temperature and currents, uT.
-const WALK_UT: f64 = 2.0;
+const WALK_UT: f64 = 1.0;
 /// Sizes of changes: this, and twice as large each, uT.
 const LEAST_CHANGE_UT: f64 = 4.0;
 const SIZES: usize = 8;
-/// Standard deviation of the field from one room to the next, of its strength and of its vertical part, uT.
+/// Standard deviation of the field from one room to the next, an axis, uT.
 const ROOMS_UT: f64 = 3.0;
 /// A vertical that has not come by then is not waited for, ns.
 const UP_LATE_NS: i64 = 1_000_000_000;
@@ -94,21 +95,23 @@ impl Adopted {
         }
         self.is_seen = true;
         let raw_ut = &sample.field_ut;
-        let c = self.kept.correct(raw_ut);
-        let Some(along) = c.try_normalize(1e-6) else { return false };
-        let strength_ut = self.kept.field_strength_ut();
+        let (c, strength_ut) = (self.kept.correct(raw_ut), self.kept.field_strength_ut());
         // dc = -W (db + dM c)
         let w = self.kept.soft_iron_inverse();
         let mut by = SMatrix::<f64, 3, 9>::zeros();
         by.fixed_columns_mut::<3>(0).copy_from(&-w);
         by.fixed_columns_mut::<6>(3).copy_from(&(-w * iron_rows(&c)));
-        let vertical = self.inclination_deg.zip(up).map(|(dip_deg, up)| {
-            let vertical_ut = -strength_ut * dip_deg.to_radians().sin();
-            (vertical_ut - up.dot(&c), up.transpose() * by)
-        });
-        let (off_ut, by_vertical) = vertical.unwrap_or_default();
-        let r = Vector2::new(strength_ut - c.norm(), off_ut);
-        let h = SMatrix::<f64, 2, 9>::from_rows(&[along.transpose() * by, by_vertical]);
+        // the same length of c, or of both its parts
+        let parts = match self.inclination_deg.zip(up) {
+            Some((dip_deg, up)) => {
+                let (sin, cos) = dip_deg.to_radians().sin_cos();
+                let vertical = up * up.dot(&c);
+                [(-vertical.dot(up), *up * -1.0, strength_ut * sin), along(c - vertical, strength_ut * cos)]
+            }
+            None => [along(c, strength_ut), (0.0, Vector3::zeros(), 0.0)],
+        };
+        let r = Vector2::from(parts.map(|(found_ut, _, expected_ut)| expected_ut - found_ut));
+        let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|(_, direction, _)| direction.transpose() * by));
         let noise = Matrix2::from_diagonal_element(ROOMS_UT.powi(2));
         self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
         true
@@ -148,6 +151,11 @@ impl Adopted {
         let calibration = Calibration::new(soft_iron, hard_iron_ut, self.kept.field_strength_ut()).ok()?;
         Some(Given { calibration, covariance: covariance.symmetric_part() })
     }
+}
+
+/// The length of a vector, its direction (none of the vector 0), and what it is expected to be.
+fn along(v: Vector3<f64>, expected_ut: f64) -> (f64, Vector3<f64>, f64) {
+    (v.norm(), v.try_normalize(1e-6).unwrap_or_default(), expected_ut)
 }
 
 impl Summand {

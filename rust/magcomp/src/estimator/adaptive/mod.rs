@@ -215,7 +215,6 @@ impl Adaptive {
         Answer {
             field_ut,
             field_covariance_ut2,
-            direction_sigma_deg: self.published.map(|published| degrees(published.error)),
             worst_sigma_deg: self.published.map(|_| degrees(self.worst)),
             model_order: corrected.map(|_| self.decision.order),
             event: self.decision.event,
@@ -254,8 +253,11 @@ impl Adaptive {
 
     /// Whether live samples, from directions that differ, agree with the calibration in force.
     pub fn has_learned(&self) -> bool {
-        let mean = self.seen / (self.groups as f64).max(1.0);
-        self.published.is_some() && (self.given.is_none() || 1.0 - mean.norm_squared() > TURNED_RAD2)
+        let was_turned = || {
+            let groups = self.groups as f64;
+            self.seen.norm_squared() < (1.0 - TURNED_RAD2) * groups * groups
+        };
+        self.published.is_some() && (self.given.is_none() || was_turned())
     }
 
     /// What was given, before the first sample.

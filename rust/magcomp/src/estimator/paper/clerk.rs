@@ -45,6 +45,8 @@ pub(crate) struct Noted {
     since_recentred: usize,
     /// (15) over the latest N_min samples, as they were at [`Clerk::measure`].
     pub sigma_t: Option<f64>,
+    /// Predicted rms error of a direction corrected by that calibration, degrees.
+    pub direction_sigma_deg: Option<f64>,
 }
 
 impl Clerk {

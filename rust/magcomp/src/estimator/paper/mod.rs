@@ -7,7 +7,7 @@ mod constant;
 mod uniformity;
 mod windowed;
 
-pub(crate) use clerk::Clerk;
+pub(crate) use clerk::{Clerk, Noted};
 pub use config::WindowedConfig;
 pub use constant::ConstantField;
 pub use uniformity::{Normalisation, uniformity};
