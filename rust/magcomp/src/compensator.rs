@@ -16,7 +16,7 @@ use crate::estimator::paper::Clerk;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, USUAL_SIGMA_UT};
 use crate::quadric::EllipsoidFit;
-use crate::range::ConfigError;
+use crate::range::{ConfigError, in_range};
 use crate::reading::{Event, Reading, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::pairing::{EventRejection, InertialPairing};
@@ -93,6 +93,7 @@ struct Inputs {
     /// The gyroscope was found to read nonsense. It is tried again once it has been gone.
     is_gyroscope_useless: bool,
     mode: SensorMode,
+    gaps: u64,
     event: Option<Event>,
     tilt: Tilt,
     /// What was adopted, until something is learned from live samples.
@@ -204,6 +205,33 @@ impl Compensator {
         KeptCalibration::learned(calibration, covariance, self.inputs.inclination_deg, unix_time_s)
     }
 
+    /// Time passed that the clock of the samples does not show, about so many seconds: the system slept. The device may have been turned,
+    /// carried off or changed: the calibration is as unsure from here on as one that was kept for so long, and where the field points is
+    /// found anew. The samples' time goes on.
+    ///
+    /// # Errors
+    /// [`ConfigError`] when `hidden_s` is not a time of up to 1e9 s; nothing has changed then.
+    pub fn push_gap(&mut self, hidden_s: f64) -> Result<(), ConfigError> {
+        in_range("hidden_s", hidden_s, 0.0..=1e9, "s")?;
+        self.inputs.gaps = self.inputs.gaps.saturating_add(1);
+        self.pairing.pause();
+        self.inputs.rotated_ns = None;
+        let Some(given) = self.active.in_force(&self.clerk) else { return Ok(()) };
+        let Inputs { has_learned, inclination_deg, .. } = self.inputs;
+        let kept = KeptCalibration::learned(given.calibration, given.covariance, inclination_deg, 0);
+        if let Some(kept) = kept.filter(|_| has_learned) {
+            self.inputs.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));
+            self.begin_from(Some(given));
+        }
+        Ok(())
+    }
+
+    /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told by [`Self::push_gap`].
+    #[must_use]
+    pub fn gaps(&self) -> u64 {
+        self.inputs.gaps
+    }
+
     /// What live samples say of an adopted calibration, before anything is learned.
     fn judge_adopted(&mut self, sample: &MagneticSample, up: Option<Vector3<f64>>) {
         let Some(adopted) = &mut self.inputs.adopted else { return };
@@ -270,6 +298,9 @@ impl Compensator {
         let mut paired = self.pairing.pair(sample.time_ns);
         if paired.rotation.is_some() {
             self.inputs.rotated_ns = Some(sample.time_ns);
+        } else if previous.is_some() && previous.map(|it| it.time_ns) == self.inputs.rotated_ns {
+            // the chain of rotations breaks here, by the gyroscope's silence or that of all sensors
+            self.inputs.gaps = self.inputs.gaps.saturating_add(1);
         }
         if let Some(up) = paired.up_m_s2 {
             self.inputs.tilt.step(sample.time_ns, up.norm());
@@ -287,7 +318,7 @@ impl Compensator {
         }
         self.inputs.mode = answer.mode;
         self.inputs.event = answer.event.or(self.inputs.event);
-        if !self.inputs.has_learned && self.active.has_learned() {
+        if self.active.has_learned() {
             (self.inputs.has_learned, self.inputs.adopted) = (true, None);
         }
         let reading = self.reading(sample.time_ns, status, answer);

@@ -76,7 +76,7 @@ pub use quadric::{
     fit_ellipsoid,
 };
 pub use range::ConfigError;
-pub use reading::{Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
+pub use reading::{Axis, Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;

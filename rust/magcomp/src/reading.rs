@@ -185,6 +185,20 @@ pub enum HoldReason {
     Constant,
 }
 
+/// An axis of the device: x right, y up along the screen, z out of the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, thiserror::Error)]
+pub enum Axis {
+    /// Right.
+    #[error("x")]
+    X,
+    /// Up along the screen.
+    #[error("y")]
+    Y,
+    /// Out of the screen.
+    #[error("z")]
+    Z,
+}
+
 /// Why a sample was not used.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
@@ -202,9 +216,11 @@ pub enum RejectReason {
     },
     /// A component is at the sensor's full scale: the true field is larger.
     #[error(
-        "field component {value_ut:.1} uT is at the sensor's full scale {rail_ut:.1} uT; move away from the magnet"
+        "field component {axis} {value_ut:.1} uT is at the sensor's full scale {rail_ut:.1} uT; move away from the magnet"
     )]
     Saturated {
+        /// The axis of the component.
+        axis: Axis,
         /// The component, uT.
         value_ut: f64,
         /// Full scale, uT.

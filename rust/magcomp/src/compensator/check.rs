@@ -2,7 +2,7 @@
 
 use super::Compensator;
 use crate::config::Config;
-use crate::reading::RejectReason;
+use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
 
 /// So many samples in a row whose time follows that of one another, but not that of the latest: the clock is another one.
@@ -40,9 +40,10 @@ impl Compensator {
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
         }
-        let value_ut = field[field.iamax()];
+        let largest = field.iamax();
+        let value_ut = field[largest];
         if let Some(rail_ut) = rail_ut.filter(|rail| value_ut.abs() >= *rail) {
-            return Err(RejectReason::Saturated { value_ut, rail_ut });
+            return Err(RejectReason::Saturated { axis: [Axis::X, Axis::Y, Axis::Z][largest], value_ut, rail_ut });
         }
         if value_ut.abs() > range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: range_ut });

@@ -65,7 +65,7 @@ fn a_damaged_text_is_refused_and_says_why() {
         ("48.2", "0.0", "field strength is 0 uT"),
         ("64.8", "91.0", "inclination_deg is not -90 to 90"),
         ("\"covariance\":[[", "\"covariance\":[[-", "covariance is not symmetric and positive semi-definite"),
-        ("\"covariance\":[[", "\"covariance\":[[0.0,", "invalid length"),
+        ("\"covariance\":[[", "\"covariance\":[[0.0,", "trailing characters"),
     ] {
         let Err(KeptError::Damaged { why: found }) = first(from, to) else { panic!("{to}: taken") };
         assert!(found.contains(why), "{to}: {found}");

@@ -134,6 +134,12 @@ impl InertialPairing {
         Ok(())
     }
 
+    /// Time passed that the clock does not show: no turn reaches across it.
+    pub fn pause(&mut self) {
+        let (bias_rad_s, scale, last_paired_ns) = (self.bias_rad_s, self.scale, self.last_paired_ns);
+        *self = Self { bias_rad_s, scale, last_paired_ns, ..Self::default() };
+    }
+
     /// From now on the gyroscope's bias (rad/s) and scale error are taken to be these. Over many events the errors of the
     /// gyroscope turn with the device: taken off at the end they would be in a wrong frame.
     pub fn assume(&mut self, bias_rad_s: Vector3<f64>, scale: Vector3<f64>) {
@@ -210,11 +216,11 @@ impl InertialPairing {
         }
         let mut owed_rad = Vector3::zeros();
         let rate_rad_s = match self.rates.first().copied() {
-            Some(next) if anchor.time_ns < time_ns => {
+            // one beyond a hole, or stamped far ahead, says nothing of this time
+            Some(next) if anchor.time_ns < time_ns && seconds(anchor.time_ns, next.time_ns) <= STALE_S => {
                 let share = seconds(anchor.time_ns, time_ns) / seconds(anchor.time_ns, next.time_ns);
                 let rate = anchor.value + (next.value - anchor.value) * share;
                 self.advance(Event { time_ns, value: rate });
-                self.broken |= seconds(anchor.time_ns, next.time_ns) > STALE_S;
                 rate
             }
             _ => {
@@ -264,7 +270,8 @@ impl InertialPairing {
 }
 
 /// An event enters in the order of times, unless it is none that is believed (`limit`), is from another clock than the latest
-/// paired sample, or comes too late: after `taken_ns`, or after the oldest of a full storage. That oldest one makes room.
+/// paired sample, or comes too late: after `taken_ns`, or after the oldest of a full storage. That oldest one makes room. Events that
+/// are further ahead of it than a sensor may be silent were stamped wrong, and are left out.
 fn enter<const N: usize>(
     events: &mut ArrayVec<Event, N>,
     event: Event,
@@ -290,6 +297,10 @@ fn enter<const N: usize>(
     }
     if events.get(place).is_some_and(|other| other.time_ns == time_ns) {
         return Err(EventRejection::Duplicate);
+    }
+    if events.get(place).is_some_and(|later| seconds(time_ns, later.time_ns) > STALE_S) {
+        // those that came before it and lie so far behind it were stamped ahead
+        events.truncate(place);
     }
     let oldest = events.is_full().then(|| events.remove(0));
     events.insert(place - usize::from(oldest.is_some()), event);

@@ -41,14 +41,8 @@ pub(crate) use tuning::Tuning;
 use watch::{Former, Watch};
 
 const NANO: f64 = 1e-9;
-/// Rates beyond any gyroscope's range are not believed, rad/s.
-const LARGEST_RATE_RAD_S: f64 = 100.0;
-/// More than any gyroscope can have gathered across a gap that it bridged, rad.
-const LARGEST_INCREMENT_RAD: f64 = 1000.0;
-/// Beyond any accelerometer's range, m/s^2.
-const LARGEST_UP_M_S2: f64 = 1000.0;
 
-/// The estimator. All state is plain numbers: it can be cloned, compared and serialized.
+/// The estimator. All state is plain numbers: it can be cloned and compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Aided {
     tuning: Tuning,
@@ -152,16 +146,13 @@ impl Aided {
 
     /// One magnetometer sample (uT, device frame) with the inertial state paired to its time.
     ///
-    /// The compensator has checked the sample: it is finite, and later than the one before.
+    /// The compensator has checked the sample: it is finite, and later than the one before. The pairing has checked the events: they are
+    /// within the ranges of phones' sensors.
     pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
-        // what is not finite is not smaller either
-        let up = inertial.up_m_s2.filter(|up| up.norm() < LARGEST_UP_M_S2);
-        let rotation = inertial
-            .rotation
-            .filter(|it| it.rate_rad_s.norm() < LARGEST_RATE_RAD_S && it.increment_rad.norm() < LARGEST_INCREMENT_RAD);
-        let step = if let (Some(rotation), Some(dt_s)) = (&rotation, dt_s) {
+        let up = inertial.up_m_s2;
+        let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
             self.sense(time_ns, &raw_ut, rotation, up, dt_s)
         } else {
             self.adaptation.forget_previous();
