@@ -222,8 +222,6 @@ impl FirstFit {
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
             mean.fixed_rows_mut::<9>(OFFSET).copy_from(&given.mean);
             precision.fixed_view_mut::<9, 9>(OFFSET, OFFSET).copy_from(&known);
-            // the first sample need not be split: the field is what the given offset leaves of it
-            (FIELD..FIELD + 3).for_each(|k| precision[(k, k)] = OFFSET_SD_UT.powi(-2));
         }
         let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
