@@ -51,12 +51,7 @@ impl Phone {
         let heading = reading.heading?;
         let up = self.attitude.inverse() * Vector3::z();
         // as the compensator chooses the axis: the true heading comes from the true field
-        let truth = magcomp::heading(
-            &(self.attitude.inverse() * FIELD_UT),
-            &up,
-            axis,
-            magcomp::ScreenRotation::Deg0,
-        )?;
+        let truth = magcomp::heading(&(self.attitude.inverse() * FIELD_UT), &up, axis, magcomp::ScreenRotation::Deg0)?;
         let off = heading.heading_deg - truth.heading_deg;
         Some((((off + 540.0).rem_euclid(360.0) - 180.0).abs(), heading.heading_sigma_deg?))
     }

@@ -62,6 +62,8 @@ pub(crate) struct Aided {
     moved_s: f64,
     /// The Earth's field, while that of the place is another.
     earth: Option<Earth>,
+    /// Seconds since the chain of rotations began.
+    chain_s: f64,
     /// |m| before the chain of rotations broke.
     lost_strength_ut: Option<f64>,
 }
@@ -82,6 +84,11 @@ impl Aided {
     /// Whether its calibration was found in live samples.
     pub fn has_learned(&self) -> bool {
         self.filter.is_some()
+    }
+
+    /// Seconds since the chain of rotations began.
+    pub fn chain_s(&self) -> f64 {
+        self.chain_s
     }
 
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
@@ -159,8 +166,14 @@ impl Aided {
             None
         };
         let (status, answer) = match &step {
-            Some(step) => self.with_rotation(step),
-            None => self.without_rotation(&raw_ut, up, dt_s),
+            Some(step) => {
+                self.chain_s += step.dt_s;
+                self.with_rotation(step)
+            }
+            None => {
+                self.chain_s = 0.0;
+                self.without_rotation(&raw_ut, up, dt_s)
+            }
         };
         let mode = match (step.is_some(), up.is_some()) {
             (true, true) => SensorMode::GyroscopeAndGravity,
