@@ -1,12 +1,14 @@
-//! Declination of a place on a date, from the world magnetic model.
+//! The Earth's field at a place on a date, from the world magnetic model.
 
 use crate::error::LabError;
+use serde::Serialize;
 use std::str::FromStr;
 use world_magnetic_model::GeomagneticField;
 use world_magnetic_model::time::{Date, Month};
 use world_magnetic_model::uom::si::angle::degree;
 use world_magnetic_model::uom::si::f32::{Angle, Length};
 use world_magnetic_model::uom::si::length::meter;
+use world_magnetic_model::uom::si::magnetic_flux_density::microtesla;
 
 /// `LAT,LON[,HEIGHT_M]`: degrees, north and east positive; metres above the ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,11 +60,22 @@ impl FromStr for Day {
     }
 }
 
-/// Declination, degrees, east positive.
+/// The Earth's field at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EarthField {
+    /// Total field, uT.
+    pub total_field_ut: f64,
+    /// Angle below the horizon, degrees.
+    pub dip_deg: f64,
+    /// Declination, degrees, east positive.
+    pub declination_deg: f64,
+}
+
+/// The Earth's field at a place on a day.
 ///
 /// # Errors
 /// [`LabError::Declination`] where the model holds no value: dates before 2020 or after 2029, heights far off.
-pub fn declination_deg(place: GeoPoint, day: Day) -> Result<f64, LabError> {
+pub fn earth_field(place: GeoPoint, day: Day) -> Result<EarthField, LabError> {
     let angle = |deg: f64| Angle::new::<degree>(deg as f32);
     GeomagneticField::new(
         Length::new::<meter>(place.height_m as f32),
@@ -70,7 +83,11 @@ pub fn declination_deg(place: GeoPoint, day: Day) -> Result<f64, LabError> {
         angle(place.longitude_deg),
         day.0,
     )
-    .map(|field| f64::from(field.declination().get::<degree>()))
+    .map(|field| EarthField {
+        total_field_ut: f64::from(field.f().get::<microtesla>()),
+        dip_deg: f64::from(field.inclination().get::<degree>()),
+        declination_deg: f64::from(field.declination().get::<degree>()),
+    })
     .map_err(|error| LabError::Declination(error.to_string()))
 }
 
@@ -81,9 +98,13 @@ mod tests {
     #[test]
     fn agrees_with_noaa() {
         // test values published with WMM2025 (NOAA): 2025.0, 0 km
-        for (place, declination) in [("80,0", 1.28), ("0,120", -0.16), ("-80,-120", 68.78)] {
-            let found = declination_deg(place.parse().unwrap(), "2025-01-01".parse().unwrap()).unwrap();
-            assert!((found - declination).abs() < 0.05, "{place}: {found} against {declination}");
+        let published =
+            [("80,0", 1.28, 83.21, 55.179), ("0,120", -0.16, -14.93, 41.064), ("-80,-120", 68.78, -72.00, 54.698)];
+        for (place, declination_deg, dip_deg, total_field_ut) in published {
+            let found = earth_field(place.parse().unwrap(), "2025-01-01".parse().unwrap()).unwrap();
+            assert!((found.declination_deg - declination_deg).abs() < 0.05, "{place}: {found:?}");
+            assert!((found.dip_deg - dip_deg).abs() < 0.05, "{place}: {found:?}");
+            assert!((found.total_field_ut - total_field_ut).abs() < 0.05, "{place}: {found:?}");
         }
     }
 
@@ -92,6 +113,6 @@ mod tests {
         assert!("45".parse::<GeoPoint>().unwrap_err().contains("LAT,LON"));
         assert!("95,0".parse::<GeoPoint>().is_err() && "nan,0".parse::<GeoPoint>().is_err());
         assert!("2025-13-01".parse::<Day>().is_err() && "25-01-01".parse::<Day>().is_err());
-        assert!(declination_deg("45,5".parse().unwrap(), "1990-01-01".parse().unwrap()).is_err());
+        assert!(earth_field("45,5".parse().unwrap(), "1990-01-01".parse().unwrap()).is_err());
     }
 }

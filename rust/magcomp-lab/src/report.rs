@@ -41,9 +41,10 @@ impl Report {
         };
         let _ = write!(
             self.body,
-            "<figure class=\"table\"><p class=\"title\" id=\"table{number}\">{}</p>\n\
+            "<figure class=\"table\"><p class=\"title\" id=\"table{number}\">{}</p>\n{}\
              <div class=\"{}\"><table aria-labelledby=\"table{number}\">\n<thead><tr>{}</tr></thead>\n<tbody>\n",
             escape(&table.title),
+            table.lead.iter().map(|text| format!("<p>{}</p>\n", escape(text))).collect::<String>(),
             setting(table),
             cells("th", &table.columns)
         );

@@ -10,6 +10,8 @@ const NOTE: usize = 120;
 pub struct Table {
     /// One line above the table.
     pub title: String,
+    /// Paragraphs between title and columns: what the numbers come to. They are wrapped where they are shown.
+    pub lead: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
     /// Rows, each with one cell for every column.
@@ -53,8 +55,9 @@ impl Table {
         };
         let rule = format!("|{}\n", "---|".repeat(self.columns.len()));
         let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        let lead: String = self.lead.iter().map(|text| format!("{text}\n\n")).collect();
         let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
-        format!("{}\n\n{}{rule}{rows}\n{notes}", self.title, line(&self.columns))
+        format!("{}\n\n{lead}{}{rule}{rows}\n{notes}", self.title, line(&self.columns))
     }
 }
 
@@ -66,6 +69,7 @@ impl fmt::Display for Table {
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
         writeln!(f, "{}", self.title)?;
+        self.lead.iter().flat_map(|text| wrapped(text)).try_for_each(|line| writeln!(f, "  {line}"))?;
         for (k, cells) in lines().enumerate() {
             let mut line = String::new();
             for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
@@ -120,8 +124,9 @@ mod tests {
         assert!(lines.len() == 3 && lines.iter().all(|line| line.len() <= NOTE), "{lines:?}");
         assert_eq!(lines.join(" "), words.trim());
         table.row(vec!["best".into(), "*0.5".into()]);
-        let expected =
-            "Title\n\n| name | uT |\n|---|---|\n| a | 1.2 |\n| long name | - |\n| best | **0.5** |\n\nwhat it means\n";
+        table.lead.push("what it comes to".to_owned());
+        assert!(table.to_string().starts_with("Title\n  what it comes to\n  name"), "{table}");
+        let expected = "Title\n\nwhat it comes to\n\n| name | uT |\n|---|---|\n| a | 1.2 |\n| long name | - |\n| best | **0.5** |\n\nwhat it means\n";
         assert_eq!(table.markdown(), expected);
     }
 }

@@ -138,7 +138,7 @@ fn recording_table(shown: &[Shown]) -> Table {
             "recording, method",
             "rows",
             "answered %",
-            "spread of |h| %",
+            "spread of total field uT",
             "heading c rms deg",
             "p95 deg",
             "f rms deg",
@@ -154,7 +154,7 @@ fn recording_table(shown: &[Shown]) -> Table {
                 format!("{recording}: raw"),
                 judgement.rows.to_string(),
                 String::new(),
-                number(judgement.raw_spread_percent, 2),
+                number(judgement.total_field_ut.raw.map(|field| field.spread), 2),
                 number(raw.map(|raw| raw.rms_deg), 2),
                 number(raw.map(|raw| raw.p95_deg), 2),
                 String::new(),
@@ -166,7 +166,7 @@ fn recording_table(shown: &[Shown]) -> Table {
             format!("  {method}"),
             judgement.rows.to_string(),
             number(Some(100.0 * judgement.answered), 1),
-            number(judgement.spread_percent, 2),
+            number(judgement.total_field_ut.compensated.map(|field| field.spread), 2),
             number(heading.map(|heading| heading.rms_deg), 2),
             number(heading.map(|heading| heading.p95_deg), 2),
             number(judgement.carried_heading.map(|heading| heading.rms_deg), 2),
@@ -174,7 +174,7 @@ fn recording_table(shown: &[Shown]) -> Table {
         ]);
     }
     table.note(
-        "Spread: standard deviation over mean of the total field. c: the corrected sample; f: the field that the gyroscope carries. \
+        "Spread: standard deviation. c: the corrected sample; f: the field that the gyroscope carries. \
          Headings are judged by the optical reference, up to one constant. The first 20 s do not count.",
     );
     table.note(

@@ -4,7 +4,7 @@ use super::common::{Common, between, refuse_same};
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::import::{ImportOptions, Summary, open};
-use crate::place::{Day, GeoPoint, declination_deg};
+use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, name_of};
 use crate::replay::{
@@ -27,6 +27,13 @@ const CHUNK: usize = 4096;
 /// east-north-up). A row may leave a sensor's cells empty: then each has its own times. sys_mx,sys_my,sys_mz (uT) is the
 /// field that the operating system calibrated. Other columns are ignored. Out: the corrected sample c, the estimator's own
 /// estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
+///
+/// The summary begins with what it comes to. Against a reference orientation the heading is judged up to one constant, the circular
+/// median of heading less reference, which is told (positive: headings too far clockwise; of the true heading where a declination
+/// is known). It is the published heading, on rows after 20 s whose axis is within 60 degrees of the horizontal; "raw" and "the
+/// system's" are what those fields would give with the reference's own horizon, on the rows that have a corrected sample.
+/// Without a reference: total field and dip, mean and spread (standard deviation), against what the Earth has (--place: there); and how
+/// far the field swings within a full turn of at most 30 s, by the gyroscope.
 #[derive(Debug, Args)]
 pub(super) struct Replay {
     /// The recording, or the session of a phone logger as of `magcomp import`
@@ -52,13 +59,16 @@ pub(super) struct Replay {
     /// Where the last calibration is written: JSON with M, b, field strength and covariance, which `Calibration` reads
     #[arg(long, value_name = "OUT.json")]
     calibration: Option<PathBuf>,
+    /// The magnetometer's full scale, uT: samples with a component at or beyond it are rejected, and counted
+    #[arg(long, value_name = "UT", value_parser = |text: &str| between(text, 1.0, 100_000.0))]
+    rail: Option<f64>,
     /// The axis whose heading it is
     #[arg(long, value_enum, default_value_t)]
     axis: AxisChoice,
     /// Declination, degrees, east positive: adds the column true_heading_deg
     #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, -180.0, 180.0), allow_negative_numbers = true, conflicts_with_all = ["place", "date"])]
     declination: Option<f64>,
-    /// Take the declination of this place (degrees, north and east positive; metres) from the world magnetic model
+    /// Take declination, total field and dip of this place (degrees, north and east positive; metres) from the world magnetic model
     #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", requires = "date", allow_hyphen_values = true)]
     place: Option<GeoPoint>,
     /// The date for --place
@@ -129,10 +139,8 @@ impl MethodChoice {
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
         let method = self.method.method();
-        let declination_deg = match (self.declination, self.place, self.date) {
-            (None, Some(place), Some(day)) => Some(declination_deg(place, day)?),
-            (given, ..) => given,
-        };
+        let earth = self.place.zip(self.date).map(|(place, day)| earth_field(place, day)).transpose()?;
+        let declination_deg = self.declination.or(earth.map(|earth| earth.declination_deg));
         let axis = match self.axis {
             AxisChoice::Top => ReferenceAxis::TopEdge,
             AxisChoice::Camera => ReferenceAxis::Camera,
@@ -144,7 +152,7 @@ impl Replay {
             normalisation: self.normalisation.into(),
             ..WindowedConfig::default()
         };
-        let config = Config { method, heading, windowed, ..Config::default() };
+        let config = Config { method, heading, windowed, rail_ut: self.rail, ..Config::default() };
         config.validate()?;
         let ignore = Ignore {
             gyroscope: self.ignore.contains(&Sensor::Gyro),
@@ -200,22 +208,24 @@ impl Replay {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let judgement = Judgement { legs: legs.finish(), ..judge.finish() };
+        let judgement = Judgement { legs: legs.finish(), earth, ..judge.finish() };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let recording = name_of(source.path());
         let mut table = summary(&recording, &name, &judgement);
         if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
             table.note(&format!("No row was answered. The last one says: {}.", last.reading.status));
         }
-        let mut tables: Vec<Table> = session.iter().map(Summary::table).collect();
-        tables.push(table);
+        // the summary first: it says what all of it comes to
+        let tables: Vec<Table> = std::iter::once(table).chain(session.iter().map(Summary::table)).collect();
         self.common.finish(&tables, &judgement, || {
-            let mut report = Report::new(
-                &format!("{recording} replayed"),
-                "Every sample went through the compensator in order; nothing later than a sample went into its answer.",
-            );
+            let rule =
+                "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
+            let mut report =
+                Report::new(&format!("{recording} replayed"), &format!("{} {rule}", tables[0].lead.join(" ")));
             figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &recording))?;
-            tables.iter().for_each(|table| report.table(table));
+            // the page began with the lead
+            report.table(&Table { lead: Vec::new(), ..tables[0].clone() });
+            tables[1..].iter().for_each(|table| report.table(table));
             Ok(report)
         })
     }

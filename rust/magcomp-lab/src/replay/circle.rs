@@ -18,6 +18,8 @@ pub(super) const FEWEST: usize = 50;
 /// Error of the heading against the reference, up to one constant, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeadingError {
+    /// The constant that was taken out: the circular median of heading less reference, -180 to 180, positive clockwise.
+    pub constant_deg: f64,
     /// Root mean square.
     pub rms_deg: f64,
     /// 95th percentile of its size.
@@ -94,6 +96,8 @@ impl Circle {
         let squares: f64 = errors.0.iter().map(|(error, count)| error * error * f64::from(*count)).sum();
         let share = |arcs: &Arcs| arcs.over(centre_deg) as f64 / self.with_sigma as f64;
         (count >= FEWEST as u64).then(|| HeadingError {
+            // where north seems to lie too far clockwise, headings are too small
+            constant_deg: -centre_deg,
             rms_deg: (squares / count as f64).sqrt(),
             p95_deg: errors.at((count * 95 / 100).min(count - 1)).unwrap_or(0.0),
             within_sigma: (self.with_sigma >= FEWEST as u64).then(|| self.arcs.each_ref().map(share)),

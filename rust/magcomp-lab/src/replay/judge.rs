@@ -1,22 +1,30 @@
-//! How good a replay was, as far as a recording can tell: the spread of the total field, and the heading where there is
-//! a reference orientation.
+//! How good a replay was, as far as a recording can tell: total field and dip by their means and spreads, the heading where there is
+//! a reference orientation, and over full turns by the gyroscope ([`super::turns`]).
+//!
+//! Spreads are standard deviations in uT and degrees. A share of the mean would flatter the raw field, whose mean is mostly the hard
+//! iron. Dip: the angle of the field below the horizon; the horizon is the reference's, else that of gyroscope and gravity
+//! ([`super::level`]). The raw field's is not told: its hard iron, the same in every pose of a walk, hides the Earth's.
 //!
 //! Heading error: the corrected vector, turned to east-north-up by the reference, should point along one and the same
 //! azimuth throughout. That azimuth (the place's declination against the reference's north) is taken out as the
-//! circular median. The first seconds, in which any method still collects, do not count.
+//! circular median, and told. The first seconds, in which any method still collects, do not count.
 //!
 //! Honesty: the share of heading errors within one and two of the sigmas that were given with them. Disturbance: the
 //! field of the place was not the usual one where | |c| / median |c| - 1 | > 15 %; precision is the share of the rows
 //! called disturbed that were, recall the share of those that were which were called so. c can only tell this where the
 //! calibration is right.
 
+use super::changes::{Changes, DeviceChange, PlaceDiffered};
 use super::circle::{Circle, FEWEST, HeadingError, off_deg};
 use super::legs::LegJudgement;
+use super::level::Level;
 use super::player::Step;
 use super::sizes::Sizes;
+use super::turns::{TurnJudgement, Turns};
+use crate::place::EarthField;
 use crate::recording::{Extent, Recording, Row};
 use magcomp::nalgebra::Vector3;
-use magcomp::{Event, ReferenceAxis, ScreenRotation, Status, heading};
+use magcomp::{Event, ReferenceAxis, RejectReason, ScreenRotation, Status, heading};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -55,6 +63,33 @@ pub struct Declared {
     pub decided_s: f64,
 }
 
+/// A figure of each field, on the rows that have a corrected one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Kinds<T> {
+    /// As recorded.
+    pub raw: Option<T>,
+    /// As the operating system calibrated it; none where it was not recorded.
+    pub system: Option<T>,
+    /// The corrected sample.
+    pub compensated: Option<T>,
+}
+
+impl<T> Kinds<T> {
+    /// The same of what `of` makes of each.
+    pub fn map<U>(self, of: impl Fn(T) -> U) -> Kinds<U> {
+        Kinds { raw: self.raw.map(&of), system: self.system.map(&of), compensated: self.compensated.map(&of) }
+    }
+}
+
+/// Mean and standard deviation, in the unit that the field's name tells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeanSpread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub spread: f64,
+}
+
 /// The figures of one replay.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
@@ -66,10 +101,15 @@ pub struct Judgement {
     pub first_s: Option<f64>,
     /// The part that the figures below are formed from, s after the first row.
     pub counted_s: (f64, f64),
-    /// Standard deviation of |h| over its mean, percent.
-    pub spread_percent: Option<f64>,
-    /// The same of the raw field.
-    pub raw_spread_percent: Option<f64>,
+    /// Total field, uT.
+    pub total_field_ut: Kinds<MeanSpread>,
+    /// Dip, degrees below the horizon; none of the raw field, whose hard iron would hide it, and without a reference or an
+    /// accelerometer.
+    pub dip_deg: Kinds<MeanSpread>,
+    /// The field that the world magnetic model gives for the place; none where no place was given.
+    pub earth: Option<EarthField>,
+    /// Swing of the field's azimuth over full turns by the gyroscope; none without one.
+    pub full_turns: Option<TurnJudgement>,
     /// Heading error; none without a reference.
     pub heading: Option<HeadingError>,
     /// That of the carried field f, on the rows that have one.
@@ -78,9 +118,7 @@ pub struct Judgement {
     pub published_heading: Option<HeadingError>,
     /// Heading error of the raw field.
     pub raw_heading: Option<HeadingError>,
-    /// Spread of the field that the operating system calibrated, on the same rows; none where it was not recorded.
-    pub system_spread_percent: Option<f64>,
-    /// Heading error of that field.
+    /// That of the field that the operating system calibrated, on the same rows; none where it was not recorded.
     pub system_heading: Option<HeadingError>,
     /// The heading against the legs of the way; none without waypoints.
     pub legs: Option<LegJudgement>,
@@ -88,6 +126,12 @@ pub struct Judgement {
     pub disturbance: Option<Disturbance>,
     /// Events that were declared in the whole recording.
     pub events: Vec<Declared>,
+    /// Changes of the device in the whole recording.
+    pub device_changes: Vec<DeviceChange>,
+    /// Times in the whole recording in which the place's field was not the usual one.
+    pub places: Vec<PlaceDiffered>,
+    /// Samples that were rejected because a component was at the sensor's rail; 0 where no rail was given.
+    pub samples_at_rail: usize,
     /// Rows by status.
     pub status: BTreeMap<&'static str, usize>,
     /// Mean time in `push`, nanoseconds.
@@ -114,6 +158,12 @@ impl Spread {
             self.mean += off / self.count as f64;
             self.squares += off * (value - self.mean);
         }
+    }
+
+    /// Mean and standard deviation; none of fewer than 50.
+    fn mean_spread(&self) -> Option<MeanSpread> {
+        let spread = (self.squares / self.count as f64).sqrt();
+        (self.count >= FEWEST).then_some(MeanSpread { mean: self.mean, spread })
     }
 
     /// Standard deviation over mean.
@@ -150,7 +200,7 @@ pub fn usual_part(extent: &Extent) -> Range<f64> {
 
 /// Judges a replay row by row, in memory that does not grow with it. Headings are right to 0.001 degrees, the usual total field
 /// to 0.001 uT.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Judge {
     extent: Extent,
     part: Range<f64>,
@@ -164,6 +214,13 @@ pub struct Judge {
     published: Directions,
     raw: Directions,
     system: Directions,
+    level: Level,
+    /// Of the system's, compensated.
+    dips: [Spread; 2],
+    turns: Turns,
+    changes: Changes,
+    declination_deg: Option<f64>,
+    samples_at_rail: usize,
     total_field: Sizes,
     /// The total field of the rows called disturbed.
     called_disturbed: Sizes,
@@ -192,6 +249,12 @@ impl Judge {
             published: Directions::default(),
             raw: Directions::default(),
             system: Directions::default(),
+            level: Level::default(),
+            dips: Default::default(),
+            turns: Turns::default(),
+            changes: Changes::default(),
+            declination_deg: None,
+            samples_at_rail: 0,
             total_field: Sizes::new(FIELD_STEP_UT),
             called_disturbed: Sizes::new(FIELD_STEP_UT),
             events: Vec::new(),
@@ -215,15 +278,29 @@ impl Judge {
             self.answered += 1;
             self.first_s.get_or_insert(after_s);
         }
-        if let Some(event) = reading.event.filter(|event| self.events.last() != Some(event)) {
-            self.events.push(event);
+        let event = reading.event.filter(|event| self.events.last() != Some(event));
+        self.events.extend(event);
+        self.changes.add(row.time_ns, step, event.as_ref());
+        if let Some(heading) = reading.heading {
+            self.declination_deg = heading.true_heading_deg.map(|true_deg| off_deg(true_deg, heading.heading_deg));
         }
+        if matches!(reading.status, Status::Rejected(RejectReason::Saturated { .. })) {
+            self.samples_at_rail += 1;
+        }
+        self.level.add(row);
         let counted = after_s > self.part.start && after_s <= self.part.end;
         if let Some(c) = reading.field_ut.filter(|_| counted) {
             self.total_field.add(c.norm());
             if matches!(reading.status, Status::Disturbed { .. }) {
                 self.called_disturbed.add(c.norm());
             }
+        }
+        let fields = reading.field_ut.filter(|_| counted).map(|c| [Some(row.field_ut), row.system_ut, Some(c)]);
+        if let Some(level) = self.level.attitude() {
+            self.turns.add(after_s, &level, fields);
+        }
+        if let Some(fields) = fields {
+            self.add_dips(row, [fields[1], fields[2]]);
         }
         if after_s <= self.from_s {
             return;
@@ -245,6 +322,19 @@ impl Judge {
         }
     }
 
+    /// The dips of the system's field and of the corrected one.
+    fn add_dips(&mut self, row: &Row, fields: [Option<Vector3<f64>>; 2]) {
+        let up = match self.extent.first_reference {
+            Some(_) => row.attitude.map(|attitude| attitude.inverse() * Vector3::z()),
+            None => self.level.up(),
+        };
+        let Some(up) = up else { return };
+        for (dip, field) in self.dips.iter_mut().zip(fields) {
+            let level = |field: Vector3<f64>| field.dot(&up) / (field.norm() * up.norm());
+            field.iter().for_each(|field| dip.add(-level(*field).clamp(-1.0, 1.0).asin().to_degrees()));
+        }
+    }
+
     /// The figures.
     #[must_use]
     pub fn finish(self) -> Judgement {
@@ -255,22 +345,38 @@ impl Judge {
             since_s: seconds(event.since_ns),
             decided_s: seconds(event.decided_ns),
         };
+        // the published heading is a true one where a declination was given; so are the others then
+        let heading = |directions: &Directions| {
+            let declination_deg = self.declination_deg.unwrap_or(0.0);
+            let error = directions.azimuths.heading_error()?;
+            Some(HeadingError { constant_deg: off_deg(error.constant_deg + declination_deg, 0.0), ..error })
+        };
+        let [system_dip, dip] = self.dips.map(|dip| dip.mean_spread());
+        let (device_changes, places) = self.changes.finish(self.extent.start_ns);
         Judgement {
             rows: self.rows,
             answered: self.answered as f64 / rows,
             first_s: self.first_s,
             counted_s: (self.part.start, self.part.end.min(self.extent.duration_s())),
-            spread_percent: self.ours.lengths.percent(),
-            raw_spread_percent: self.raw.lengths.percent(),
-            heading: self.ours.azimuths.heading_error(),
-            carried_heading: self.carried.azimuths.heading_error(),
+            total_field_ut: Kinds {
+                raw: self.raw.lengths.mean_spread(),
+                system: self.system.lengths.mean_spread(),
+                compensated: self.ours.lengths.mean_spread(),
+            },
+            dip_deg: Kinds { raw: None, system: system_dip, compensated: dip },
+            earth: None,
+            full_turns: self.turns.finish(),
+            heading: heading(&self.ours),
+            carried_heading: heading(&self.carried),
             published_heading: self.published.azimuths.heading_error(),
-            raw_heading: self.raw.azimuths.heading_error(),
-            system_spread_percent: self.system.lengths.percent(),
-            system_heading: self.system.azimuths.heading_error(),
+            raw_heading: heading(&self.raw),
+            system_heading: heading(&self.system),
             legs: None,
             disturbance: self.disturbance(),
             events: self.events.iter().map(declared).collect(),
+            device_changes,
+            places,
+            samples_at_rail: self.samples_at_rail,
             mean_push_ns: self.sum_push_ns as f64 / rows,
             p999_push_ns: self.push_ns.at(999).unwrap_or(0.0) as u64,
             max_push_ns: self.max_push_ns,
@@ -312,7 +418,8 @@ fn published(row: &Row, step: &Step, axis: ReferenceAxis) -> Option<(Vector3<f64
         ReferenceAxis::Auto => true,
     };
     let reference = heading(&north, &up, axis, ScreenRotation::Deg0).filter(|_| level)?;
-    let off = (reference.heading_deg - published.heading_deg).to_radians();
+    let published_deg = published.true_heading_deg.unwrap_or(published.heading_deg);
+    let off = (reference.heading_deg - published_deg).to_radians();
     Some((to_device * Vector3::new(off.sin(), off.cos(), 0.0), published.heading_sigma_deg))
 }
 

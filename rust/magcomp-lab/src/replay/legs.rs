@@ -4,10 +4,10 @@
 //! middle 60 % of its time less its azimuth on the map; the map's own rotation and how the phone was held are one constant, so
 //! that the figure is the circular standard deviation over the legs: sqrt(-2 ln |mean of exp(i error)|).
 
+use super::level::AveragedUp;
 use super::player::Step;
 use crate::error::{LabError, Place};
 use crate::recording::{Row, unzipped};
-use magcomp::nalgebra::Vector3;
 use magcomp::{ReferenceAxis, ScreenRotation, heading};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -16,8 +16,6 @@ use std::path::Path;
 const SHORTEST_M: f64 = 3.0;
 /// Share of a leg's time at either end that is left out: the walker still turns.
 const END: f64 = 0.2;
-/// The raw heading's `up` is the accelerometer averaged over this time, s.
-const UP_TIME_S: f64 = 1.0;
 
 /// One surveyed position and when the walker was there.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -56,8 +54,8 @@ pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, LabError> {
 #[derive(Clone, Debug)]
 pub struct Legs {
     legs: Vec<Leg>,
-    up: Option<Vector3<f64>>,
-    before_s: f64,
+    /// The raw heading's.
+    up: AveragedUp,
 }
 
 /// A leg, and the sums of the sines and cosines of the headings on it.
@@ -82,7 +80,7 @@ impl Legs {
             let leg = Leg { azimuth_deg, middle, ours: (0.0, 0.0), raw: (0.0, 0.0), rows: 0 };
             (dx.hypot(dy) >= SHORTEST_M).then_some(leg)
         });
-        Self { legs: legs.collect(), up: None, before_s: f64::NEG_INFINITY }
+        Self { legs: legs.collect(), up: AveragedUp::default() }
     }
 
     /// The next row and the compensator's step for it.
@@ -121,13 +119,7 @@ impl Legs {
 
     /// Tilt-compensated heading of the field as recorded.
     fn raw_heading_deg(&mut self, row: &Row) -> Option<f64> {
-        let gain = ((row.time_s - self.before_s) / UP_TIME_S).min(1.0);
-        self.before_s = row.time_s;
-        if let Some(measured) = row.latest_up() {
-            let up = self.up.get_or_insert(measured);
-            *up += (measured - *up) * gain;
-        }
-        let found = heading(&row.field_ut, &self.up?, ReferenceAxis::TopEdge, ScreenRotation::default())?;
+        let found = heading(&row.field_ut, &self.up.after(row)?, ReferenceAxis::TopEdge, ScreenRotation::default())?;
         Some(found.heading_deg)
     }
 }
@@ -143,6 +135,7 @@ mod tests {
     use super::*;
     use crate::recording::Recording;
     use crate::replay::{Ignore, replay};
+    use magcomp::nalgebra::Vector3;
     use magcomp::{Config, Method};
 
     #[test]

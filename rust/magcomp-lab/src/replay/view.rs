@@ -1,83 +1,371 @@
-//! A replay as a table.
+//! A replay in words and as a table.
 
-use super::judge::Judgement;
+use super::changes::{DeviceChange, PlaceDiffered};
+use super::circle::HeadingError;
+use super::judge::{Judgement, Kinds, MeanSpread};
 use crate::table::{Table, number};
 
-/// The summary of a replay; `recording` is its name.
+/// Total fields that the Earth has at its surface, uT.
+const EARTH_UT: (f64, f64) = (22.0, 67.0);
+/// Most changes that are told in words.
+const MOST_CHANGES: usize = 12;
+
+/// The summary of a replay: first what it comes to, in sentences; `recording` is its name.
 #[must_use]
 pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
-    let title = format!("{recording}, method {method}");
-    let mut table = Table::new(&title, &["", "raw", "compensated"]);
-    let mut line = |name: &str, raw: String, ours: String| table.row(vec![name.to_owned(), raw, ours]);
-    line("rows", judgement.rows.to_string(), judgement.rows.to_string());
-    line("answered, %", String::new(), number(Some(100.0 * judgement.answered), 1));
-    line("first answer after, s", String::new(), number(judgement.first_s, 2));
-    line("spread of total field, %", number(judgement.raw_spread_percent, 2), number(judgement.spread_percent, 2));
-    if let Some(heading) = judgement.heading {
-        let raw = judgement.raw_heading;
-        line("heading error rms, deg", number(raw.map(|raw| raw.rms_deg), 2), number(Some(heading.rms_deg), 2));
-        line("heading error p95, deg", number(raw.map(|raw| raw.p95_deg), 2), number(Some(heading.p95_deg), 2));
-        within(&mut line, "", heading.within_sigma);
-        if let Some(carried) = judgement.carried_heading {
-            line("heading error rms of f, deg", String::new(), number(Some(carried.rms_deg), 2));
-            line("heading error p95 of f, deg", String::new(), number(Some(carried.p95_deg), 2));
-            within(&mut line, " of f", carried.within_sigma);
-        }
-        if let Some(published) = judgement.published_heading {
-            line("published heading, error rms, deg", String::new(), number(Some(published.rms_deg), 2));
-            line("published heading, error p95, deg", String::new(), number(Some(published.p95_deg), 2));
-            within(&mut line, ", published,", published.within_sigma);
-        }
-    }
+    let is_system = judgement.total_field_ut.system.is_some();
+    let columns: &[&str] =
+        if is_system { &["", "raw", "the system's", "compensated"] } else { &["", "raw", "compensated"] };
+    let mut table = Table::new(&format!("{recording}, method {method}"), columns);
+    table.lead = sentences(judgement);
+    let mut lines = Lines { table: &mut table, is_system };
+    add_field(&mut lines, judgement);
+    add_heading(&mut lines, judgement);
     if let Some(legs) = judgement.legs {
         let name = format!("heading over {} legs, circular sd, deg", legs.legs);
-        line(&name, number(Some(legs.raw_deviation_deg), 1), number(Some(legs.deviation_deg), 1));
+        let cell = |deg| Some(number(Some(deg), 1));
+        lines.add(
+            &name,
+            Kinds { raw: cell(legs.raw_deviation_deg), system: None, compensated: cell(legs.deviation_deg) },
+        );
     }
-    if let Some(disturbance) = judgement.disturbance {
-        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
-        line("total field off by over 15 %, % of rows", String::new(), percent(Some(disturbance.share)));
-        line("of these rows called disturbed, %", String::new(), percent(disturbance.recall));
-        line("of the rows called disturbed: field off, %", String::new(), percent(disturbance.precision));
-    }
-    for event in &judgement.events {
-        let when = format!("{:.2}, {:.2}", event.since_s, event.decided_s);
-        line(&format!("{} since, decided at, s", event.kind), String::new(), when);
-    }
-    for (status, count) in &judgement.status {
-        line(&format!("status {status}, rows"), String::new(), count.to_string());
-    }
-    line("push, mean ns", String::new(), number(Some(judgement.mean_push_ns), 0));
-    line("push, 99.9 % below ns", String::new(), judgement.p999_push_ns.to_string());
-    line("push, longest ns", String::new(), judgement.max_push_ns.to_string());
-    let reference = if judgement.heading.is_some() {
-        " Headings are judged by the reference, up to one constant. Compensated: the corrected sample c. f: the field that the gyroscope carries. Published: the heading of the reading."
-    } else {
-        ""
-    };
-    let (from_s, to_s) = judgement.counted_s;
-    // beside raw and ours, where it was recorded
-    if let Some(spread_percent) = judgement.system_spread_percent {
-        table.columns.insert(2, "the system's".to_owned());
-        let heading = judgement.system_heading;
-        for row in &mut table.rows {
-            let cell = match row[0].as_str() {
-                "spread of total field, %" => number(Some(spread_percent), 2),
-                "heading error rms, deg" => number(heading.map(|heading| heading.rms_deg), 2),
-                "heading error p95, deg" => number(heading.map(|heading| heading.p95_deg), 2),
-                _ => String::new(),
-            };
-            row.insert(2, cell);
-        }
-        table.note("The system's: the field that the operating system calibrated, on the rows that ours answered.");
-    }
-    table.note(&format!("Errors, spread and disturbance count from {from_s:.0} to {to_s:.0} s. Spread: standard deviation over mean.{reference}"));
+    add_rest(&mut lines, judgement);
+    add_notes(&mut table, judgement);
     table
 }
 
-/// Shares of the heading errors within their sigmas, a line each.
-fn within(line: &mut impl FnMut(&str, String, String), whose: &str, shares: Option<[f64; 2]>) {
-    for (sigmas, share) in (1..).zip(shares.into_iter().flatten()) {
-        let name = format!("heading errors{whose} within {sigmas} sigma, %");
-        line(&name, String::new(), number(Some(100.0 * share), 0));
+/// The rows of a table in the making.
+struct Lines<'a> {
+    table: &'a mut Table,
+    /// There is a column for the system's field.
+    is_system: bool,
+}
+
+impl Lines<'_> {
+    fn add(&mut self, name: &str, cells: Kinds<String>) {
+        let Kinds { raw, system, compensated } = cells;
+        let system = self.is_system.then_some(system);
+        let cells = std::iter::once(raw).chain(system).chain([compensated]);
+        let row = std::iter::once(name.to_owned()).chain(cells.map(Option::unwrap_or_default));
+        self.table.row(row.collect());
+    }
+
+    fn add_ours(&mut self, name: &str, cell: String) {
+        self.add(name, Kinds { compensated: Some(cell), ..Kinds::default() });
+    }
+
+    /// Shares of the heading errors within their sigmas, a line each.
+    fn add_within(&mut self, whose: &str, shares: Option<[f64; 2]>) {
+        for (sigmas, share) in (1..).zip(shares.into_iter().flatten()) {
+            let name = format!("heading errors{whose} within {sigmas} sigma, %");
+            self.add_ours(&name, number(Some(100.0 * share), 0));
+        }
+    }
+}
+
+fn add_field(lines: &mut Lines, judgement: &Judgement) {
+    let spread = |figures: Kinds<MeanSpread>| figures.map(|figure| number(Some(figure.spread), 2));
+    let mean = |figures: Kinds<MeanSpread>| figures.map(|figure| number(Some(figure.mean), 1));
+    lines.add("spread of total field, uT", spread(judgement.total_field_ut));
+    lines.add("mean of total field, uT", mean(judgement.total_field_ut));
+    if judgement.dip_deg.compensated.is_some() {
+        lines.add("spread of dip, deg", spread(judgement.dip_deg));
+        lines.add("mean of dip, deg", mean(judgement.dip_deg));
+    }
+    if let Some(full) = judgement.full_turns {
+        let name = format!("swing within {}, rms, deg", counted(full.turns, "full turn"));
+        lines.add(&name, full.rms_deg.map(|deg| number(Some(deg), 1)));
+    }
+}
+
+fn add_heading(lines: &mut Lines, judgement: &Judgement) {
+    let Some(heading) = judgement.heading else { return };
+    let kinds = Kinds { raw: judgement.raw_heading, system: judgement.system_heading, compensated: Some(heading) };
+    lines.add("constant angle taken out, deg", kinds.map(|error| signed(error.constant_deg)));
+    lines.add("heading error rms, deg", kinds.map(|error| number(Some(error.rms_deg), 2)));
+    lines.add("heading error p95, deg", kinds.map(|error| number(Some(error.p95_deg), 2)));
+    lines.add_within("", heading.within_sigma);
+    if let Some(carried) = judgement.carried_heading {
+        lines.add_ours("heading error rms of f, deg", number(Some(carried.rms_deg), 2));
+        lines.add_ours("heading error p95 of f, deg", number(Some(carried.p95_deg), 2));
+        lines.add_within(" of f", carried.within_sigma);
+    }
+    if let Some(published) = judgement.published_heading {
+        lines.add_ours("published heading, constant angle taken out, deg", signed(published.constant_deg));
+        lines.add_ours("published heading, error rms, deg", number(Some(published.rms_deg), 2));
+        lines.add_ours("published heading, error p95, deg", number(Some(published.p95_deg), 2));
+        lines.add_within(", published,", published.within_sigma);
+    }
+}
+
+fn add_rest(lines: &mut Lines, judgement: &Judgement) {
+    lines.add_ours("rows", judgement.rows.to_string());
+    lines.add_ours("answered, %", number(Some(100.0 * judgement.answered), 1));
+    lines.add_ours("first answer after, s", number(judgement.first_s, 2));
+    if let Some(disturbance) = judgement.disturbance {
+        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
+        lines.add_ours("total field off by over 15 %, % of rows", percent(Some(disturbance.share)));
+        lines.add_ours("of these rows called disturbed, %", percent(disturbance.recall));
+        lines.add_ours("of the rows called disturbed: field off, %", percent(disturbance.precision));
+    }
+    for event in &judgement.events {
+        let when = format!("{:.2}, {:.2}", event.since_s, event.decided_s);
+        lines.add_ours(&format!("{} since, decided at, s", event.kind), when);
+    }
+    for (status, count) in &judgement.status {
+        lines.add_ours(&format!("status {status}, rows"), count.to_string());
+    }
+    lines.add_ours("push, mean ns", number(Some(judgement.mean_push_ns), 0));
+    lines.add_ours("push, 99.9 % below ns", judgement.p999_push_ns.to_string());
+    lines.add_ours("push, longest ns", judgement.max_push_ns.to_string());
+}
+
+fn add_notes(table: &mut Table, judgement: &Judgement) {
+    let (from_s, to_s) = judgement.counted_s;
+    table.note(&format!(
+        "Spreads, errors and disturbance count from {from_s:.0} to {to_s:.0} s. Spread: standard deviation. Raw and the system's (the field \
+         that the operating system calibrated): on the rows that have a corrected sample."
+    ));
+    if judgement.dip_deg.compensated.is_some() {
+        let by = match judgement.heading {
+            Some(_) => "the reference's horizon",
+            None => "a horizon without the magnetometer: gyroscope and gravity, or gravity alone",
+        };
+        table.note(&format!("Dip: by {by}; not of the raw field, whose hard iron hides it."));
+    }
+    if judgement.full_turns.is_some() {
+        table.note(
+            "Swing: how far the field's azimuth moves while the device turns once about the vertical within 30 s, by gyroscope and gravity, \
+             less the gyroscope's drift. A hard iron that is left over swings it.",
+        );
+    }
+    if judgement.heading.is_some() {
+        table.note(
+            "Headings are judged by the reference, up to one constant: the circular median of heading less reference, positive where \
+             headings are too far clockwise. Compensated: the corrected sample c. f: the field that the gyroscope carries. Published: the \
+             heading of the reading, where its axis is within 60 deg of the horizontal. The first sentence tells the published one.",
+        );
+    }
+}
+
+/// What a replay comes to, a sentence or two each: heading, field, changes.
+fn sentences(judgement: &Judgement) -> Vec<String> {
+    let heading = reference_sentence(judgement).or_else(|| legs_sentence(judgement));
+    let turns = turns_sentence(judgement).filter(|_| judgement.heading.is_none());
+    let found = [heading, field_sentence(judgement), dip_sentence(judgement), turns, changes_sentence(judgement)];
+    let mut found: Vec<String> = found.into_iter().flatten().collect();
+    if judgement.total_field_ut.compensated.is_none() {
+        let (from_s, to_s) = judgement.counted_s;
+        let few = match judgement.answered > 0.0 {
+            true => format!("Fewer than 50 samples were answered from {from_s:.0} to {to_s:.0} s: too few to judge."),
+            false => "No sample was answered: there is nothing to judge.".to_owned(),
+        };
+        found.insert(0, few);
+    }
+    if judgement.samples_at_rail > 0 {
+        found.push(format!(
+            "{} of {} had a component at the sensor's rail and were left out.",
+            judgement.samples_at_rail,
+            counted(judgement.rows, "sample")
+        ));
+    }
+    found
+}
+
+fn reference_sentence(judgement: &Judgement) -> Option<String> {
+    let (what, error) = match judgement.published_heading {
+        Some(published) => ("Heading", published),
+        None => ("Heading of the corrected sample", judgement.heading?),
+    };
+    let rms = |error: HeadingError| short(error.rms_deg);
+    let others = others(judgement.raw_heading.map(rms), judgement.system_heading.map(rms));
+    let others = others.map_or_else(String::new, |others| format!("; {others}"));
+    let (rms_deg, constant) = (short(error.rms_deg), signed(error.constant_deg));
+    Some(format!("{what}: {rms_deg} deg rms of the reference{others}; constant angle {constant} deg taken out."))
+}
+
+fn legs_sentence(judgement: &Judgement) -> Option<String> {
+    let legs = judgement.legs?;
+    let (ours, raw) = (short(legs.deviation_deg), short(legs.raw_deviation_deg));
+    Some(format!("Heading: {ours} deg over the {} legs of the way, up to one constant; raw {raw}.", legs.legs))
+}
+
+fn field_sentence(judgement: &Judgement) -> Option<String> {
+    let fields = judgement.total_field_ut;
+    let MeanSpread { mean, spread } = fields.compensated?;
+    let spreads = fields.map(|field| short(field.spread));
+    let others = others(spreads.raw, spreads.system).map_or_else(String::new, |others| format!(" ({others})"));
+    let (low, high) = EARTH_UT;
+    let earth = match judgement.earth {
+        Some(earth) => format!("the world magnetic model has {:.1} for the place", earth.total_field_ut),
+        None if (low..=high).contains(&mean) => format!("the Earth has {low} to {high}"),
+        None => format!("the Earth has {low} to {high}: b is wrong, or iron is near"),
+    };
+    Some(format!("Total field: spread {} uT{others}, mean {mean:.1}; {earth}.", short(spread)))
+}
+
+fn dip_sentence(judgement: &Judgement) -> Option<String> {
+    let dips = judgement.dip_deg;
+    let MeanSpread { mean, spread } = dips.compensated?;
+    let spreads = dips.map(|dip| short(dip.spread));
+    let others = others(spreads.raw, spreads.system).map_or_else(String::new, |others| format!(" ({others})"));
+    let earth = judgement.earth.map_or_else(String::new, |earth| format!("; the model has {:.1}", earth.dip_deg));
+    Some(format!("Dip: spread {} deg{others}, mean {mean:.1}{earth}.", short(spread)))
+}
+
+fn turns_sentence(judgement: &Judgement) -> Option<String> {
+    let full = judgement.full_turns?;
+    let swings = full.rms_deg.map(short);
+    let others = others(swings.raw, swings.system).map_or_else(String::new, |others| format!(" ({others})"));
+    let turns = counted(full.turns, "full turn");
+    Some(format!("Within {turns} by the gyroscope north swings by {} deg rms{others}.", swings.compensated?))
+}
+
+/// The same figure of the other fields.
+fn others(raw: Option<String>, system: Option<String>) -> Option<String> {
+    let system = system.map(|figure| format!("the system's own {figure}"));
+    let parts: Vec<String> = system.into_iter().chain(raw.map(|figure| format!("raw {figure}"))).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// Device steps and places, in the order of time.
+fn changes_sentence(judgement: &Judgement) -> Option<String> {
+    let devices = judgement.device_changes.iter().map(|change| (change.since_s, device_words(change)));
+    let places = judgement.places.iter().map(|place| (place.from_s, place_words(place)));
+    let mut told: Vec<(f64, String)> = devices.chain(places).collect();
+    told.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let more = told.len().saturating_sub(MOST_CHANGES);
+    let words: Vec<String> = told.into_iter().take(MOST_CHANGES).map(|(_, words)| words).collect();
+    let more = if more > 0 { format!("; and {more} more, which --json lists") } else { String::new() };
+    (!words.is_empty()).then(|| format!("Changes: {}{more}.", words.join("; ")))
+}
+
+fn device_words(change: &DeviceChange) -> String {
+    let what = if change.back { "device as it was before from" } else { "device changed at" };
+    let by = change.hard_iron_change_ut.map_or_else(String::new, |ut| format!(" (hard iron by {ut:.1} uT)"));
+    format!("{what} {:.1} s{by}", change.since_s)
+}
+
+fn place_words(place: &PlaceDiffered) -> String {
+    format!("place differed from {:.1} to {:.1} s", place.from_s, place.to_s)
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// One digit after the point below 10, none from there on.
+fn short(value: f64) -> String {
+    number(Some(value), if value < 9.95 { 1 } else { 0 })
+}
+
+fn signed(value: f64) -> String {
+    format!("{value:+.1}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::place::EarthField;
+    use crate::recording::{Recording, Row};
+    use crate::replay::{Ignore, Step, judge, replay, usual_part};
+    use magcomp::nalgebra::{UnitQuaternion, Vector3};
+    use magcomp::{Config, ReferenceAxis, ScreenRotation, heading};
+
+    const HARD_IRON_UT: Vector3<f64> = Vector3::new(0.0, 300.0, 0.0);
+    /// A field of 40 uT, 60 deg below the horizon.
+    const FIELD_UT: Vector3<f64> = Vector3::new(0.0, 20.0, -34.641_016_151_377_55);
+
+    /// Turned flat, a turn in 10 s; the corrected field is right but for a length that is 2 uT more or less by turns. The reference
+    /// is turned by `turned_deg`, anticlockwise, so that headings exceed its own by as much.
+    fn judged(turned_deg: Option<f64>) -> Judgement {
+        let attitude =
+            |time_s: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::TAU * time_s / 10.0);
+        let row = |k: u32| {
+            let time_s = f64::from(k) * 0.02;
+            let turned = turned_deg.map(|deg| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), deg.to_radians()));
+            Row {
+                time_s,
+                time_ns: i64::from(k) * 20_000_000,
+                field_ut: attitude(time_s).inverse() * FIELD_UT + HARD_IRON_UT,
+                before: Vec::new(),
+                up_m_s2: Some(Vector3::z() * 9.8),
+                rate_rad_s: Some(Vector3::z() * std::f64::consts::TAU / 10.0),
+                system_ut: None,
+                attitude: turned.map(|turned| turned * attitude(time_s)),
+                hard_iron_ut: None,
+            }
+        };
+        let recording = Recording { path: "r.csv".into(), rows: (0..3000).map(row).collect() };
+        let mut steps = replay(&recording, &Config::default(), Ignore::default()).unwrap();
+        for (k, (step, row)) in steps.iter_mut().zip(&recording.rows).enumerate() {
+            let right = row.field_ut - HARD_IRON_UT;
+            let field_ut = right * (1.0 + if k % 2 == 0 { 0.05 } else { -0.05 });
+            step.reading.field_ut = Some(field_ut);
+            step.reading.heading = heading(&field_ut, &Vector3::z(), ReferenceAxis::TopEdge, ScreenRotation::default());
+        }
+        judge_of(&recording, &steps)
+    }
+
+    fn judge_of(recording: &Recording, steps: &[Step]) -> Judgement {
+        judge(recording, steps, usual_part(&recording.extent()), ReferenceAxis::TopEdge)
+    }
+
+    #[test]
+    fn spreads_are_in_ut_where_a_share_of_the_mean_says_the_opposite() {
+        let judgement = judged(None);
+        let [raw, ours] = [judgement.total_field_ut.raw, judgement.total_field_ut.compensated].map(Option::unwrap);
+        // |b + h| has b + h_y and little else: an amplitude of 20 uT, 14.1 rms
+        assert!((raw.spread - 14.1).abs() < 0.2, "{raw:?}");
+        assert!((ours.spread - 2.0).abs() < 0.01 && (ours.mean - 40.0).abs() < 0.01, "{ours:?}");
+        assert!(raw.spread / raw.mean < ours.spread / ours.mean, "the shares say the same as the spreads");
+        let lead = table("r.csv", "auto", &judgement).lead;
+        assert_eq!(lead[0], "Total field: spread 2.0 uT (raw 14), mean 40.0; the Earth has 22 to 67.");
+        assert!(lead[1].starts_with("Dip: spread 0.0 deg, mean 60.0"), "{lead:?}");
+        // 40 s are counted, and a turn begins where the last one ended
+        assert!(
+            lead[2].starts_with("Within 3 full turns by the gyroscope north swings by 0.0 deg rms (raw "),
+            "{lead:?}"
+        );
+        let raw_deg = judgement.full_turns.unwrap().rms_deg.raw.unwrap();
+        assert!((95.0..110.0).contains(&raw_deg), "{raw_deg}: a field that turns with the device has 104");
+    }
+
+    #[test]
+    fn the_place_has_its_own_field() {
+        let earth = EarthField { total_field_ut: 47.06, dip_deg: 61.0, declination_deg: 1.5 };
+        let lead = table("r.csv", "auto", &Judgement { earth: Some(earth), ..judged(None) }).lead;
+        assert!(lead[0].ends_with("mean 40.0; the world magnetic model has 47.1 for the place."), "{lead:?}");
+        assert!(lead[1].ends_with("mean 60.0; the model has 61.0."), "{lead:?}");
+    }
+
+    #[test]
+    fn the_constant_that_is_taken_out_is_told() {
+        let judgement = judged(Some(17.0));
+        for error in [judgement.published_heading, judgement.heading] {
+            let error = error.unwrap();
+            assert!((error.constant_deg - 17.0).abs() < 0.01 && error.rms_deg < 0.01, "{error:?}");
+        }
+        let lead = table("r.csv", "auto", &judgement).lead;
+        assert!(lead[0].starts_with("Heading: 0.0 deg rms of the reference; raw "), "{lead:?}");
+        assert!(lead[0].ends_with("constant angle +17.0 deg taken out."), "{lead:?}");
+    }
+
+    #[test]
+    fn changes_are_told_in_words_and_in_order() {
+        let mut judgement = judged(None);
+        let change = |since_s, back, hard_iron_change_ut| DeviceChange {
+            since_s,
+            decided_s: since_s + 1.0,
+            back,
+            hard_iron_change_ut,
+        };
+        judgement.device_changes = vec![change(45.2, false, Some(13.42)), change(99.8, true, None)];
+        judgement.places = vec![PlaceDiffered { from_s: 60.0, to_s: 70.0 }];
+        let expected = "Changes: device changed at 45.2 s (hard iron by 13.4 uT); place differed from 60.0 to 70.0 s; device as it \
+                        was before from 99.8 s.";
+        assert!(sentences(&judgement).contains(&expected.to_owned()), "{:?}", sentences(&judgement));
+        judgement.places = (0..20).map(|k| PlaceDiffered { from_s: f64::from(k), to_s: f64::from(k) }).collect();
+        assert!(changes_sentence(&judgement).unwrap().ends_with("; and 10 more, which --json lists."));
     }
 }
