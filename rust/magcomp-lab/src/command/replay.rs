@@ -33,7 +33,7 @@ const CHUNK: usize = 4096;
 /// is known). It is the published heading, on rows after 20 s whose axis is within 60 degrees of the horizontal; "raw" and "the
 /// system's" are what those fields would give with the reference's own horizon, on the rows that have a corrected sample.
 /// Without a reference: total field and dip, mean and spread (standard deviation), against what the Earth has (--place: there); and how
-/// far the field swings within a full turn of at most 30 s, by the gyroscope.
+/// far the field swings within a full turn of at most a minute, by the gyroscope.
 #[derive(Debug, Args)]
 pub(super) struct Replay {
     /// The recording, or the session of a phone logger as of `magcomp import`

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::collections::VecDeque;
 
 /// A turn that takes longer does not count, s: the gyroscope's own drift would be told as the field's.
-const LONGEST_S: f64 = 30.0;
+const LONGEST_S: f64 = 60.0;
 /// Time between two points of a turn, s.
 const STEP_S: f64 = 0.1;
 /// Fewest points of a turn, and how many of them tell an end of it.
@@ -24,7 +24,7 @@ const PAUSE_S: f64 = 1.0;
 /// How far the field's azimuth swings within full turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TurnJudgement {
-    /// Full turns about the vertical that took at most 30 s.
+    /// Full turns about the vertical that took at most 60 s.
     pub turns: usize,
     /// Root mean square of the azimuth within a turn about its mean there, less the gyroscope's drift, degrees.
     pub rms_deg: Kinds<f64>,
@@ -164,6 +164,6 @@ mod tests {
     #[test]
     fn half_turns_and_slow_ones_do_not_count() {
         assert_eq!(turned(10.0, 0.9, 0.0), None);
-        assert_eq!(turned(100.0, 3.0, 0.0), None);
+        assert_eq!(turned(200.0, 3.0, 0.0), None);
     }
 }

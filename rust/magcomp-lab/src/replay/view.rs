@@ -135,7 +135,7 @@ fn add_notes(table: &mut Table, judgement: &Judgement) {
     }
     if judgement.full_turns.is_some() {
         table.note(
-            "Swing: how far the field's azimuth moves while the device turns once about the vertical within 30 s, by gyroscope and gravity, \
+            "Swing: how far the field's azimuth moves while the device turns once about the vertical within a minute, by gyroscope and gravity, \
              less the gyroscope's drift. A hard iron that is left over swings it.",
         );
     }
