@@ -557,7 +557,7 @@ fn the_summary_agrees_with_the_output_and_opens_the_report() {
 fn without_a_reference_the_summary_judges_by_field_dip_and_turns() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("in.csv");
-    assert_eq!(run(&["simulate", text(&path), "--seconds", "60", "--motion", "stroll", "--field", "47,61"]).0, 0);
+    assert_eq!(run(&["simulate", text(&path), "--seconds", "60", "--motion", "pedestrian", "--field", "47,61"]).0, 0);
     // all but the reference and the truth
     let bare: String = fs::read_to_string(&path)
         .unwrap()
@@ -571,7 +571,7 @@ fn without_a_reference_the_summary_judges_by_field_dip_and_turns() {
         lines[1].starts_with("  Total field: spread ") && lines[1].ends_with("model has 47.5 for the place."),
         "{table}"
     );
-    assert!(lines[2].starts_with("  Dip: spread ") && lines[2].ends_with("; the model has 61.0."), "{table}");
+    assert!(lines[2].starts_with("  Dip: spread ") && lines[2].ends_with("; the model has 61.2."), "{table}");
     let (_, json, _) = run(&["replay", text(&path), "--json"]);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     let of = |path: &str| value.pointer(path).and_then(serde_json::Value::as_f64).unwrap();
