@@ -37,11 +37,19 @@ pub struct PlaceDiffered {
     pub to_s: f64,
 }
 
+/// A device event, and the hard irons before and after it, uT.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    event: Event,
+    before_ut: Option<Vector3<f64>>,
+    after_ut: Option<Vector3<f64>>,
+}
+
 /// Changes, row by row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     kept: VecDeque<(i64, Vector3<f64>)>,
-    devices: Vec<(Event, Option<Vector3<f64>>, Option<Vector3<f64>>)>,
+    devices: Vec<Change>,
     places: Vec<(i64, i64)>,
 }
 
@@ -52,13 +60,13 @@ impl Changes {
         if let Some(event) = event.filter(|event| event.kind != EventKind::PlaceChanged) {
             // the latest before the onset; one that is younger than every kept one began with the first
             let before = self.kept.iter().rev().find(|(at_ns, _)| *at_ns < event.since_ns).or(self.kept.front());
-            let before = before.map(|(_, hard_iron_ut)| *hard_iron_ut);
-            self.devices.push((*event, before, hard_iron_ut));
+            let before_ut = before.map(|(_, hard_iron_ut)| *hard_iron_ut);
+            self.devices.push(Change { event: *event, before_ut, after_ut: hard_iron_ut });
         }
-        if let Some((event, _, after)) = self.devices.last_mut()
-            && time_ns - event.decided_ns <= SETTLED_NS
+        if let Some(change) = self.devices.last_mut()
+            && time_ns - change.event.decided_ns <= SETTLED_NS
         {
-            *after = hard_iron_ut.or(*after);
+            change.after_ut = hard_iron_ut.or(change.after_ut);
         }
         if let Some(hard_iron_ut) = hard_iron_ut
             && self.kept.back().is_none_or(|(at_ns, _)| time_ns - at_ns >= KEPT_STEP_NS)
@@ -79,11 +87,11 @@ impl Changes {
     /// The changes, in order, with times from `start_ns` on.
     pub fn finish(&self, start_ns: i64) -> (Vec<DeviceChange>, Vec<PlaceDiffered>) {
         let seconds = |time_ns: i64| (time_ns - start_ns) as f64 / 1e9;
-        let device = |(event, before, after): &(Event, Option<Vector3<f64>>, Option<Vector3<f64>>)| DeviceChange {
+        let device = |Change { event, before_ut, after_ut }: &Change| DeviceChange {
             since_s: seconds(event.since_ns),
             decided_s: seconds(event.decided_ns),
             back: event.kind == EventKind::DeviceStepBack,
-            hard_iron_change_ut: before.zip(*after).map(|(before, after)| (after - before).norm()),
+            hard_iron_change_ut: before_ut.zip(*after_ut).map(|(before, after)| (after - before).norm()),
         };
         let place = |(from_ns, to_ns): &(i64, i64)| PlaceDiffered { from_s: seconds(*from_ns), to_s: seconds(*to_ns) };
         (self.devices.iter().map(device).collect(), self.places.iter().map(place).collect())

@@ -7,6 +7,8 @@ use vqf_rs::VQF;
 
 /// Events of each sensor that tell its rate before the filter starts.
 const TIMED: usize = 21;
+/// Without a rotation rate for this long the yaw is lost, ns.
+const STALE_NS: i64 = 200_000_000;
 /// The accelerometer is averaged over this time, s.
 const UP_TIME_S: f64 = 1.0;
 
@@ -39,6 +41,7 @@ pub(super) struct Level {
     /// First times of gyroscope and accelerometer, ns.
     times_ns: [Vec<i64>; 2],
     rate_ns: Option<i64>,
+    now_ns: i64,
 }
 
 impl std::fmt::Debug for Level {
@@ -68,6 +71,7 @@ impl Level {
                 }
             }
         }
+        self.now_ns = row.time_ns;
         self.up = self.averaged.after(row);
     }
 
@@ -83,17 +87,56 @@ impl Level {
         }
     }
 
-    /// Device to a frame whose z is up and whose yaw is free; none without a gyroscope and an accelerometer.
+    /// Device to a frame whose z is up and whose yaw is free; none without a gyroscope and an accelerometer, and while the gyroscope
+    /// pauses.
     pub fn attitude(&self) -> Option<UnitQuaternion<f64>> {
-        let (w, x, y, z) = {
-            let q = self.filter.as_ref()?.quat_6d();
-            (q.0, q.1, q.2, q.3)
-        };
-        Some(UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)))
+        let filter = self.filter.as_ref().filter(|_| self.rate_ns.is_some_and(|at| self.now_ns - at <= STALE_NS))?;
+        let q = filter.quat_6d();
+        Some(UnitQuaternion::new_normalize(Quaternion::new(q.0, q.1, q.2, q.3)))
     }
 
     /// `up` in the device, any length; none without an accelerometer.
     pub fn up(&self) -> Option<Vector3<f64>> {
         self.attitude().map(|attitude| attitude.inverse() * Vector3::z()).or(self.up)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 50 Hz for 20 s, a turn in 10 s about the vertical, tilted by 30 deg; the gyroscope is silent from 15 s to 18 s.
+    #[test]
+    fn it_follows_a_turn_and_knows_when_the_gyroscope_pauses() {
+        let mut level = Level::default();
+        let mut first = None;
+        for k in 0..1000_u32 {
+            let time_s = f64::from(k) * 0.02;
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::TAU * time_s / 10.0);
+            let attitude = turn * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 30_f64.to_radians());
+            let to_device = attitude.inverse();
+            let is_silent = (15.0..18.0).contains(&time_s);
+            level.add(&Row {
+                time_s,
+                time_ns: i64::from(k) * 20_000_000,
+                field_ut: Vector3::zeros(),
+                before: Vec::new(),
+                up_m_s2: Some(to_device * Vector3::z() * 9.8),
+                rate_rad_s: (!is_silent).then_some(to_device * Vector3::z() * std::f64::consts::TAU / 10.0),
+                system_ut: None,
+                attitude: None,
+                hard_iron_ut: None,
+            });
+            assert!(level.up().is_some(), "{time_s}");
+            if (15.3..17.9).contains(&time_s) {
+                assert_eq!(level.attitude(), None, "{time_s}");
+            }
+            if (5.0..15.0).contains(&time_s) {
+                // the yaw is free, but for the first
+                let off = level.attitude().unwrap() * to_device;
+                let first = first.get_or_insert(off);
+                assert!(off.angle_to(first).to_degrees() < 0.5, "{time_s}: {off} against {first}");
+            }
+        }
     }
 }

@@ -18,8 +18,8 @@ const STEP_S: f64 = 0.1;
 /// Fewest points of a turn, and how many of them tell an end of it.
 const FEWEST_POINTS: usize = 8;
 const END_POINTS: usize = 3;
-/// A longer pause of the rows, s, breaks a turn off.
-const PAUSE_S: f64 = 1.0;
+/// A longer pause, s, breaks a turn off.
+const PAUSE_S: f64 = 0.5;
 
 /// How far the field's azimuth swings within full turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
