@@ -3,7 +3,7 @@
 use magcomp::nalgebra::{Rotation3, Vector3};
 use magcomp::{
     Calibration, Compensator, Config, EventKind, HeadingConfig, HoldReason, MagneticSample, Method, Missing, Reading,
-    Restored, RotationRateSample, SensorMode, Status, UpSample,
+    RotationRateSample, SensorMode, Status, UpSample,
 };
 use magcomp_tests::{REF, Random, calibration};
 
@@ -119,29 +119,6 @@ fn collects_tracks_and_relearns_a_change() {
     let found = compensator.calibration().expect("calibrated");
     let raw = phone.truth.distort(&phone.field());
     assert!(angle_deg(&found.correct(&raw), &phone.field()) < 2.0);
-}
-
-#[test]
-fn a_restart_changes_no_bit() {
-    let mut whole = compensator(Method::Auto);
-    let mut restarted = compensator(Method::Auto);
-    let (mut one, mut other) = (Phone::new(2), Phone::new(2));
-    for k in 0..3000 {
-        // at the start, while tracking, suspect after a step, at rest, and without a gyroscope
-        for phone in [&mut one, &mut other] {
-            phone.truth = phone_like(if k < 900 { 1.0 } else { 1.5 });
-            phone.moving = !(1600..2000).contains(&k);
-            phone.gyroscope = !(2200..2600).contains(&k);
-        }
-        if [1, 40, 500, 910, 930, 1000, 1800, 2250, 2400, 2601].contains(&k) {
-            let snapshot = restarted.snapshot();
-            restarted = compensator(Method::Auto);
-            assert_eq!(restarted.restore(&snapshot), Ok(Restored::Everything));
-            assert_eq!(restarted.snapshot(), snapshot);
-        }
-        let (expected, found) = (one.advance(&mut whole), other.advance(&mut restarted));
-        assert_eq!(found, expected, "sample {k}");
-    }
 }
 
 #[test]

@@ -4,8 +4,8 @@
 use magcomp::nalgebra::{Quaternion, Vector3};
 use magcomp::{
     Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
-    HoldReason, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample, ScreenRotation,
-    SnapshotError, Status, UpSample, WindowedConfig, attitude, heading, true_heading_deg,
+    HoldReason, KeptCalibration, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample,
+    ScreenRotation, Status, UpSample, WindowedConfig, attitude, heading, true_heading_deg,
 };
 use magcomp_tests::{symmetric, vectors};
 use serde_json::Value;
@@ -187,10 +187,8 @@ fn errors() {
         let windowed = WindowedConfig { n_min: 3, ..Default::default() };
         let said = match text(&case["name"]) {
             "Config" => Compensator::new(Config { windowed, ..Default::default() }).unwrap_err().to_string(),
-            "SnapshotDamaged" => {
-                Compensator::new(Config::default()).unwrap().restore("nonsense").unwrap_err().to_string()
-            }
-            "SnapshotNewer" => SnapshotError::Newer { found: 99 }.to_string(),
+            "KeptDamaged" => KeptCalibration::from_json("nonsense").unwrap_err().to_string(),
+            "KeptNewer" => KeptCalibration::from_json(r#"{"magcomp_calibration": 99}"#).unwrap_err().to_string(),
             other => panic!("{other}"),
         };
         match case.get("begins") {

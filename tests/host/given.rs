@@ -2,8 +2,10 @@
 //! without, at rest and turning.
 
 use magcomp::nalgebra::{Matrix3, Rotation3, Vector3};
-use magcomp::{Calibration, Compensator, Config, Event, MagneticSample, Method, Reading, RotationRateSample, UpSample};
-use magcomp_tests::{REF, Random, calibration};
+use magcomp::{
+    Calibration, Compensator, Config, Event, KeptCalibration, MagneticSample, Reading, RotationRateSample, UpSample,
+};
+use magcomp_tests::{METHODS, REF, Random, calibration};
 
 const RUNS: u64 = 200;
 const FIELD_UT: Vector3<f64> = Vector3::new(0.0, 24.0, -41.0);
@@ -49,7 +51,7 @@ impl Run {
             let up_m_s2 = to_device * Vector3::new(0.0, 0.0, 9.81) + random.normal3() * 0.02;
             compensator.push_up(UpSample { time_ns, up_m_s2 }).unwrap();
             if k == before && !at_once {
-                compensator.adopt(given, self.sigma_ut).unwrap();
+                compensator.adopt(&KeptCalibration::given(given, self.sigma_ut).unwrap(), None);
             }
             let field_ut = truth.distort(&(to_device * FIELD_UT)) + random.normal3() * 0.5;
             let reading = compensator.push(MagneticSample { time_ns, field_ut });
@@ -110,17 +112,17 @@ fn the_first_headings_err_as_their_sigma_says() {
 }
 
 #[test]
-fn what_is_given_without_a_standard_deviation_in_range_is_refused_and_changes_nothing() {
+fn what_is_given_without_a_standard_deviation_in_range_is_refused() {
     let given = Calibration::new(Matrix3::identity(), Vector3::new(1.0, 2.0, 3.0), 48.0).unwrap();
-    for method in [Method::Auto, Method::Adaptive, Method::Windowed] {
-        let mut compensator = Compensator::new(Config { method, ..Config::default() }).unwrap();
-        let before = compensator.snapshot();
-        for sigma_ut in [0.0, -1.0, 1e9, f64::NAN] {
-            let error = compensator.adopt(given, sigma_ut).unwrap_err();
+    for sigma_ut in [0.0, -1.0, 1e9, f64::NAN] {
+        for error in [KeptCalibration::given(given, sigma_ut), KeptCalibration::system(given, sigma_ut)] {
+            let error = error.unwrap_err();
             assert_eq!((error.field, error.expected.as_str()), ("hard_iron_sigma_ut", "0.01 to 1000.0 uT"));
         }
-        assert_eq!(compensator.snapshot(), before);
-        compensator.adopt(given, 0.01).unwrap();
+    }
+    for method in METHODS {
+        let mut compensator = Compensator::new(Config { method, ..Config::default() }).unwrap();
+        compensator.adopt(&KeptCalibration::given(given, 0.01).unwrap(), None);
         assert_eq!(compensator.calibration(), Some(given));
     }
 }

@@ -3,8 +3,8 @@
 
 use magcomp::nalgebra::{Rotation3, Vector3};
 use magcomp::{
-    Compensator, Config, EventQueue, HeadingConfig, HoldReason, MagneticSample, Method, RotationRateSample,
-    SensorEvent, SensorMode, Status, UpSample,
+    Compensator, Config, EventQueue, HeadingConfig, HoldReason, KeptCalibration, MagneticSample, Method,
+    RotationRateSample, SensorEvent, SensorMode, Status, UpSample,
 };
 use magcomp_tests::{REF, Random, calibration, sample};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -124,9 +124,13 @@ fn push_takes_no_memory() {
         }
         assert!(headings > 1000 && another_clock && alone);
         let start = taken();
-        compensator.adopt(before, 2.0).unwrap();
+        let (given, system) = (KeptCalibration::given(before, 2.0), KeptCalibration::system(before, 13.0));
+        let learned = compensator.keep(0);
+        for kept in [given.ok(), system.ok(), learned] {
+            compensator.adopt(&kept.expect("in range, and learned"), Some(3600));
+        }
         compensator.reset();
-        assert_eq!(taken() - start, 0, "{method:?}: adopt and reset");
+        assert_eq!(taken() - start, 0, "{method:?}: keep, adopt and reset");
     }
 }
 

@@ -2,9 +2,8 @@
 
 use magcomp::nalgebra::Vector3;
 use magcomp::{
-    Calibration, Compensator, Config, FitOptions, HeadingConfig, MagneticSample, Method, Normalisation, Reading,
-    RejectReason, Residual, Restored, RotationRateSample, ScreenRotation, SnapshotError, Status, UpSample,
-    WindowedConfig, fit_ellipsoid,
+    Calibration, Compensator, Config, FitOptions, HeadingConfig, KeptCalibration, MagneticSample, Method, Reading,
+    RejectReason, Residual, RotationRateSample, ScreenRotation, Status, UpSample, WindowedConfig, fit_ellipsoid,
 };
 use magcomp_tests::{REF, Random, calibration, difference, sample};
 use proptest::prelude::*;
@@ -42,56 +41,12 @@ fn advance(compensator: &mut Compensator, random: &mut Random, k: usize) -> Read
     compensator.push(MagneticSample { time_ns, field_ut })
 }
 
-/// Restarted at each of `cuts`, a stream of 3000 samples goes on bit for bit as the one that was not.
-fn restarted_stream_is_the_same(config: &Config, seed: u64, cuts: &[usize]) -> Result<(), TestCaseError> {
-    let mut whole = compensator(config);
-    let mut restarted = compensator(config);
-    let (mut one, mut other) = (Random::new(seed), Random::new(seed));
-    for k in 0..3000 {
-        if cuts.contains(&k) {
-            let snapshot = restarted.snapshot();
-            restarted = compensator(config);
-            prop_assert_eq!(restarted.restore(&snapshot), Ok(Restored::Everything));
-            prop_assert_eq!(&restarted.snapshot(), &snapshot);
-            prop_assert_eq!(restarted.calibration(), whole.calibration());
-            prop_assert_eq!(restarted.fit(), whole.fit());
-            prop_assert_eq!(restarted.coverage(), whole.coverage());
-        }
-        let expected = advance(&mut whole, &mut one, k);
-        let found = advance(&mut restarted, &mut other, k);
-        prop_assert_eq!(bits(&expected), bits(&found), "sample {}", k);
-    }
-    prop_assert_eq!(whole.snapshot(), restarted.snapshot());
-    Ok(())
-}
-
 fn any_method() -> impl Strategy<Value = Method> {
     prop::sample::select(vec![Method::Auto, Method::Adaptive, Method::Windowed, Method::Constant])
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn a_snapshot_cut_anywhere_goes_on_bit_for_bit(
-        method in any_method(),
-        seed: u64,
-        cuts in prop::collection::vec(0_usize..3000, 1..4),
-        early in 0_usize..140,
-    ) {
-        let cuts: Vec<_> = cuts.into_iter().chain([early]).collect();
-        restarted_stream_is_the_same(&config(method, 100, 2000), seed, &cuts)?;
-    }
-
-    #[test]
-    fn a_snapshot_goes_on_with_any_windows_and_residual(
-        seed: u64, n_min in 9_usize..150, more in 0_usize..800, algebraic: bool, cut in 0_usize..3000,
-    ) {
-        let mut config = config(Method::Windowed, n_min, n_min + more);
-        config.windowed.normalisation = if algebraic { Normalisation::EvenSphere } else { Normalisation::HalfRange };
-        config.windowed.residual = if algebraic { Residual::Algebraic } else { Residual::Corrected };
-        restarted_stream_is_the_same(&config, seed, &[cut])?;
-    }
 
     #[test]
     fn a_stream_is_a_batch_fit_of_its_window(seed: u64, n_min in 50_usize..200, noise_ut in 0.05..1.0) {
@@ -142,7 +97,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn bad_input_leaves_every_byte_as_it_was(
+    fn bad_input_changes_nothing(
         method in any_method(),
         seed: u64,
         count in 1_usize..400,
@@ -161,14 +116,14 @@ proptest! {
         // one good sample at a known time
         let latest = MagneticSample { time_ns: next_ns - 10_000_000, field_ut: Vector3::new(60.0, 5.0, -20.0) };
         prop_assert!(!matches!(compensator.push(latest).status, Status::Rejected(_)));
-        let before = compensator.snapshot();
+        let before = compensator.clone();
         for (kind, value) in bad {
             let refused = bad_sample(kind, value, next_ns);
             let reading = compensator.push(refused);
             prop_assert!(matches!(reading.status, Status::Rejected(_)), "{:?}: {}", refused, reading.status);
             prop_assert_eq!((reading.field_ut, reading.total_field_ut, reading.heading), (None, None, None));
             prop_assert_eq!(reading.time_ns, refused.time_ns);
-            prop_assert_eq!(&compensator.snapshot(), &before);
+            prop_assert!(compensator == before, "{:?}", refused);
             let late = latest.time_ns - 10_000_000 * 500;
             for (time_ns, value) in [(next_ns, f64::NAN), (next_ns, f64::INFINITY), (late, 1.0)] {
                 let three = Vector3::new(0.0, value, 9.8);
@@ -176,7 +131,7 @@ proptest! {
                 prop_assert!(compensator.push_up(up).is_err());
                 let rate = RotationRateSample { time_ns, rate_rad_s: three };
                 prop_assert!(compensator.push_rotation_rate(rate).is_err());
-                prop_assert_eq!(&compensator.snapshot(), &before);
+                prop_assert!(compensator == before, "{:?}, {:?}", up, rate);
             }
         }
     }
@@ -196,110 +151,10 @@ fn a_sensor_that_hangs_is_rejected_and_changes_nothing() {
         let expected = k >= 250;
         assert_eq!(matches!(reading.status, Status::Rejected(RejectReason::Stuck { repeats: 50 })), expected, "{k}");
         if expected {
-            let now = compensator.snapshot();
-            assert_eq!(*kept.get_or_insert_with(|| now.clone()), now);
+            assert!(*kept.get_or_insert_with(|| compensator.clone()) == compensator, "{k}");
         }
     }
     assert!(!matches!(compensator.push(sample(300, stuck + Vector3::x() * 0.1)).status, Status::Rejected(_)));
-}
-
-/// A small compensator in mid-stream, so that every byte of its snapshot can be tried.
-fn small(count: usize) -> (Config, Compensator) {
-    let config = config(Method::Windowed, 12, 15);
-    let mut compensator = compensator(&config);
-    let mut random = Random::new(610);
-    let truth = calibration(&REF, 45.0);
-    for k in 0..count {
-        compensator.push(sample(k, random.raw_one(&truth, 0.1)));
-    }
-    (config, compensator)
-}
-
-#[test]
-fn no_damaged_byte_goes_unnoticed() {
-    for count in [0, 5, 40] {
-        let (config, source) = small(count);
-        let snapshot = source.snapshot();
-        let mut victim = compensator(&config);
-        for k in 0..20 {
-            victim.push(sample(k, Vector3::new(k as f64, 20.0, -3.0 * k as f64)));
-        }
-        let before = victim.snapshot();
-        assert_ne!(before, snapshot);
-        for place in 0..snapshot.len() {
-            let bit = place % 7;
-            let mut bytes = snapshot.clone().into_bytes();
-            bytes[place] ^= 1 << bit;
-            let text = String::from_utf8(bytes).expect("ASCII stays ASCII");
-            let found = victim.restore(&text);
-            let near = &snapshot[place.saturating_sub(25)..(place + 25).min(snapshot.len())];
-            let noticed = matches!(found, Err(SnapshotError::Damaged | SnapshotError::Newer { .. }));
-            assert!(noticed, "bit {bit} of byte {place} in `{near}`: {found:?}");
-            if place % 500 == 0 {
-                assert_eq!(victim.snapshot(), before);
-            }
-        }
-        assert_eq!(victim.snapshot(), before);
-        assert!(snapshot.len() > 500, "{} bytes", snapshot.len());
-    }
-}
-
-#[test]
-fn no_cut_or_mended_snapshot_goes_unnoticed() {
-    let (config, source) = small(40);
-    let snapshot = source.snapshot();
-    let mut victim = compensator(&config);
-    let before = victim.snapshot();
-    for end in 0..snapshot.len() {
-        assert_eq!(victim.restore(&snapshot[..end]), Err(SnapshotError::Damaged), "cut at {end}");
-    }
-    for text in ["", "null", "{}", "[]", "\u{0}", "{\"magcomp_snapshot\":1}", "{\"magcomp_snapshot\":-1}"] {
-        assert_eq!(victim.restore(text), Err(SnapshotError::Damaged), "{text}");
-    }
-    let newer = "{\"magcomp_snapshot\":7,\"something\":\"else\"}";
-    assert_eq!(victim.restore(newer), Err(SnapshotError::Newer { found: 7 }));
-    assert_eq!(victim.snapshot(), before);
-    assert_eq!(victim.restore(&snapshot), Ok(Restored::Everything));
-    assert_eq!(victim.snapshot(), snapshot);
-}
-
-#[test]
-fn another_config_takes_the_calibration_alone() {
-    let (_, source) = small(40);
-    let other = config(Method::Windowed, 20, 60);
-    let mut target = compensator(&other);
-    assert_eq!(target.restore(&source.snapshot()), Ok(Restored::CalibrationOnly));
-    assert_eq!(target.calibration(), source.calibration());
-    assert_eq!(target.config(), &other);
-    // the clock starts anew
-    assert!(!matches!(target.push(sample(0, Vector3::new(1.0, 2.0, 3.0))).status, Status::Rejected(_)));
-}
-
-#[test]
-fn the_calibration_of_a_snapshot_alone_lets_the_clock_start_anew() {
-    let (config, source) = small(40);
-    let mut target = compensator(&config);
-    target.push(sample(900, Vector3::new(1.0, 2.0, 3.0)));
-    assert_eq!(target.restore_calibration(&source.snapshot()), Ok(()));
-    assert_eq!(target.calibration(), source.calibration());
-    assert!(!matches!(target.push(sample(0, Vector3::new(1.0, 2.0, 3.0))).status, Status::Rejected(_)));
-    let before = target.snapshot();
-    assert_eq!(target.restore_calibration(&before[1..]), Err(SnapshotError::Damaged));
-    assert_eq!(target.snapshot(), before);
-}
-
-#[test]
-fn a_calibration_kept_alone_is_short_and_is_taken_over() {
-    let (config, source) = small(40);
-    assert_eq!(compensator(&config).snapshot_calibration(), None);
-    let kept = source.snapshot_calibration().unwrap();
-    assert!(kept.len() < 1000, "{} characters", kept.len());
-    let mut target = compensator(&config);
-    assert_eq!(target.restore_calibration(&kept), Ok(()));
-    assert_eq!(target.calibration(), source.calibration());
-    let mut other = compensator(&config);
-    assert_eq!(other.restore(&kept), Ok(Restored::CalibrationOnly));
-    assert_eq!(other.snapshot(), target.snapshot());
 }
 
 #[test]
@@ -324,7 +179,7 @@ fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
         }
         let b = truth.hard_iron_ut() + Vector3::new(40.0, 0.0, 0.0);
         let given = Calibration::new(*truth.soft_iron(), b, 45.0).expect("a calibration");
-        compensator.adopt(given, 2.0).unwrap();
+        compensator.adopt(&KeptCalibration::given(given, 2.0).expect("in range"), None);
         assert_eq!(compensator.calibration(), Some(given));
         let (raw_ut, reading) = push(&mut compensator, 150);
         assert!(
@@ -365,29 +220,6 @@ fn headings_may_be_set_anew_in_the_stream() {
     let error = changed.set_heading(HeadingConfig { declination_deg: Some(181.0), ..set });
     assert_eq!(error.expect_err("out of range").field, "heading.declination_deg");
     assert_eq!(changed.config(), &other);
-    // how headings are reported is no part of what was learned
-    let mut restored = compensator(&one);
-    assert_eq!(restored.restore(&changed.snapshot()), Ok(Restored::Everything));
-    assert_eq!(restored.config(), &one);
-    assert_eq!(restored.set_heading(set), Ok(()));
-    let (mut random, mut again) = (Random::new(641), Random::new(641));
-    for k in 400..450 {
-        let (found, expected) = (advance(&mut restored, &mut random, k), advance(&mut changed, &mut again, k));
-        assert_eq!(bits(&found), bits(&expected), "sample {k}");
-    }
-}
-
-#[test]
-fn every_valid_config_can_be_restored() {
-    for field_strength_ut in [None, Some(1.0), Some(1000.0)] {
-        let mut compensator = compensator(&Config { field_strength_ut, ..Config::default() });
-        let mut random = Random::new(620);
-        for k in 0..150 {
-            compensator.push(sample(k, random.raw_one(&calibration(&REF, 45.0), 0.5)));
-        }
-        let snapshot = compensator.snapshot();
-        assert_eq!(compensator.restore(&snapshot), Ok(Restored::Everything), "{field_strength_ut:?}");
-    }
 }
 
 /// Any double there is.
@@ -411,7 +243,8 @@ enum Event {
     /// That many good samples.
     Motion(usize),
     Reset,
-    Restart,
+    /// What was learned is adopted.
+    Relaunch,
 }
 
 fn any_event() -> impl Strategy<Value = (Event, i64, [f64; 3])> {
@@ -420,7 +253,7 @@ fn any_event() -> impl Strategy<Value = (Event, i64, [f64; 3])> {
         3 => Just(Event::Up),
         1 => Just(Event::Rate),
         2 => (1_usize..60).prop_map(Event::Motion),
-        1 => Just(Event::Restart),
+        1 => Just(Event::Relaunch),
     ];
     let event = prop_oneof![40 => event, 1 => Just(Event::Reset)];
     let step_ns = prop_oneof![8 => 1_i64..20_000_000, 1 => any::<i64>(), 1 => -5_i64..1];
@@ -510,10 +343,12 @@ proptest! {
                     compensator.reset();
                     (time_ns, up_ns) = (0, 0);
                 }
-                Event::Restart => {
-                    let snapshot = compensator.snapshot();
-                    prop_assert_eq!(compensator.restore(&snapshot), Ok(Restored::Everything));
-                    prop_assert_eq!(compensator.snapshot(), snapshot);
+                Event::Relaunch => {
+                    if let Some(kept) = compensator.keep(step_ns) {
+                        prop_assert_eq!(KeptCalibration::from_json(&kept.to_json()), Ok(kept));
+                        compensator.adopt(&kept, Some(time_ns));
+                        prop_assert_eq!(compensator.keep(step_ns), None);
+                    }
                 }
             }
             if let Some(found) = compensator.calibration() {

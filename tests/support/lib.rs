@@ -1,11 +1,18 @@
 //! What the host tests share: seeded data, a fit sample by sample, vectors read from `tests/vectors`.
 
+mod phone;
+
+pub use phone::{PERIOD_NS, Phone};
+
 use magcomp::nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3, Vector4};
-use magcomp::{Calibration, MagneticSample, Residual};
+use magcomp::{Calibration, MagneticSample, Method, Residual};
 use rand::SeedableRng;
 use rand::rngs::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, UnitSphere};
 use serde::de::DeserializeOwned;
+
+/// Every way to choose.
+pub const METHODS: [Method; 5] = [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed, Method::Constant];
 
 /// Nine parameters, in the order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz.
 pub type Nine = SVector<f64, 9>;
