@@ -177,7 +177,7 @@ fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
         for k in 0..150 {
             push(&mut compensator, k);
         }
-        let b = truth.hard_iron_ut() + Vector3::new(40.0, 0.0, 0.0);
+        let b = truth.hard_iron_ut() + Vector3::new(2.0, 0.0, 0.0);
         let given = Calibration::new(*truth.soft_iron(), b, 45.0).expect("a calibration");
         compensator.adopt(&KeptCalibration::given(given, 2.0).expect("in range"), None);
         assert_eq!(compensator.calibration(), Some(given));
@@ -188,8 +188,9 @@ fn an_adopted_calibration_is_in_force_at_once_and_the_stream_goes_on() {
             reading.status
         );
         if gyroscope && method == Method::Auto {
+            // the first total field moves b by less than its sigma
             let off_ut = (reading.field_ut.expect("calibrated") - given.correct(&raw_ut)).norm();
-            assert!(off_ut < 1.0, "{off_ut} uT");
+            assert!(off_ut < 2.0, "{off_ut} uT");
         }
         // the clock did not start anew
         let late = compensator.push(sample(149, Vector3::new(1.0, 2.0, 3.0)));
