@@ -3,7 +3,7 @@
 
 use magcomp::nalgebra::{Quaternion, Vector3};
 use magcomp::{
-    Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
+    Axis, Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
     HoldReason, KeptCalibration, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample,
     ScreenRotation, Status, UpSample, WindowedConfig, attitude, heading, true_heading_deg,
 };
@@ -135,7 +135,7 @@ fn statuses() {
     let rejected = [
         RejectReason::NotFinite,
         RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
-        RejectReason::Saturated { value_ut: 1300.0, rail_ut: 1299.5 },
+        RejectReason::Saturated { axis: Axis::X, value_ut: 1300.0, rail_ut: 1299.5 },
         RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 8 },
         RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
         RejectReason::Stuck { repeats: 50 },

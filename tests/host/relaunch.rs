@@ -14,8 +14,6 @@ const HOUR_S: i64 = 3600;
 /// When it was kept, seconds since 1970.
 const KEPT_AT_S: i64 = 1_795_000_000;
 const RUNS: u64 = 60;
-/// Samples of the second launch, ten seconds.
-const LOOKED: usize = 1000;
 
 /// A phone with its own errors of the sensors; `turns` about all axes, or it lies still.
 struct Phone {
@@ -84,9 +82,12 @@ fn cases() -> Vec<Case> {
     const DAY_S: i64 = 24 * HOUR_S;
     let cover = Vector3::new(150.0, -100.0, 300.0);
     vec![
-        case("nothing, a minute", 60, 0.0),
+        case("nothing, at once", 0, 0.0),
         case("nothing, an hour", HOUR_S, 0.0),
         case("nothing, a day", DAY_S, 0.0),
+        case("b off by 8 uT, at once", 0, 8.0),
+        case("b off by 20 uT, at once", 0, 20.0),
+        case("b off by 39 uT, at once", 0, 39.0),
         case("b off by 8 uT, an hour", HOUR_S, 8.0),
         case("b off by 20 uT, an hour", HOUR_S, 20.0),
         case("b off by 39 uT, an hour", HOUR_S, 39.0),

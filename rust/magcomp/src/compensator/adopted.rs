@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! b, M of now = those that were kept + x,     x ~ sum_k p_k N(0, P + s_k^2 C)         C: b by 1 uT an axis, M by 0.3 % a uT
-//! s_0 = 2 uT: it is as it was          p_0 = exp(-age / 4 h), 0.99 at the most
+//! s_0 = 2 uT: it is as it was          p_0 = 0.9 exp(-age / 6 h)
 //! s_k = 4, 8, ... 512 uT: it changed   p_k = (1 - p_0) / 8: small and large changes are as likely, from a current to a cover with a magnet
 //! r = |h| (sin dip, cos dip) - (c's part down, |c's level part|),  c = W (raw - b):   r ~ N(H x, (3 uT)^2 I)        rooms differ by 3 uT an axis
 //!     without a dip or a vertical  r = |h| - |c|
@@ -18,12 +18,14 @@ use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, UNSEEN_IRON};
 use crate::sample::MagneticSample;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 
-/// Time in which one device in e has changed: a cover, a charger, a car, s.
-const CHANGES_S: f64 = 2.0 * 3600.0;
-/// Share of calibrations that never held: taken beside a magnet, or of another phone.
-const NEVER_HELD: f64 = 0.01;
+/// Time in which all but one device in e have changed: a cover, a charger, a car, s.
+const CHANGES_S: f64 = 6.0 * 3600.0;
+/// Share of launches before which the device was changed, however short the pause: it was laid down, a cover was put on.
+const CHANGED_BETWEEN: f64 = 0.1;
+/// Share of given calibrations that never held: taken beside a magnet, or of another phone.
+const NEVER_HELD: f64 = 0.0025;
 /// How far b walks where nothing changed, with temperature and currents, uT.
-const WALK_UT: f64 = 1.0;
+const WALK_UT: f64 = 2.0;
 /// Sizes of changes: this, and twice as large each, uT.
 const LEAST_CHANGE_UT: f64 = 4.0;
 const SIZES: usize = 8;
@@ -57,6 +59,7 @@ pub(super) struct Adopted {
     is_seen: bool,
     /// The system's hard iron was heard.
     is_heard: bool,
+    is_systems: bool,
 }
 
 /// Seconds since a calibration was kept. Of one that was learned at an unknown time, or by another clock, nothing is known.
@@ -70,8 +73,9 @@ fn age_s(kept: &KeptCalibration, unix_time_s: Option<i64>) -> f64 {
 
 impl Adopted {
     pub fn new(kept: &KeptCalibration, unix_time_s: Option<i64>) -> Self {
-        let holds = (1.0 - NEVER_HELD) * (-age_s(kept, unix_time_s) / CHANGES_S).exp();
         let is_learned = kept.source() == CalibrationSource::Learned;
+        let at_once = if is_learned { CHANGED_BETWEEN } else { NEVER_HELD };
+        let holds = (1.0 - at_once) * (-age_s(kept, unix_time_s) / CHANGES_S).exp();
         let summands = std::array::from_fn(|k| {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
@@ -83,7 +87,15 @@ impl Adopted {
             Summand { log_weight: weight.ln(), mean: Vector9::zeros(), covariance }
         });
         let inclination_deg = kept.inclination_deg();
-        Self { kept: *kept.calibration(), inclination_deg, summands, since_ns: None, is_seen: false, is_heard: false }
+        Self {
+            kept: *kept.calibration(),
+            inclination_deg,
+            summands,
+            since_ns: None,
+            is_seen: false,
+            is_heard: false,
+            is_systems: kept.source() == CalibrationSource::System,
+        }
     }
 
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
@@ -119,7 +131,8 @@ impl Adopted {
 
     /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
     pub fn hear(&mut self, system: &KeptCalibration) -> bool {
-        if self.is_heard {
+        // of the system's own there is one: its later ones are no other evidence
+        if self.is_heard || self.is_systems {
             return false;
         }
         self.is_heard = true;
@@ -142,7 +155,7 @@ impl Adopted {
             covariance + (it.covariance + off * off.transpose()) * share
         });
         let variance_ut2 = covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0;
-        if !(variance_ut2 < LOST_UT * LOST_UT) {
+        if variance_ut2.is_nan() || variance_ut2 >= LOST_UT * LOST_UT {
             return None;
         }
         let [xx, yy, zz, xy, xz, yz] = mean.fixed_rows::<6>(3).into_owned().data.0[0];

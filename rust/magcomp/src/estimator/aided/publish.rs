@@ -79,7 +79,10 @@ impl Aided {
     /// The status after a sample with a rotation.
     pub(super) fn status(&self, filter: &Gaussian) -> Status {
         if self.filter.is_none() {
-            return Status::Collecting(self.first.missing());
+            // what was given is in force until the samples of a start know more
+            let is_given = self.first.given.is_some();
+            let lacking = if self.motion.at_rest() { HoldReason::AtRest } else { HoldReason::TooLittleRotation };
+            return if is_given { Status::Held(lacking) } else { Status::Collecting(self.first.missing()) };
         }
         if let Some(trial) = &self.trial {
             let since_ns = trial.onset_ns;
