@@ -3,7 +3,7 @@
 use crate::calibration::Calibration;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
-use crate::kept::USUAL_SIGMA_UT;
+use crate::kept::{SIGMAS_UT, USUAL_SIGMA_UT};
 use crate::quadric::SMALLEST_SAMPLE_COUNT;
 use crate::range::{ConfigError, in_range};
 
@@ -75,7 +75,7 @@ impl Config {
     /// [`ConfigError`] names the first field that is not, and its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let w = &self.windowed;
-        validate_sigma("initial_sigma_ut", self.initial_sigma_ut)?;
+        in_range("initial_sigma_ut", self.initial_sigma_ut, SIGMAS_UT, "uT")?;
         in_range("range_ut", self.range_ut, 1.0..=100_000.0, "uT")?;
         in_range("rail_ut", self.rail_ut, 1.0..=100_000.0, "uT, or none")?;
         in_range("field_strength_ut", self.field_strength_ut, 1.0..=1000.0, "uT, or none")?;
@@ -89,11 +89,6 @@ impl Config {
         in_range("windowed.noise_floor_ut", w.noise_floor_ut, 0.0..=1000.0, "uT")?;
         validate_heading(&self.heading)
     }
-}
-
-/// Whether a calibration may be believed so far, uT.
-pub(crate) fn validate_sigma(field: &'static str, sigma_ut: f64) -> Result<(), ConfigError> {
-    in_range(field, sigma_ut, 0.01..=1000.0, "uT")
 }
 
 /// Whether every field of the heading's is inside its range.

@@ -14,13 +14,15 @@
 mod tests;
 
 use crate::calibration::{Calibration, independent, is_covariance};
-use crate::config::validate_sigma;
-use crate::range::ConfigError;
+use crate::range::{ConfigError, in_range};
 use nalgebra::SMatrix;
+use std::ops::RangeInclusive;
 
 /// Version of the text written here.
 pub const KEPT_VERSION: u32 = 1;
 
+/// What a standard deviation of a component of b may be, uT.
+pub(crate) const SIGMAS_UT: RangeInclusive<f64> = 0.01..=1000.0;
 /// Standard deviation of a component of b where none is told, uT.
 pub(crate) const USUAL_SIGMA_UT: f64 = 2.0;
 /// How far an element of M is off where M was never measured: phones have up to 10 %.
@@ -132,7 +134,7 @@ impl KeptCalibration {
         iron: f64,
         source: CalibrationSource,
     ) -> Result<Self, ConfigError> {
-        validate_sigma("hard_iron_sigma_ut", sigma_ut)?;
+        in_range("hard_iron_sigma_ut", sigma_ut, SIGMAS_UT, "uT")?;
         let covariance = independent(sigma_ut.powi(2), iron.powi(2));
         Ok(Self { calibration, covariance, source, inclination_deg: None, unix_time_s: None })
     }

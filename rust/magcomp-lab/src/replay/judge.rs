@@ -16,6 +16,7 @@
 
 use super::changes::{Changes, DeviceChange, PlaceDiffered};
 use super::circle::{Circle, FEWEST, HeadingError, off_deg};
+use super::kinds::Kinds;
 use super::legs::LegJudgement;
 use super::level::Level;
 use super::player::Step;
@@ -61,24 +62,6 @@ pub struct Declared {
     pub since_s: f64,
     /// When it was decided, s after the first row.
     pub decided_s: f64,
-}
-
-/// A figure of each field, on the rows that have a corrected one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Kinds<T> {
-    /// As recorded.
-    pub raw: Option<T>,
-    /// As the operating system calibrated it; none where it was not recorded.
-    pub system: Option<T>,
-    /// The corrected sample.
-    pub compensated: Option<T>,
-}
-
-impl<T> Kinds<T> {
-    /// The same of what `of` makes of each.
-    pub fn map<U>(self, of: impl Fn(T) -> U) -> Kinds<U> {
-        Kinds { raw: self.raw.map(&of), system: self.system.map(&of), compensated: self.compensated.map(&of) }
-    }
 }
 
 /// Mean and standard deviation, in the unit that the field's name tells.

@@ -2,7 +2,8 @@
 
 use super::changes::{DeviceChange, PlaceDiffered};
 use super::circle::HeadingError;
-use super::judge::{Judgement, Kinds, MeanSpread};
+use super::judge::{Judgement, MeanSpread};
+use super::kinds::Kinds;
 use crate::table::{Table, number};
 
 /// Total fields that the Earth has at its surface, uT.

@@ -13,11 +13,12 @@ use nalgebra::Vector3;
 use super::earth::Earth;
 use super::events::{Trial, Verdict};
 use super::measure::NONE;
+use super::phase::{Phase, Running};
 use super::propagate::ProcessNoise;
 use super::start::drift;
 use super::state::{FIELD, Gaussian, LOCAL, OFFSET, Parts};
 use super::step::{Known, Step};
-use super::watch::{Former, Watch};
+use super::watch::Former;
 use super::{Aided, propagate};
 use crate::estimator::answer::Answer;
 use crate::reading::{Event, EventKind, Status};
@@ -34,7 +35,10 @@ impl Aided {
         dt_s: f64,
     ) -> Option<Step<'a>> {
         let tuning = &self.tuning;
-        let known = self.filter.as_ref().map_or_else(|| self.first.known(tuning), Known::of);
+        let known = match &self.phase {
+            Phase::Starting(first) => first.known(tuning),
+            Phase::Running(it) | Phase::Undecided(it, _) => Known::of(&it.filter),
+        };
         let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let (turn, _) = propagate::turn(&turned_rad);
         let angle_rad = turned_rad.norm();
@@ -69,47 +73,48 @@ impl Aided {
 
     /// One sample with a rotation.
     pub(super) fn with_rotation(&mut self, step: &Step<'_>) -> (Status, Answer) {
-        if self.filter.is_some() {
-            self.learn(step);
-        } else {
-            self.collect(step);
+        match self.phase {
+            Phase::Starting(_) => self.collect(step),
+            Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
         }
-        if let Some(filter) = &mut self.filter
-            && let Some(strength_ut) = self.lost_strength_ut.take()
-        {
-            filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
+        if let Phase::Running(running) | Phase::Undecided(running, _) = &mut self.phase {
+            if let Some(strength_ut) = running.lost_strength_ut.take() {
+                running.filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
+            }
+            if !running.filter.is_finite() {
+                self.begin(None);
+            }
         }
-        if self.filter.as_ref().is_some_and(|filter| !filter.is_finite()) {
-            self.begin(None);
-        }
-        match self.known() {
-            Some(filter) => (self.status(filter), self.published(step, filter).unwrap_or_default()),
-            None => (Status::Collecting(self.first.missing()), Answer::default()),
+        match self.phase.known() {
+            Some(filter) => (self.status(), self.published(step, filter).unwrap_or_default()),
+            None => (self.status(), Answer::default()),
         }
     }
 
     /// The start's part of one sample.
     fn collect(&mut self, step: &Step<'_>) {
-        self.first.turn(step);
+        let Phase::Starting(first) = &mut self.phase else { return };
+        first.turn(step);
         if let Some(variance) = step.bias_variance {
-            self.first.rest(step.rate_rad_s, variance);
+            first.rest(step.rate_rad_s, variance);
         }
-        if !step.resting || (self.first.given.is_some() && self.first.is_blind()) {
-            self.first.add(step, self.motion.up.as_ref(), &self.tuning);
+        if !step.resting || (first.given.is_some() && first.is_blind()) {
+            first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
-        self.filter = self.first.take();
-        if !self.first.is_blind() {
-            self.lost_strength_ut = None;
+        if let Some(filter) = first.take() {
+            self.phase = Phase::Running(Running::of(filter));
         }
     }
 
     /// The filter's part of one sample.
     fn learn(&mut self, step: &Step<'_>) {
-        let Some(filter) = &mut self.filter else { return };
+        let is_open = self.phase.trial().is_some();
+        let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
+        let filter = &mut running.filter;
         if step.dt_s > self.tuning.gap_s {
             drift(filter, step.dt_s, &self.tuning);
         }
-        if let Some(earth) = &mut self.earth {
+        if let Some(earth) = &mut running.earth {
             earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
@@ -123,22 +128,22 @@ impl Aided {
         let unexplained_ut = innovation.v + local_ut;
         let field = filter.vector(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        self.watch.step(step, gated.then_some(&unexplained_ut), former, self.trial.is_some(), &self.tuning);
+        running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
-            self.moved_s += step.dt_s;
+            running.moved_s += step.dt_s;
         }
         if let Some(variance) = step.bias_variance {
             filter.update_bias(step.rate_rad_s, variance);
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
         let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
-        if is_blind && self.trial.is_none() {
-            self.watch.since_ns = step.time_ns;
-            self.watch.misfit_ut = innovation.v.norm();
+        if is_blind && !is_open {
+            running.watch.since_ns = step.time_ns;
+            running.watch.misfit_ut = innovation.v.norm();
             self.begin_trial(true);
             return self.run_trial(step);
         }
-        if self.trial.is_some() {
+        if is_open {
             return self.run_trial(step);
         }
         if !step.resting {
@@ -154,25 +159,25 @@ impl Aided {
             }
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
-        if self.watch.share > self.tuning.suspect_share {
+        if running.watch.share > self.tuning.suspect_share {
             self.begin_trial(false);
         }
     }
 
     /// The hypotheses start from the filter, after a pause (`blind`) without a former calibration.
     fn begin_trial(&mut self, blind: bool) {
-        let Some(filter) = &self.filter else { return };
+        let Some(running) = self.phase.running() else { return };
         let former = self.former.as_ref().filter(|_| !blind);
-        let mut trial = Trial::start(filter, &self.watch, former, &self.tuning);
+        let mut trial = Trial::start(&running.filter, &running.watch, former, &self.tuning);
         trial.blind = blind;
-        trial.young = self.moved_s < self.tuning.settled_s;
-        self.trial = Some(trial);
+        trial.young = running.moved_s < self.tuning.settled_s;
+        self.phase.doubt(trial);
     }
 
-    /// One sample while the hypotheses run; `filter` is as it was, predicted.
+    /// One sample while the hypotheses run; the filter is as it was, predicted.
     fn run_trial(&mut self, step: &Step<'_>) {
-        let (Some(filter), Some(trial)) = (&self.filter, &mut self.trial) else { return };
-        let verdict = trial.step(step, filter, &self.watch, self.former.as_ref(), &self.tuning);
+        let Phase::Undecided(Running { filter, watch, earth, .. }, trial) = &mut self.phase else { return };
+        let verdict = trial.step(step, filter, watch, self.former.as_ref(), &self.tuning);
         let since_ns = trial.onset_ns;
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
@@ -187,7 +192,7 @@ impl Aided {
                     self.former = Some(Former::of(filter));
                 }
                 if trial.was_place {
-                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
+                    *earth = Some(Earth::of(filter, earth.as_ref(), trial.onset_ns));
                 }
                 return self.go_on_with(|trial| trial.device);
             }
@@ -196,11 +201,11 @@ impl Aided {
                 if verdict == Verdict::Place {
                     self.event = event(EventKind::PlaceChanged);
                 }
-                let back = self.earth.as_ref().is_some_and(|it| it.is_that_of(&trial.place, filter, &self.tuning));
+                let back = earth.as_ref().is_some_and(|it| it.is_that_of(&trial.place, filter, &self.tuning));
                 if back {
-                    self.earth = None;
+                    *earth = None;
                 } else if verdict == Verdict::NewPlace {
-                    self.earth = Some(Earth::of(filter, self.earth.as_ref(), trial.onset_ns));
+                    *earth = Some(Earth::of(filter, earth.as_ref(), trial.onset_ns));
                 }
                 if back || verdict == Verdict::NewPlace {
                     return self.go_on_with(|trial| trial.place);
@@ -208,19 +213,18 @@ impl Aided {
             }
             Verdict::Open => {}
         }
-        if !trial.blind && self.watch.share < 0.5 * self.tuning.suspect_share {
+        if !trial.blind && watch.share < 0.5 * self.tuning.suspect_share {
             if trial.is_place {
                 // it fits again, perhaps by chance: the field is not trusted to be even at once
                 self.adaptation.local_ut = self.tuning.local_max_ut;
             }
-            self.trial = None; // nothing happened, or it is over
+            self.phase.decide(None); // nothing happened, or it is over
         }
     }
 
     /// A hypothesis has won: it is the filter from here on.
     fn go_on_with(&mut self, winner: fn(Trial) -> Gaussian) {
-        self.filter = self.trial.take().map(winner);
-        self.watch = Watch::default();
+        self.phase.decide(Some(winner));
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }
 }

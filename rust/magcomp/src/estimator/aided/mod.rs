@@ -1,7 +1,7 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `events` (hypotheses) · `start`, `first_fit`, `batch`, `groups` · `step`, `learn` (one sample) ·
+//! that do not fit) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · `step`, `learn` (one sample) ·
 //! `publish`. The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
@@ -13,6 +13,7 @@ mod groups;
 mod learn;
 mod measure;
 mod motion;
+mod phase;
 mod propagate;
 mod publish;
 mod start;
@@ -31,59 +32,51 @@ use crate::estimator::answer::Answer;
 use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
-use earth::Earth;
-use events::Trial;
 use first_fit::FirstFit;
 use motion::Motion;
+use phase::{Phase, Running};
 use state::{FIELD, Gaussian, OFFSET};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
-use watch::{Former, Watch};
+use watch::Former;
 
 const NANO: f64 = 1e-9;
 
 /// The estimator. All state is plain numbers: it can be cloned and compared.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Aided {
     tuning: Tuning,
     last_ns: Option<i64>,
-    /// None until a first calibration is found.
-    filter: Option<Gaussian>,
-    first: FirstFit,
+    phase: Phase,
     /// The strength of the field where it is known, uT.
     known_ut: Option<f64>,
     adaptation: Adaptation,
     motion: Motion,
-    watch: Watch,
-    trial: Option<Trial>,
     former: Option<Former>,
     event: Option<Event>,
-    /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
-    moved_s: f64,
-    /// The Earth's field, while that of the place is another.
-    earth: Option<Earth>,
     /// Seconds since the chain of rotations began.
     chain_s: f64,
-    /// |m| before the chain of rotations broke.
-    lost_strength_ut: Option<f64>,
 }
 
 impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
     pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
         Self {
+            last_ns: None,
+            phase: Phase::Starting(FirstFit::new(None, known_ut, &tuning)),
             known_ut,
-            first: FirstFit::new(None, known_ut, &tuning),
             adaptation: Adaptation::new(&tuning),
             motion: Motion::new(),
+            former: None,
+            event: None,
+            chain_s: 0.0,
             tuning,
-            ..Self::default()
         }
     }
 
     /// Whether its calibration was found in live samples.
     pub fn has_learned(&self) -> bool {
-        self.filter.is_some()
+        self.phase.running().is_some()
     }
 
     /// Seconds since the chain of rotations began.
@@ -93,26 +86,20 @@ impl Aided {
 
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
     pub fn calibration(&self) -> Option<Calibration> {
-        let filter = self.known()?;
+        let filter = self.phase.known()?;
         let strength_ut = self.known_ut.unwrap_or_else(|| self.strength_of(filter));
         Calibration::new(filter.parts().soft_iron() * self.scale(filter), filter.vector(OFFSET), strength_ut).ok()
-    }
-
-    /// The filter, or what a start knows so far.
-    fn known(&self) -> Option<&Gaussian> {
-        self.filter.as_ref().or(self.first.answer.as_ref())
     }
 
     /// |m|, uT.
     fn strength_of(&self, filter: &Gaussian) -> f64 {
         // where the field points is lost: m is but the latest sample
-        self.lost_strength_ut.unwrap_or_else(|| self.earth_ut(filter).0.norm()).max(1.0)
+        self.phase.lost_strength_ut().unwrap_or_else(|| self.earth_ut(filter).0.norm()).max(1.0)
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
     fn earth_ut(&self, filter: &Gaussian) -> (Vector3<f64>, Matrix3<f64>) {
-        let m = filter.vector(FIELD);
-        self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
+        self.phase.running().map_or_else(|| (filter.vector(FIELD), Matrix3::zeros()), Running::earth_ut)
     }
 
     /// From tr M = 3 to the known strength: the factor of M; what is corrected is divided by it. Without a known one the gauge stays.
@@ -122,7 +109,10 @@ impl Aided {
 
     /// Bias (rad/s) and scale error of the gyroscope, 0 while nothing is known.
     pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        self.filter.as_ref().map_or_else(|| self.first.gyroscope(), |it| (it.parts().bias, it.parts().scale))
+        match &self.phase {
+            Phase::Starting(first) => first.gyroscope(),
+            Phase::Running(it) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().scale),
+        }
     }
 
     /// Whether what the gyroscope reads explains nothing.
@@ -132,11 +122,11 @@ impl Aided {
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        let filter = self.known()?;
+        let filter = self.phase.known()?;
         let Some(known_ut) = self.known_ut else { return Some(filter.calibration_block()) };
         let mut p = filter.p.fixed_view::<12, 12>(FIELD, FIELD).into_owned();
         let mut along = filter.vector(FIELD).cap_magnitude(1.0);
-        if self.lost_strength_ut.is_some() {
+        if self.phase.lost_strength_ut().is_some() {
             // where the field points is not known; how strong it is stays known
             along = Vector3::x();
             p.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(self.tuning.adopt_sd_ut.powi(2));

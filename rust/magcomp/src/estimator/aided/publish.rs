@@ -11,6 +11,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;
+use super::phase::Phase;
 use super::state::{DELAY, FIELD, Gaussian};
 use super::step::Step;
 use super::strength::impossible_field;
@@ -38,9 +39,9 @@ impl Aided {
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
         let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
-        if self.trial.is_some() {
-            // undecided: c is wrong by the step if it is the device's
-            unseen += self.watch.misfit_ut.powi(2) / 3.0;
+        if let Phase::Undecided(running, _) = &self.phase {
+            // c is wrong by the step if it is the device's
+            unseen += running.watch.misfit_ut.powi(2) / 3.0;
         }
         let p_c =
             calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
@@ -53,7 +54,9 @@ impl Aided {
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
     pub(super) fn held(&self, raw_ut: &Vector3<f64>) -> (Status, Answer) {
-        let Some(filter) = self.known() else { return (Status::Collecting(Missing::Directions), Answer::default()) };
+        let Some(filter) = self.phase.known() else {
+            return (Status::Collecting(Missing::Directions), Answer::default());
+        };
         let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
             let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
@@ -77,28 +80,28 @@ impl Aided {
     }
 
     /// The status after a sample with a rotation.
-    pub(super) fn status(&self, filter: &Gaussian) -> Status {
-        if self.filter.is_none() {
+    pub(super) fn status(&self) -> Status {
+        let at_rest = self.motion.at_rest();
+        match &self.phase {
             // what was given is in force until the samples of a start know more
-            let is_given = self.first.given.is_some();
-            let lacking = if self.motion.at_rest() { HoldReason::AtRest } else { HoldReason::TooLittleRotation };
-            return if is_given { Status::Held(lacking) } else { Status::Collecting(self.first.missing()) };
-        }
-        if let Some(trial) = &self.trial {
-            let since_ns = trial.onset_ns;
-            return if trial.is_place { Status::Disturbed { since_ns } } else { Status::Suspect { since_ns } };
-        }
-        if let Some(earth) = self.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
-            return Status::Disturbed { since_ns: earth.since_ns };
-        }
-        if let Some(error) = impossible_field(filter) {
-            Status::Held(HoldReason::FitRefused(error))
-        } else if self.motion.at_rest() {
-            Status::Held(HoldReason::AtRest)
-        } else if self.motion.lately_rad_s < self.tuning.rest_rate_rad_s {
-            Status::Held(HoldReason::TooLittleRotation)
-        } else {
-            Status::Tracking
+            Phase::Starting(first) if first.given.is_none() => Status::Collecting(first.missing()),
+            Phase::Starting(_) if at_rest => Status::Held(HoldReason::AtRest),
+            Phase::Starting(_) => Status::Held(HoldReason::TooLittleRotation),
+            Phase::Undecided(_, trial) if trial.is_place => Status::Disturbed { since_ns: trial.onset_ns },
+            Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
+            Phase::Running(running) => {
+                if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
+                    Status::Disturbed { since_ns: earth.since_ns }
+                } else if let Some(error) = impossible_field(&running.filter) {
+                    Status::Held(HoldReason::FitRefused(error))
+                } else if at_rest {
+                    Status::Held(HoldReason::AtRest)
+                } else if self.motion.lately_rad_s < self.tuning.rest_rate_rad_s {
+                    Status::Held(HoldReason::TooLittleRotation)
+                } else {
+                    Status::Tracking
+                }
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
+use super::phase::{Phase, Running};
 use super::state::{FIELD, Gaussian, LOCAL, OFFSET};
 use super::tuning::Tuning;
 use super::watch::Watch;
@@ -18,13 +19,7 @@ use crate::reading::Status;
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
     pub(super) fn begin(&mut self, given: Option<Before>) {
-        self.lost_strength_ut = given.map(|given| given.strength_ut);
-        self.filter = None;
-        self.first = FirstFit::new(given, self.known_ut, &self.tuning);
-        self.trial = None;
-        self.watch = Watch::default();
-        self.moved_s = 0.0;
-        self.earth = None;
+        self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
     }
 
     /// Begins with a calibration from elsewhere.
@@ -50,15 +45,6 @@ impl Aided {
         }));
     }
 
-    /// The filter's calibration, which may have changed in a pause.
-    fn kept(&self, filter: &Gaussian) -> Before {
-        Before {
-            mean: filter.x.fixed_rows::<9>(OFFSET).into_owned(),
-            covariance: filter.calibration_block(),
-            strength_ut: self.lost_strength_ut.unwrap_or_else(|| filter.vector(FIELD).norm()),
-        }
-    }
-
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
     pub(super) fn without_rotation(
         &mut self,
@@ -67,27 +53,29 @@ impl Aided {
         dt_s: Option<f64>,
     ) -> (Status, Answer) {
         self.motion.without_rotation(up);
-        self.trial = None;
-        self.watch = Watch::default();
         let dt_s = dt_s.unwrap_or(0.0);
-        match self.filter.take() {
+        match self.phase.take() {
             // the chain of rotations is broken; a calibration that was given may still hold
-            None => self.begin(self.first.given),
-            Some(mut filter) => {
-                drift(&mut filter, dt_s, &self.tuning);
+            Phase::Starting(first) => self.begin(first.given),
+            Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
+                running.watch = Watch::default();
+                drift(&mut running.filter, dt_s, &self.tuning);
                 if dt_s > self.tuning.gap_s {
-                    self.begin(Some(self.kept(&filter)));
+                    self.begin(Some(running.kept()));
                 } else {
-                    self.lose_field(&mut filter, raw_ut);
-                    self.filter = Some(filter);
+                    running.lose_field(raw_ut, self.adaptation.local_ut, &self.tuning);
+                    self.phase = Phase::Running(running);
                 }
             }
         }
         self.held(raw_ut)
     }
+}
 
+impl Running {
     /// Where the field points is lost, and the sample is the best guess of it.
-    fn lose_field(&mut self, filter: &mut Gaussian, raw_ut: &Vector3<f64>) {
+    fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64, tuning: &Tuning) {
+        let filter = &mut self.filter;
         let m = filter.vector(FIELD);
         self.lost_strength_ut.get_or_insert(m.norm());
         if let Some((_, c)) = filter.parts().corrected(raw_ut) {
@@ -97,8 +85,8 @@ impl Aided {
             filter.set_vector(FIELD, &c);
         }
         filter.set_vector(LOCAL, &Vector3::zeros());
-        filter.isolate(FIELD, &Matrix3::from_diagonal_element(self.tuning.far_sd_ut.powi(2)));
-        filter.isolate(LOCAL, &Matrix3::from_diagonal_element(self.adaptation.local_ut.powi(2)));
+        filter.isolate(FIELD, &Matrix3::from_diagonal_element(tuning.far_sd_ut.powi(2)));
+        filter.isolate(LOCAL, &Matrix3::from_diagonal_element(local_ut.powi(2)));
     }
 }
 

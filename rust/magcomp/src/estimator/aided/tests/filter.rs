@@ -9,7 +9,7 @@ use crate::reading::{HoldReason, Status};
 use crate::sensing::pairing::PairedInertial;
 
 fn assert_positive_definite(aided: &Aided, at: usize) {
-    let Some(filter) = &aided.filter else { return };
+    let Some(filter) = aided.phase.running().map(|it| &it.filter) else { return };
     // scaled to unit diagonal, so that units do not matter
     let p = filter.p;
     let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt());
@@ -92,7 +92,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
         state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).0;
     }
     assert_eq!(state, Status::Held(HoldReason::AtRest));
-    let before = aided.filter.as_ref().unwrap().vector(OFFSET);
+    let before = aided.phase.running().unwrap().filter.vector(OFFSET);
     world.hard_iron_ut += Vector3::new(80.0, -60.0, 40.0);
     let mut heading_moved = 0.0_f64;
     for _ in 0..1_000 {
@@ -102,7 +102,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
         state = status;
     }
     assert!(matches!(state, Status::Suspect { .. }), "{state:?}");
-    assert_eq!(before, aided.filter.as_ref().unwrap().vector(OFFSET));
+    assert_eq!(before, aided.phase.running().unwrap().filter.vector(OFFSET));
     assert!(heading_moved < 3.0, "carried field wrong by {heading_moved} deg");
 }
 
@@ -116,7 +116,7 @@ fn at_rest_the_hard_iron_walks_on() {
             let sample = world.sample(0.01);
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
-        aided.filter.as_ref().unwrap().block(OFFSET, OFFSET).trace()
+        aided.phase.running().unwrap().filter.block(OFFSET, OFFSET).trace()
     };
     spread_ut2(&mut world, &mut aided, 2_000);
     world.tumbling_rad_s = 0.0;
@@ -141,7 +141,7 @@ fn the_scale_of_the_gyroscope_is_found() {
             }
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
-        let filter = aided.filter.as_ref().unwrap();
+        let filter = &aided.phase.running().unwrap().filter;
         sum += filter.parts().scale.trace() / 3.0;
     }
     let mean: f64 = sum / 10.0;
@@ -163,7 +163,7 @@ fn a_late_gyroscope_is_found_and_f_is_not_late() {
             squares_deg2 += output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
         }
     }
-    let delay_s = aided.filter.as_ref().unwrap().x[DELAY];
+    let delay_s = aided.phase.running().unwrap().filter.x[DELAY];
     assert!((delay_s + 0.010).abs() < 0.002, "{delay_s} s");
     let rms_deg = (squares_deg2 / 1_000.0).sqrt();
     assert!(rms_deg < 0.45, "{rms_deg} deg");

@@ -64,7 +64,7 @@ fn one_axis_from_nothing_is_never_told_beyond_its_sigma() {
             assert!(run.beyond[1] * 40 <= run.told, "{wobble_deg} deg, seed {seed}: {:?} of {}", run.beyond, run.told);
             assert!(run.worst_deg < 10.0, "{wobble_deg} deg, seed {seed}: off by {} deg", run.worst_deg);
             if wobble_deg == 0.0 {
-                assert!(aided.filter.is_none(), "seed {seed}: {}", run.status);
+                assert!(aided.phase.running().is_none(), "seed {seed}: {}", run.status);
                 assert_eq!(run.status, Status::Collecting(Missing::Directions), "seed {seed}");
             }
         }

@@ -184,7 +184,7 @@ fn a_turn_that_is_lost_in_a_new_place_is_in_the_sigma() {
             let earth = world.field_ut;
             world.field_ut = earth + Vector3::new(14.0, -8.0, 12.0);
             run(&mut world, &mut aided, 3_600);
-            assert!(aided.earth.is_some(), "seed {seed}");
+            assert!(aided.phase.running().unwrap().earth.is_some(), "seed {seed}");
             // half a second unseen, of which the gyroscope knows nothing, or guesses within 0.3 rad
             let rotation = (!lost).then(|| Rotation {
                 increment_rad: Vector3::zeros(),
@@ -257,7 +257,7 @@ fn a_step_of_the_size_of_the_soft_iron_leaves_no_error_behind() {
 fn a_misfit_soon_after_the_first_calibration_is_relearned_without_an_event() {
     let mut world = World::new(70);
     let mut aided = Aided::new(Tuning::default(), None);
-    while aided.filter.is_none() {
+    while aided.phase.running().is_none() {
         let sample = world.sample(0.01);
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
     }

@@ -1,0 +1,116 @@
+//! What the estimator is doing: one owner for the start, the filter and the hypotheses, so that there is never more than belongs together.
+//!
+//! ```text
+//! Starting  --the samples alone know b-->  Running  --samples do not fit, or a pause-->  Undecided
+//! Running   <--decided, or it was nothing--  Undecided
+//! Starting  <--a long gap, a state that is not finite--  Running, Undecided
+//! ```
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::earth::Earth;
+use super::events::Trial;
+use super::first_fit::{Before, FirstFit};
+use super::state::{FIELD, Gaussian, OFFSET};
+use super::watch::Watch;
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box would allocate")]
+pub(super) enum Phase {
+    /// No calibration that live samples have confirmed.
+    Starting(FirstFit),
+    /// The filter follows the samples.
+    Running(Running),
+    /// Samples do not fit the filter, which stays as it was while the hypotheses run.
+    Undecided(Running, Trial),
+}
+
+/// The filter and what belongs to it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Running {
+    pub(super) filter: Gaussian,
+    pub(super) watch: Watch,
+    /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
+    pub(super) moved_s: f64,
+    /// The Earth's field, while that of the place is another.
+    pub(super) earth: Option<Earth>,
+    /// |m| before the chain of rotations broke.
+    pub(super) lost_strength_ut: Option<f64>,
+}
+
+impl Phase {
+    /// The filter and what belongs to it.
+    pub(super) fn running(&self) -> Option<&Running> {
+        match self {
+            Self::Starting(_) => None,
+            Self::Running(running) | Self::Undecided(running, _) => Some(running),
+        }
+    }
+
+    /// The filter, or what a start knows so far.
+    pub(super) fn known(&self) -> Option<&Gaussian> {
+        match self {
+            Self::Starting(first) => first.answer.as_ref(),
+            Self::Running(running) | Self::Undecided(running, _) => Some(&running.filter),
+        }
+    }
+
+    /// The hypotheses.
+    pub(super) fn trial(&self) -> Option<&Trial> {
+        if let Self::Undecided(_, trial) = self { Some(trial) } else { None }
+    }
+
+    /// |m| while it is not known where the field points: that of before the chain of rotations broke, or of a given calibration.
+    pub(super) fn lost_strength_ut(&self) -> Option<f64> {
+        match self {
+            Self::Starting(first) => first.given.filter(|_| first.is_blind()).map(|given| given.strength_ut),
+            Self::Running(running) | Self::Undecided(running, _) => running.lost_strength_ut,
+        }
+    }
+
+    /// Goes from `Running` to `Undecided`.
+    pub(super) fn doubt(&mut self, trial: Trial) {
+        *self = match self.take() {
+            Self::Running(running) | Self::Undecided(running, _) => Self::Undecided(running, trial),
+            starting @ Self::Starting(_) => starting,
+        };
+    }
+
+    /// Goes from `Undecided` to `Running`, with the filter that `winner` is, if one has won.
+    pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Gaussian>) {
+        *self = match self.take() {
+            Self::Undecided(running, trial) => Self::Running(match winner {
+                Some(winner) => Running { filter: winner(trial), watch: Watch::default(), ..running },
+                None => running,
+            }),
+            other => other,
+        };
+    }
+
+    /// What is there, for a moment in which nothing is.
+    pub(super) fn take(&mut self) -> Self {
+        std::mem::replace(self, Self::Starting(FirstFit::default()))
+    }
+}
+
+impl Running {
+    pub(super) fn of(filter: Gaussian) -> Self {
+        Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
+    }
+
+    /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
+    pub(super) fn earth_ut(&self) -> (Vector3<f64>, Matrix3<f64>) {
+        let m = self.filter.vector(FIELD);
+        self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
+    }
+
+    /// The filter's calibration, which may have changed in a pause.
+    pub(super) fn kept(&self) -> Before {
+        Before {
+            mean: self.filter.x.fixed_rows::<9>(OFFSET).into_owned(),
+            covariance: self.filter.calibration_block(),
+            strength_ut: self.lost_strength_ut.unwrap_or_else(|| self.filter.vector(FIELD).norm()),
+        }
+    }
+}
