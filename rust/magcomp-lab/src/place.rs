@@ -2,9 +2,10 @@
 
 use crate::error::LabError;
 use serde::Serialize;
+use std::fmt;
 use std::str::FromStr;
 use world_magnetic_model::GeomagneticField;
-use world_magnetic_model::time::{Date, Month};
+use world_magnetic_model::time::{Date, Month, OffsetDateTime};
 use world_magnetic_model::uom::si::angle::degree;
 use world_magnetic_model::uom::si::f32::{Angle, Length};
 use world_magnetic_model::uom::si::length::meter;
@@ -43,6 +44,21 @@ impl FromStr for GeoPoint {
 /// `YYYY-MM-DD`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Day(Date);
+
+impl Day {
+    /// The day (UTC) of a time, ns since 1970; none where it is not within 2000 to 2100: such a time counts from elsewhere.
+    #[must_use]
+    pub fn of_unix_ns(time_ns: i64) -> Option<Self> {
+        let date = OffsetDateTime::from_unix_timestamp(time_ns / 1_000_000_000).ok()?.date();
+        (2000..2100).contains(&date.year()).then_some(Self(date))
+    }
+}
+
+impl fmt::Display for Day {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04}-{:02}-{:02}", self.0.year(), u8::from(self.0.month()), self.0.day())
+    }
+}
 
 impl FromStr for Day {
     type Err = String;
@@ -88,7 +104,7 @@ pub fn earth_field(place: GeoPoint, day: Day) -> Result<EarthField, LabError> {
         dip_deg: f64::from(field.inclination().get::<degree>()),
         declination_deg: f64::from(field.declination().get::<degree>()),
     })
-    .map_err(|error| LabError::Declination(error.to_string()))
+    .map_err(|error| LabError::Declination(format!("{error} ({day}; --date names another day)")))
 }
 
 #[cfg(test)]
@@ -105,6 +121,15 @@ mod tests {
             assert!((found.declination_deg - declination_deg).abs() < 0.05, "{place}: {found:?}");
             assert!((found.dip_deg - dip_deg).abs() < 0.05, "{place}: {found:?}");
             assert!((found.total_field_ut - total_field_ut).abs() < 0.05, "{place}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_day_is_that_of_its_time() {
+        // `date -u -d @1795342272`
+        assert_eq!(Day::of_unix_ns(1_795_342_272_345_000_000).unwrap().to_string(), "2026-11-22");
+        for elsewhere in [0, 86_400_000_000_000, -1, i64::MAX] {
+            assert_eq!(Day::of_unix_ns(elsewhere), None);
         }
     }
 

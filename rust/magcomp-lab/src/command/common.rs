@@ -6,7 +6,7 @@ use crate::table::Table;
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
@@ -62,13 +62,71 @@ pub(super) fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     inside.ok_or_else(|| format!("expected a number from {low} to {high}"))
 }
 
-/// Refuses to write a file that is read, by whatever name or link it is called.
-pub(super) fn refuse_same(input: &Path, output: &Path) -> Result<(), LabError> {
-    // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
-    let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
-    if is_file(input) && is_file(output) && same_file::is_same_file(input, output).map_err(LabError::read(output))? {
-        let (input, output) = (input.display(), output.display());
-        return Err(LabError::Usage(format!("--output {output} is the input {input}; name another file")));
+/// Prints warnings, one line each, on standard error.
+pub(super) fn warn(warnings: &[String]) {
+    warnings.iter().for_each(|warning| eprintln!("magcomp: warning: {warning}"));
+}
+
+/// Refuses, before anything is written, an output that is an input, lies in a folder that is one, or is another output, by
+/// whatever name or link it is called. `report` is the folder that `--report` names.
+pub(super) fn refuse_outputs(
+    inputs: &[&Path],
+    outputs: &[(&str, &Path)],
+    report: Option<&Path>,
+) -> Result<(), LabError> {
+    let refuse = |why: String| Err(LabError::Usage(why));
+    let all = outputs.iter().copied().chain(report.map(|folder| ("--report", folder)));
+    for (name, output) in all {
+        for input in inputs {
+            let shown = format!("{name} {}", output.display());
+            if is_same_file(input, output)? {
+                return refuse(format!("{shown} is the input {}; name another file", input.display()));
+            }
+            if input.is_dir() && resolved(output).starts_with(resolved(input)) {
+                return refuse(format!("{shown} lies in the input {}; name a place outside", input.display()));
+            }
+        }
+    }
+    for (k, (name, output)) in outputs.iter().enumerate() {
+        let shown = format!("{name} {}", output.display());
+        for (other, before) in &outputs[..k] {
+            if is_same_file(before, output)? || !is_device(output) && resolved(before) == resolved(output) {
+                return refuse(format!("{shown} is {other} too; name another file"));
+            }
+        }
+        let place = resolved(output);
+        // a report has an index.html and pictures, right in its folder
+        let is_page = place.extension().is_some_and(|extension| extension == "html" || extension == "svg");
+        if is_page && report.is_some_and(|folder| place.parent() == Some(&resolved(folder))) {
+            return refuse(format!("{shown} may be a page of --report; name another file"));
+        }
     }
     Ok(())
+}
+
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+fn is_same_file(one: &Path, other: &Path) -> Result<bool, LabError> {
+    // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
+    let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
+    if !is_file(one) || !is_file(other) {
+        return Ok(false);
+    }
+    same_file::is_same_file(one, other).map_err(LabError::read(other))
+}
+
+/// The path without links and dots, of which the end may not exist yet.
+fn resolved(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut found = PathBuf::new();
+    for part in whole.components() {
+        match part {
+            Component::ParentDir => drop(found.pop()),
+            part => found.push(part),
+        }
+        found = std::fs::canonicalize(&found).unwrap_or(found);
+    }
+    found
 }

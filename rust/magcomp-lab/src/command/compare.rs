@@ -1,6 +1,6 @@
 //! `magcomp compare`.
 
-use super::common::{Common, finite};
+use super::common::{Common, finite, refuse_outputs, warn};
 use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_case, tune};
@@ -14,7 +14,7 @@ use crate::scenario::Case;
 use clap::{Args, ValueEnum, value_parser};
 use serde::Serialize;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Methods side by side on the same samples: scenarios, or recordings.
 ///
@@ -126,14 +126,14 @@ impl Compare {
     }
 
     fn recorded(self) -> Result<(), LabError> {
+        let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        refuse_outputs(&inputs, &[], self.common.report.as_deref())?;
         let methods = self.methods();
         let mut all = Vec::new();
         for path in &self.recordings {
-            let scores = compare_recording(
-                &mut open(std::slice::from_ref(path), &ImportOptions::default())?.0,
-                &methods,
-                self.common.seed,
-            )?;
+            let mut opened = open(std::slice::from_ref(path), &ImportOptions::default())?;
+            warn(&opened.warnings);
+            let scores = compare_recording(&mut opened.source, &methods, self.common.seed)?;
             let (aided, methods): (Vec<_>, Vec<_>) = scores.into_iter().partition(|score| score.aided);
             all.push(Recorded { recording: name_of(path), methods, aided });
         }

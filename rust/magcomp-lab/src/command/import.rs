@@ -1,12 +1,12 @@
 //! `magcomp import`.
 
-use super::common::Common;
+use super::common::{Common, refuse_outputs, warn};
 use crate::error::LabError;
 use crate::import::{ImportOptions, import};
 use crate::recording::write_atomically;
 use crate::report::Report;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Make a phone logger's session into a recording; `replay` takes the same inputs.
 ///
@@ -29,12 +29,15 @@ pub(super) struct Import {
 
 impl Import {
     pub fn run(self) -> Result<(), LabError> {
-        self.inputs.iter().try_for_each(|input| super::common::refuse_same(input, &self.output))?;
+        let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
+        refuse_outputs(&inputs, &[("--output", &self.output)], self.common.report.as_deref())?;
         let summary = import(&self.inputs, &self.options, |write| write_atomically(&self.output, |out| write(out)))?;
+        warn(&summary.warnings);
         let table = summary.table();
         self.common.finish(std::slice::from_ref(&table), &summary, || {
             let mut report = Report::new("A session imported", "What the logger recorded.");
             report.table(&table);
+            summary.warnings.iter().for_each(|warning| report.section("Warning", warning));
             Ok(report)
         })
     }

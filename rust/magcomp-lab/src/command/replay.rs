@@ -1,9 +1,9 @@
 //! `magcomp replay`.
 
-use super::common::{Common, between, refuse_same};
+use super::common::{Common, between, refuse_outputs, warn};
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
-use crate::import::{ImportOptions, Summary, open};
+use crate::import::{ImportOptions, Opened, Summary, open};
 use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, name_of};
@@ -15,7 +15,7 @@ use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::{Config, HeadingConfig, Method, ReferenceAxis, WindowedConfig};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
 const CHUNK: usize = 4096;
@@ -69,9 +69,9 @@ pub(super) struct Replay {
     #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, -180.0, 180.0), allow_negative_numbers = true, conflicts_with_all = ["place", "date"])]
     declination: Option<f64>,
     /// Take declination, total field and dip of this place (degrees, north and east positive; metres) from the world magnetic model
-    #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", requires = "date", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", allow_hyphen_values = true)]
     place: Option<GeoPoint>,
-    /// The date for --place
+    /// The date for --place; the recording's own when not given
     #[arg(long, value_name = "YYYY-MM-DD", requires = "place")]
     date: Option<Day>,
     /// Count rows from here on in the figures, s after the first row; 20 s, or half of a shorter recording, when not given
@@ -139,7 +139,21 @@ impl MethodChoice {
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
         let method = self.method.method();
-        let earth = self.place.zip(self.date).map(|(place, day)| earth_field(place, day)).transpose()?;
+        let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
+        let outputs = [("--output", &self.output), ("--calibration", &self.calibration)];
+        let outputs: Vec<_> = outputs.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?))).collect();
+        refuse_outputs(&inputs, &outputs, self.common.report.as_deref())?;
+
+        let Opened { mut source, session, warnings, day } = open(&self.inputs, &self.import)?;
+        warn(&warnings);
+        let earth = match (self.place, self.date.or(day)) {
+            (Some(place), Some(day)) => Some(earth_field(place, day)?),
+            (Some(_), None) => {
+                let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
+                return Err(LabError::Usage(format!("{}: {why}", source.path().display())));
+            }
+            (None, _) => None,
+        };
         let declination_deg = self.declination.or(earth.map(|earth| earth.declination_deg));
         let axis = match self.axis {
             AxisChoice::Top => ReferenceAxis::TopEdge,
@@ -159,13 +173,9 @@ impl Replay {
             accelerometer: self.ignore.contains(&Sensor::Accel),
         };
 
-        for output in self.output.iter().chain(&self.calibration) {
-            self.inputs.iter().chain(&self.waypoints).try_for_each(|input| refuse_same(input, output))?;
-        }
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
         let mut players = (0..self.passes).map(|_| Player::new(&config, ignore)).collect::<Result<Vec<_>, _>>()?;
 
-        let (mut source, session) = open(&self.inputs, &self.import)?;
         let extent = *source.extent();
         let usual = usual_part(&extent);
         let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);

@@ -1,6 +1,6 @@
 //! `magcomp simulate`.
 
-use super::common::{Common, between, finite};
+use super::common::{Common, between, finite, refuse_outputs};
 use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
@@ -107,6 +107,7 @@ struct Summary {
 
 impl Simulate {
     pub fn run(self) -> Result<(), LabError> {
+        refuse_outputs(&[], &[("OUT.csv", &self.output)], self.common.report.as_deref())?;
         let scenario = self.scenario()?;
         let stream = scenario.run();
         write_simulation(&self.output, &stream)?;

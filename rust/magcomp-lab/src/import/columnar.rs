@@ -3,6 +3,9 @@
 //!
 //! Arrow: a file (Feather, version 2) or a stream, buffers plain or compressed with LZ4 or zstd.
 
+use super::guard::guarded;
+use super::input::MOST_BYTES;
+use super::{arrow_lengths, parquet_lengths};
 use crate::error::LabError;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -19,7 +22,8 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::error::Error;
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Write};
+use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
 /// First bytes of a Parquet file.
@@ -30,7 +34,7 @@ const ARROW_FILE: &[u8] = b"ARROW1";
 const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
 
 type Failed = Box<dyn Error + Send + Sync>;
-type Csv = csv::Writer<Vec<u8>>;
+type Csv = csv::Writer<Capped>;
 
 /// Whether a file that begins with these bytes is Parquet or Arrow.
 pub(super) fn is_columnar(start: &[u8]) -> bool {
@@ -39,24 +43,48 @@ pub(super) fn is_columnar(start: &[u8]) -> bool {
 
 /// The CSV of a Parquet or Arrow file, whose line 2 is the table's first row.
 pub(super) fn as_csv(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LabError> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    let made = if bytes.starts_with(PARQUET) {
-        parquet(bytes, &mut csv)
-    } else if bytes.starts_with(ARROW_FILE) {
-        ArrowFile::try_new_buffered(Cursor::new(bytes), None)
-            .map_err(Failed::from)
-            .and_then(|reader| arrow(&reader.schema().fields, reader, &mut csv))
-    } else {
-        ArrowStream::try_new_buffered(Cursor::new(bytes), None)
-            .map_err(Failed::from)
-            .and_then(|reader| arrow(&reader.schema().fields, reader, &mut csv))
-    };
-    let text = made.and_then(|()| csv.into_inner().map_err(|error| error.to_string().into()));
+    let made = guarded(AssertUnwindSafe(|| {
+        let mut csv = csv::Writer::from_writer(Capped(Vec::new()));
+        if bytes.starts_with(PARQUET) {
+            parquet(bytes, &mut csv)?;
+        } else if bytes.starts_with(ARROW_FILE) {
+            arrow_lengths::check_file(&bytes)?;
+            let reader = ArrowFile::try_new_buffered(Cursor::new(bytes), None)?;
+            arrow(&reader.schema().fields, reader, &mut csv)?;
+        } else {
+            arrow_lengths::check_stream(&bytes)?;
+            let reader = ArrowStream::try_new_buffered(Cursor::new(bytes), None)?;
+            arrow(&reader.schema().fields, reader, &mut csv)?;
+        }
+        let text = csv.into_inner().map_err(|error| Failed::from(error.to_string()))?;
+        Ok(text.0)
+    }));
+    let text: Result<Vec<u8>, Failed> = made.unwrap_or_else(|damaged| Err(damaged.into()));
     text.map_err(|why| LabError::Read { path: path.to_owned(), source: io::Error::other(why) })
 }
 
+/// Text of at most [`MOST_BYTES`]: packed tables can have any number of rows.
+struct Capped(Vec<u8>);
+
+impl Write for Capped {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if (self.0.len() + bytes.len()) as u64 > MOST_BYTES {
+            let why = format!("the table has more than {} MiB of text; import a shorter one", MOST_BYTES >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, why));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 fn parquet(bytes: Vec<u8>, csv: &mut Csv) -> Result<(), Failed> {
-    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
+    let bytes = bytes::Bytes::from(bytes);
+    let reader = SerializedFileReader::new(bytes.clone())?;
+    parquet_lengths::check(&reader, &bytes)?;
     let columns = reader.metadata().file_metadata().schema().get_fields();
     // rows give a timestamp of nanoseconds as a number
     let nanoseconds: Vec<bool> = (columns.iter())

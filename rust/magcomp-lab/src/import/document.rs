@@ -1,10 +1,13 @@
 //! The text files of a session: named files, those of a folder, those of a zip.
 
 use super::columnar::{as_csv, is_columnar};
+use super::guard::guarded;
+use super::input::{Budget, Input};
 use crate::error::LabError;
 use flate2::read::MultiGzDecoder;
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io;
+use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
 /// First bytes of a zip.
@@ -26,12 +29,12 @@ pub(super) struct Document {
 }
 
 impl Document {
-    fn new(path: PathBuf, bytes: Vec<u8>) -> Result<Self, LabError> {
+    fn new(path: PathBuf, bytes: Vec<u8>, budget: &mut Budget) -> Result<Self, LabError> {
         let mut text = bytes;
         if text.starts_with(GZIP) {
-            let mut plain = Vec::new();
-            MultiGzDecoder::new(text.as_slice()).read_to_end(&mut plain).map_err(LabError::read(&path))?;
-            text = plain;
+            let packed_bytes = text.len() as u64;
+            let plain = budget.unpack(MultiGzDecoder::new(text.as_slice()), packed_bytes);
+            text = plain.map_err(LabError::read(&path))?;
         }
         if is_columnar(&text) {
             let csv = as_csv(&path, text)?;
@@ -75,31 +78,50 @@ fn not_text(bytes: &[u8]) -> &'static str {
     }
 }
 
+/// The text files of a session, and why others could not be read.
+#[derive(Default)]
+pub(super) struct Documents {
+    pub read: Vec<Document>,
+    pub unreadable: Vec<LabError>,
+}
+
+impl Documents {
+    fn add(&mut self, document: Result<Document, LabError>) {
+        match document {
+            Ok(document) => self.read.push(document),
+            Err(why) => self.unreadable.push(why),
+        }
+    }
+}
+
 /// All text files that `inputs` name.
-pub(super) fn documents(inputs: &[PathBuf]) -> Result<Vec<Document>, LabError> {
-    let mut found = Vec::new();
+pub(super) fn documents(inputs: &[Input]) -> Result<Documents, LabError> {
+    let (mut found, mut budget) = (Documents::default(), Budget::default());
     for input in inputs {
-        if input.is_dir() {
-            let entries = fs::read_dir(input).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+        if input.is_dir {
+            let entries = fs::read_dir(&input.path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
             let mut paths: Vec<PathBuf> =
-                entries.map_err(LabError::read(input))?.iter().map(fs::DirEntry::path).collect();
+                entries.map_err(LabError::read(&input.path))?.iter().map(fs::DirEntry::path).collect();
             paths.retain(|path| path.is_file() && is_text(path));
             paths.sort();
             for path in paths {
-                let bytes = fs::read(&path).map_err(LabError::read(&path))?;
-                found.push(Document::new(path, bytes)?);
+                let bytes = File::open(&path).and_then(|file| budget.read(file)).map_err(LabError::read(&path));
+                found.add(bytes.and_then(|bytes| Document::new(path, bytes, &mut budget)));
             }
             continue;
         }
-        let bytes = fs::read(input).map_err(LabError::read(input))?;
+        let bytes = budget.read(input.open()?).map_err(LabError::read(&input.path))?;
         if bytes.starts_with(ZIP) {
-            unzip(input, &mut found)?
+            unzip(&input.path, &bytes, &mut budget, &mut found)?
         } else {
-            found.push(Document::new(input.clone(), bytes)?)
+            found.add(Document::new(input.path.clone(), bytes, &mut budget))
         }
     }
-    if found.is_empty() {
-        let names: Vec<String> = inputs.iter().map(|input| input.display().to_string()).collect();
+    if found.read.is_empty() {
+        if let Some(why) = found.unreadable.pop() {
+            return Err(why);
+        }
+        let names: Vec<String> = inputs.iter().map(|input| input.path.display().to_string()).collect();
         return Err(LabError::Usage(format!("{}: no file there ends in {}", names.join(", "), TEXT.join(", "))));
     }
     Ok(found)
@@ -111,16 +133,25 @@ fn is_text(path: &Path) -> bool {
     !name.starts_with("._") && TEXT.iter().any(|ending| name.ends_with(ending))
 }
 
-fn unzip(path: &Path, found: &mut Vec<Document>) -> Result<(), LabError> {
-    let file = File::open(path).map_err(LabError::read(path))?;
-    let mut archive = zip::ZipArchive::new(file).map_err(io::Error::from).map_err(LabError::read(path))?;
+fn unzip(path: &Path, bytes: &[u8], budget: &mut Budget, found: &mut Documents) -> Result<(), LabError> {
+    let archive = guarded(|| zip::ZipArchive::new(io::Cursor::new(bytes))).map_err(io::Error::other);
+    let archive = archive.and_then(|archive| archive.map_err(io::Error::from));
+    let mut archive = archive.map_err(LabError::read(path))?;
     for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).map_err(io::Error::from).map_err(LabError::read(path))?;
-        let inside = PathBuf::from(entry.name());
-        if entry.is_file() && is_text(&inside) {
-            let (name, mut bytes) = (path.join(inside), Vec::new());
-            entry.read_to_end(&mut bytes).map_err(LabError::read(&name))?;
-            found.push(Document::new(name, bytes)?);
+        let name = archive.name_for_index(index).map(PathBuf::from).unwrap_or_default();
+        if !is_text(&name) {
+            continue;
+        }
+        let name = path.join(name);
+        let entry = guarded(AssertUnwindSafe(|| {
+            let mut entry = archive.by_index(index).map_err(io::Error::from)?;
+            let packed_bytes = entry.compressed_size();
+            entry.is_file().then(|| budget.unpack(&mut entry, packed_bytes)).transpose()
+        }));
+        match entry.map_err(io::Error::other).and_then(|entry| entry).map_err(LabError::read(&name)) {
+            Ok(None) => {}
+            Ok(Some(bytes)) => found.add(Document::new(name, bytes, budget)),
+            Err(why) => found.add(Err(why)),
         }
     }
     Ok(())

@@ -9,7 +9,8 @@ use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::LabError;
 
-/// Columns of a row: the time, the value, the bias.
+/// Columns of a row: milliseconds since 1970, the time, the value, the bias.
+const UNIX_MS: usize = 1;
 const TIME: usize = 2;
 const VALUE: [usize; 3] = [3, 4, 5];
 const BIAS: [usize; 3] = [6, 7, 8];
@@ -36,6 +37,7 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                 continue;
             }
             let time_ns = cells.time_ns(TIME, 1)?;
+            session.start_unix_ns = session.start_unix_ns.or_else(|| cells.time_ns(UNIX_MS, 1_000_000).ok());
             let Some(value) = cells.vector(VALUE)? else { continue };
             let of = if kind.starts_with("Uncal") { &mut session } else { &mut calibrated };
             let stream = match kind.as_str() {
@@ -43,11 +45,11 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                 "UncalGyro" | "Gyro" => &mut of.rate,
                 _ => &mut of.up,
             };
-            stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])]);
+            stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])])?;
             if kind == "UncalMag"
                 && let Some(bias) = cells.vector(BIAS)?
             {
-                session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])]);
+                session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])])?;
             }
         }
     }

@@ -17,12 +17,13 @@ pub(super) fn is_header(header: &[String]) -> bool {
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
     let mut session = Session::default();
-    for document in documents {
-        match document.stem().as_str() {
-            "magneticfield" => session.raw = stream(document)?,
-            "angularvelocity" => session.rate = stream(document)?,
-            "acceleration" => session.up = stream(document)?,
-            _ => {}
+    let find = |stem: &str| documents.iter().find(|document| document.stem() == stem);
+    if let Some(field) = find("magneticfield") {
+        session.raw = stream(field)?;
+    }
+    for (name, stem) in [("gyroscope", "angularvelocity"), ("accelerometer", "acceleration")] {
+        if let Some((_, stream)) = session.optional(name, &[find(stem)], stream) {
+            *(if name == "gyroscope" { &mut session.rate } else { &mut session.up }) = stream;
         }
     }
     if !session.raw.events.is_empty() {
@@ -40,10 +41,27 @@ fn stream(document: &Document) -> Result<Stream<Vector3<f64>>, LabError> {
         let cells = cells?;
         let time_ns = timestamp_ns(&cells, time)?;
         if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value, || [cells.place(time), cells.place(axes[0])]);
+            stream.add(time_ns, value, || [cells.place(time), cells.place(axes[0])])?;
         }
     }
+    require_milliseconds(&stream)?;
     Ok(stream)
+}
+
+/// Refuses times of whole seconds, where all events of a second but one would be lost.
+fn require_milliseconds(stream: &Stream<Vector3<f64>>) -> Result<(), LabError> {
+    let repeated = stream.events.windows(2).filter(|pair| pair[0].0 == pair[1].0).count();
+    let (Some([place, _]), true) = (&stream.first, 2 * repeated > stream.events.len()) else { return Ok(()) };
+    let table = place.path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Err(LabError::Recording {
+        place: place.clone(),
+        expected: "times with milliseconds".to_owned(),
+        found: format!(
+            "{repeated} of {} rows at the same time as the row before; in MATLAB, {table}.Timestamp.Format = \
+             \"dd-MMM-yyyy HH:mm:ss.SSS\" before writetimetable({table}, \"{table}.csv\") writes the milliseconds that MATLAB Mobile recorded",
+            stream.events.len()
+        ),
+    })
 }
 
 fn timestamp_ns(cells: &Cells<'_>, column: usize) -> Result<i64, LabError> {
@@ -66,7 +84,7 @@ fn parse(text: &str) -> Option<i64> {
     let (hour, minute, second): (i64, i64, f64) = (hour.parse().ok()?, minute.parse().ok()?, second.parse().ok()?);
     let inside =
         (1..=12).contains(&month) && (1..=31).contains(&day) && (0..24).contains(&hour) && (0..60).contains(&minute);
-    let inside = inside && (0.0..61.0).contains(&second) && (1900..2200).contains(&year);
+    let inside = inside && (0.0..61.0).contains(&second) && (1900..2100).contains(&year);
     let whole_s = ((days(year, month, day) * 24 + hour) * 60 + minute) * 60;
     inside.then(|| whole_s * 1_000_000_000 + (second * 1e9).round() as i64)
 }

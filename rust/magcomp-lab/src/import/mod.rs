@@ -4,10 +4,14 @@
 //! also on an iPhone's real session. Parquet, Arrow and ROS 2 were tried on files that other people's writers made
 //! (`tests/sessions/make.py`). No real file of the other loggers was at hand.
 
+mod arrow_lengths;
 mod columnar;
 mod document;
 mod gnss_logger;
+mod guard;
+mod input;
 mod matlab;
+mod parquet_lengths;
 mod phyphox;
 mod plain;
 mod plausible;
@@ -22,14 +26,15 @@ pub use session::Sensor;
 pub use units::{Frame, Units};
 
 use crate::error::{LabError, Place};
+use crate::place::Day;
 use crate::recording::{Source, unzipped};
 use crate::table::{Table, number};
 use clap::Args;
-use document::{Document, documents};
+use document::{Document, Documents, documents};
+use input::Input;
 use serde::Serialize;
 use session::Session;
-use sheet::{Sheet, shorten};
-use std::fs::File;
+use sheet::Sheet;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -67,6 +72,11 @@ pub struct Summary {
     pub sensors: Vec<Sensor>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// Parts that were left out, or may be wrong.
+    pub warnings: Vec<String>,
+    /// The day of the first event (UTC), where the session says so.
+    #[serde(skip)]
+    pub day: Option<Day>,
 }
 
 impl Summary {
@@ -84,22 +94,41 @@ impl Summary {
     }
 }
 
-/// A recording to replay, and the content of the session that it was made from; none where the input is a recording already.
-pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Source, Option<Summary>), LabError> {
-    if let [input] = inputs
+/// A recording to replay.
+#[derive(Debug)]
+pub struct Opened {
+    /// Its rows.
+    pub source: Source,
+    /// The content of the session that it was made from; none where the input is a recording already.
+    pub session: Option<Summary>,
+    /// Parts that were left out, or may be wrong.
+    pub warnings: Vec<String>,
+    /// The day of its first row (UTC), where its times say so.
+    pub day: Option<Day>,
+}
+
+/// Opens a recording, or makes a session into one.
+///
+/// # Errors
+/// Those of [`import`] and of [`Source::open`].
+pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabError> {
+    let found = Input::all(inputs)?;
+    if let [input] = &found[..]
         && !is_session(input, options)?
     {
-        let mut source = Source::open(input)?;
-        plausible::check(&beginning(&mut source)?)?;
-        return Ok((source, None));
+        let mut source = Source::of(&input.path, input.open()?)?;
+        let warnings = plausible::check(&beginning(&mut source)?)?;
+        let day = Day::of_unix_ns(source.extent().start_ns);
+        return Ok(Opened { source, session: None, warnings, day });
     }
     let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
     let failed = || LabError::write(Path::new("a temporary file"));
     let copy = file.try_clone().map_err(failed())?;
     let mut out = BufWriter::new(file);
-    let summary = import(inputs, options, |write| write(&mut out).map_err(failed()))?;
+    let summary = import_found(&found, options, |write| write(&mut out).map_err(failed()))?;
     out.flush().map_err(failed())?;
-    Ok((Source::of(&inputs[0], copy)?, Some(summary)))
+    let (warnings, day) = (summary.warnings.clone(), summary.day);
+    Ok(Opened { source: Source::of(&inputs[0], copy)?, session: Some(summary), warnings, day })
 }
 
 /// The first rows of a recording, to look at its units; none of a recording that is too short to tell.
@@ -112,36 +141,31 @@ fn beginning(source: &mut Source) -> Result<Session, LabError> {
     let [time, raw, up, rate, system] = ["t_s", "mx", "ax", "gx", "sys_mx"].map(|name| rows.first_place(name));
     for row in rows.take(LOOKED_AT) {
         let row = row?;
-        session.raw.add(row.time_ns, row.field_ut, || [time.clone(), raw.clone()]);
+        session.raw.add(row.time_ns, row.field_ut, || [time.clone(), raw.clone()])?;
         for event in row.inertial() {
             if let Some(value) = event.up_m_s2 {
-                session.up.add(event.time_ns, value, || [time.clone(), up.clone()]);
+                session.up.add(event.time_ns, value, || [time.clone(), up.clone()])?;
             }
             if let Some(value) = event.rate_rad_s {
-                session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()]);
+                session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()])?;
             }
         }
         if let Some(value) = row.system_ut {
-            session.system.add(row.time_ns, value, || [time.clone(), system.clone()]);
+            session.system.add(row.time_ns, value, || [time.clone(), system.clone()])?;
         }
     }
     Ok(session)
 }
 
-/// Whether the input must be imported. A pipe, which can be read only once, is taken for a recording.
-fn is_session(input: &Path, options: &ImportOptions) -> Result<bool, LabError> {
-    let kind = std::fs::metadata(input).map_err(LabError::read(input))?;
-    if kind.is_dir() || *options != ImportOptions::default() {
+/// Whether the input must be imported.
+fn is_session(input: &Input, options: &ImportOptions) -> Result<bool, LabError> {
+    if input.is_dir || *options != ImportOptions::default() {
         return Ok(true);
     }
-    if !kind.is_file() {
-        return Ok(false);
-    }
     let mut text = Vec::new();
-    let file = File::open(input).map_err(LabError::read(input))?;
     // a cut gzip shows itself when it is read whole
-    let _ = unzipped(file).map_err(LabError::read(input))?.take(START).read_to_end(&mut text);
-    let document = Document { path: input.to_owned(), text };
+    let _ = unzipped(input.open()?).map_err(LabError::read(&input.path))?.take(START).read_to_end(&mut text);
+    let document = Document { path: input.path.clone(), text };
     let sheet = Sheet::new(&document);
     let header = &sheet.header;
     Ok([b"PK".as_slice(), ros::MCAP].iter().any(|form| document.text.starts_with(form))
@@ -184,13 +208,22 @@ pub fn import(
     options: &ImportOptions,
     write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError>,
 ) -> Result<Summary, LabError> {
+    import_found(&Input::all(inputs)?, options, write)
+}
+
+fn import_found(
+    inputs: &[Input],
+    options: &ImportOptions,
+    write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError>,
+) -> Result<Summary, LabError> {
     let units = options.units.unwrap_or_default();
+    let paths: Vec<PathBuf> = inputs.iter().map(|input| input.path.clone()).collect();
     let bags = ros::bags(inputs)?;
     if !bags.is_empty() {
-        let session = ros::read(&bags, &options.topics, &units)?;
-        return finish("ROS 2", session, inputs, options, write);
+        let session = ros::read(bags, &options.topics, &units)?;
+        return finish("ROS 2", session, &paths, options, write);
     }
-    let documents = documents(inputs)?;
+    let Documents { read: documents, unreadable } = documents(inputs)?;
     let found = if options.columns.is_some() { None } else { logger(&documents) };
     if found.is_some() && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
         let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
@@ -199,14 +232,20 @@ pub fn import(
     if matches!(found, Some(App::SensorLogger | App::Phyphox | App::Matlab)) {
         refuse_twice(&documents)?;
     }
-    let (name, session) = match found {
+    let (name, mut session) = match found {
         Some(App::SensorLogger) => ("Sensor Logger", sensor_logger::read(&documents, &units)?),
         Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
         Some(App::GnssLogger) => ("GnssLogger", gnss_logger::read(&documents)?),
         Some(App::Matlab) => ("MATLAB Mobile", matlab::read(&documents)?),
         None => ("plain CSV", plain_session(&documents, options, &units)?),
     };
-    finish(name, session, inputs, options, write)
+    for why in unreadable {
+        if session.raw.events.is_empty() {
+            return Err(why);
+        }
+        session.leave_out("unreadable", why);
+    }
+    finish(name, session, &paths, options, write)
 }
 
 /// Puts a session in order and writes it.
@@ -219,7 +258,9 @@ fn finish(
 ) -> Result<Summary, LabError> {
     session.require_magnetometer(name, inputs)?;
     session.sort(&options.frame.unwrap_or_default());
-    plausible::check(&session)?;
+    let more = plausible::check(&session)?;
+    session.warnings.extend(more);
+    let day = session.begun_unix_ns().and_then(Day::of_unix_ns);
     let mut counted = false;
     write(&mut |out| {
         counted = session.write(out)?;
@@ -228,13 +269,15 @@ fn finish(
     if counted {
         session.notes.push("times count from the first event".to_owned());
     }
-    Ok(Summary { logger: name, sensors: session.sensors(), notes: session.notes })
+    let sensors = session.sensors();
+    Ok(Summary { logger: name, sensors, notes: session.notes, warnings: session.warnings, day })
 }
 
 /// Refuses two files of one sensor: they are of two sessions, or one file named twice.
 fn refuse_twice(documents: &[Document]) -> Result<(), LabError> {
     let twice = documents.iter().enumerate().find_map(|(k, document)| {
-        let before = documents[..k].iter().find(|before| before.stem() == document.stem())?;
+        let same = |before: &&Document| before.stem() == document.stem() && !before.text.is_empty();
+        let before = documents[..k].iter().find(same).filter(|_| !document.text.is_empty())?;
         Some((before.path.display(), document.path.display()))
     });
     let Some((first, second)) = twice else { return Ok(()) };
@@ -243,18 +286,17 @@ fn refuse_twice(documents: &[Document]) -> Result<(), LabError> {
 
 fn plain_session(documents: &[Document], options: &ImportOptions, units: &Units) -> Result<Session, LabError> {
     let names = options.columns.clone().unwrap_or_default();
-    let first = &documents[0];
-    let header = Sheet::new(first).header;
-    if header.is_empty() {
-        return Err(LabError::Empty { path: first.path.clone(), what: "nothing in it" });
-    }
-    if options.columns.is_none() && !plain::is_header(&header, &names) {
+    let Some(first) = documents.iter().find(|document| !Sheet::new(document).header.is_empty()) else {
+        return Err(LabError::Empty { path: documents[0].path.clone(), what: "nothing in it" });
+    };
+    let known = |document: &Document| plain::is_header(&Sheet::new(document).header, &names);
+    if options.columns.is_none() && !documents.iter().any(known) {
         return Err(LabError::Recording {
             place: Place { path: first.path.clone(), line: 1, column: None },
             expected: format!(
                 "a header of {LOGGERS}, or a recording's t_s,mx,my,mz; other names by --columns t=NAME,mx=NAME,my=NAME,mz=NAME"
             ),
-            found: format!("'{}'", shorten(&header.join(","))),
+            found: Sheet::new(first).shown(),
         });
     }
     plain::read(documents, &names, units)

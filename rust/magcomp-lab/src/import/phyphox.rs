@@ -12,6 +12,9 @@ use magcomp::nalgebra::Vector3;
 /// Nanoseconds of a second.
 const SECOND_NS: i64 = 1_000_000_000;
 
+/// Parts of the names of files that sensors have in any language.
+const SENSORS: [&str; 3] = ["magn", "gyro", "accel"];
+
 #[derive(Clone, Copy, PartialEq)]
 enum Sensor {
     Field,
@@ -49,6 +52,12 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
     for document in documents {
         let sheet = Sheet::new(document);
         if !is_header(&sheet.header) {
+            if let Some(began) = sheet.column("system time") {
+                let began = sheet.rows().next().and_then(Result::ok).and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
+                session.start_unix_ns = session.start_unix_ns.or(began);
+            } else if SENSORS.iter().any(|name| document.stem().contains(name)) {
+                session.leave_out(&document.stem(), format!("{}: no header of phyphox, but {}", document.path.display(), sheet.shown()));
+            }
             continue;
         }
         for sensor in [Sensor::Field, Sensor::Rate, Sensor::Acceleration] {
@@ -75,7 +84,13 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                     "{path}: another file has this sensor too; import one session at a time"
                 )));
             }
-            add(&sheet, axes, stream)?;
+            match add(&sheet, axes, stream) {
+                Err(why) if sensor != Sensor::Field => {
+                    *stream = Stream::default();
+                    session.leave_out(&document.stem(), why);
+                }
+                added => added?,
+            }
         }
     }
     if !session.raw.events.is_empty() {
@@ -95,7 +110,7 @@ fn add(sheet: &Sheet<'_>, axes: [usize; 3], stream: &mut Stream<Vector3<f64>>) -
         let cells = cells?;
         let time_ns = cells.time_ns(0, SECOND_NS)?;
         if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value, || [cells.place(0), cells.place(axes[0])]);
+            stream.add(time_ns, value, || [cells.place(0), cells.place(axes[0])])?;
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::session::Session;
-use super::sheet::{Sheet, shorten};
+use super::sheet::Sheet;
 use super::units::Units;
 use crate::error::{LabError, Place};
 use magcomp::nalgebra::{Quaternion, UnitQuaternion};
@@ -64,43 +64,52 @@ pub(super) fn is_header(header: &[String], names: &ColumnNames) -> bool {
 
 pub(super) fn read(documents: &[Document], names: &ColumnNames, units: &Units) -> Result<Session, LabError> {
     let mut session = Session::default();
+    for document in documents {
+        let header = Sheet::new(document).header;
+        let has_field = names.0[1..4].iter().any(|name| header.contains(name));
+        match read_one(document, names, units) {
+            Ok(part) => session.append(part),
+            // the others can be done without
+            Err(why) if has_field || documents.len() == 1 => return Err(why),
+            Err(why) => session.leave_out("no magnetometer", why),
+        }
+    }
+    Ok(session)
+}
+
+fn read_one(document: &Document, names: &ColumnNames, units: &Units) -> Result<Session, LabError> {
+    let mut session = Session::default();
     let [field, rate] = [units.field, units.rate].map(|factor| factor.unwrap_or(1.0));
     let factors = [field, units.acceleration.unwrap_or(1.0), rate, field];
-    for document in documents {
-        let sheet = Sheet::new(document);
-        let time = sheet.required(&names.0[0])?;
-        let sensors = [
-            group::<3>(&sheet, names, 1)?,
-            group(&sheet, names, 4)?,
-            group(&sheet, names, 7)?,
-            group(&sheet, names, 10)?,
-        ];
-        let attitude = group::<4>(&sheet, names, 13)?;
-        if sensors.iter().all(Option::is_none) {
-            return Err(LabError::Recording {
-                place: Place { path: sheet.path().to_owned(), line: 1, column: None },
-                expected: format!(
-                    "a sensor's columns, such as {}; name them by --columns mx=NAME,...",
-                    names.0[1..4].join(",")
-                ),
-                found: format!("'{}'", shorten(&sheet.header.join(","))),
-            });
-        }
-        for cells in sheet.rows() {
-            let cells = cells?;
-            let time_ns = cells.time_ns(time, units.time_ns.unwrap_or(SECOND_NS))?;
-            let streams = [&mut session.raw, &mut session.up, &mut session.rate, &mut session.system];
-            for ((stream, columns), factor) in streams.into_iter().zip(sensors).zip(factors) {
-                let Some(columns) = columns else { continue };
-                if let Some(value) = cells.vector(columns)? {
-                    stream.add(time_ns, value * factor, || [cells.place(time), cells.place(columns[0])]);
-                }
+    let sheet = Sheet::new(document);
+    let time = sheet.required(&names.0[0])?;
+    let sensors =
+        [group::<3>(&sheet, names, 1)?, group(&sheet, names, 4)?, group(&sheet, names, 7)?, group(&sheet, names, 10)?];
+    let attitude = group::<4>(&sheet, names, 13)?;
+    if sensors.iter().all(Option::is_none) {
+        return Err(LabError::Recording {
+            place: Place { path: sheet.path().to_owned(), line: 1, column: None },
+            expected: format!(
+                "a sensor's columns, such as {}; name them by --columns mx=NAME,...",
+                names.0[1..4].join(",")
+            ),
+            found: sheet.shown(),
+        });
+    }
+    for cells in sheet.rows() {
+        let cells = cells?;
+        let time_ns = cells.time_ns(time, units.time_ns.unwrap_or(SECOND_NS))?;
+        let streams = [&mut session.raw, &mut session.up, &mut session.rate, &mut session.system];
+        for ((stream, columns), factor) in streams.into_iter().zip(sensors).zip(factors) {
+            let Some(columns) = columns else { continue };
+            if let Some(value) = cells.vector(columns)? {
+                stream.add(time_ns, value * factor, || [cells.place(time), cells.place(columns[0])])?;
             }
-            if let Some([w, x, y, z]) = attitude.filter(|[w, ..]| !cells.text(*w).is_empty()) {
-                let q = Quaternion::new(cells.number(w)?, cells.number(x)?, cells.number(y)?, cells.number(z)?);
-                if let Some(q) = UnitQuaternion::try_new(q, 1e-6).filter(|_| q.norm().is_finite()) {
-                    session.attitude.add(time_ns, q, || [cells.place(time), cells.place(w)]);
-                }
+        }
+        if let Some([w, x, y, z]) = attitude.filter(|[w, ..]| !cells.text(*w).is_empty()) {
+            let q = Quaternion::new(cells.number(w)?, cells.number(x)?, cells.number(y)?, cells.number(z)?);
+            if let Some(q) = UnitQuaternion::try_new(q, 1e-6).filter(|_| q.norm().is_finite()) {
+                session.attitude.add(time_ns, q, || [cells.place(time), cells.place(w)])?;
             }
         }
     }

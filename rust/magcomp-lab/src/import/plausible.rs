@@ -2,6 +2,7 @@
 //! unit names the option that mends it.
 
 use super::session::{Session, Stream};
+use super::units::GRAVITY_M_S2;
 use crate::error::{LabError, Place};
 use magcomp::nalgebra::Vector3;
 
@@ -9,13 +10,19 @@ use magcomp::nalgebra::Vector3;
 const STEPS_S: (f64, f64) = (2e-4, 2.0);
 /// Events that are looked at, at most, spread over the session.
 const LOOKED_AT: usize = 5001;
-/// Sizes that may be, and the usual one: raw field, uT; acceleration, m/s^2; rotation rate, rad/s.
+/// Sizes that may be, and the usual one: raw field, uT; rotation rate, rad/s; both as medians.
 const FIELDS_UT: [f64; 3] = [5.0, 5000.0, 50.0];
-const ACCELERATIONS_M_S2: [f64; 3] = [5.0, 20.0, 9.8];
 const RATES_RAD_S: [f64; 3] = [0.0, 20.0, 1.0];
+/// Accelerations are in g below this low size and in m/s^2 above. Carried, swung or running phones have 4.6 to 17 m/s^2 there,
+/// which is 0.5 to 1.7 g: this is halfway on a scale of ratios.
+pub(super) const BETWEEN_G_AND_M_S2: f64 = 2.8;
+/// The share of accelerations that are less than the low size. Shocks raise the median, hardly this; free fall lowers the smallest.
+const LOW: f64 = 0.2;
+/// A median acceleration beyond these, m/s^2, is lively.
+const LIVELY_M_S2: (f64, f64) = (5.0, 20.0);
 
-/// Refuses a session whose numbers no phone gives.
-pub(super) fn check(session: &Session) -> Result<(), LabError> {
+/// Refuses a session whose numbers no phone gives. Returns warnings about numbers that are rare.
+pub(super) fn check(session: &Session) -> Result<Vec<String>, LabError> {
     for stream in [&session.raw, &session.up, &session.rate, &session.system] {
         check_time(stream)?;
     }
@@ -23,8 +30,53 @@ pub(super) fn check(session: &Session) -> Result<(), LabError> {
     for stream in [&session.raw, &session.system] {
         check_size(stream, "a field of 5 to 5000 uT", FIELDS_UT, "m", &fields)?;
     }
-    check_size(&session.up, "an acceleration of about 9.8 m/s^2", ACCELERATIONS_M_S2, "a", &[("g", 9.80665)])?;
-    check_size(&session.rate, "a rotation rate below 20 rad/s", RATES_RAD_S, "g", &[("deg/s", 0.01745)])
+    let warnings = check_acceleration(&session.up)?;
+    check_size(&session.rate, "a rotation rate below 20 rad/s", RATES_RAD_S, "g", &[("deg/s", 0.01745)])?;
+    Ok(warnings)
+}
+
+fn check_acceleration(stream: &Stream<Vector3<f64>>) -> Result<Vec<String>, LabError> {
+    let sizes = sizes(stream);
+    let (Some(low), Some(median), Some([_, place])) = (at(&sizes, LOW), at(&sizes, 0.5), &stream.first) else {
+        return Ok(Vec::new());
+    };
+    let in_g = BETWEEN_G_AND_M_S2 / GRAVITY_M_S2;
+    if (BETWEEN_G_AND_M_S2..BETWEEN_G_AND_M_S2 * GRAVITY_M_S2).contains(&low) {
+        let lively = !(LIVELY_M_S2.0..=LIVELY_M_S2.1).contains(&median);
+        let text = || {
+            let unit = "a run has such; if it was none, name the unit by --units a=...";
+            format!("{}: acceleration is mostly {median:.1} m/s^2: {unit}", place.path.display())
+        };
+        return Ok(lively.then(text).into_iter().collect());
+    }
+    let hint = if (in_g..BETWEEN_G_AND_M_S2).contains(&low) {
+        "; it looks like g: --units a=g, or a=-g for Apple's sign"
+    } else if low < in_g {
+        "; is it an acceleration without gravity?"
+    } else {
+        ""
+    };
+    let found = format!("mostly {median:.3}{hint}");
+    Err(refused(place, "an acceleration of about 9.8 m/s^2 at times", &found))
+}
+
+/// A size that few accelerations are below, by which their unit can be told.
+pub(super) fn low_size(stream: &Stream<Vector3<f64>>) -> Option<f64> {
+    at(&sizes(stream), LOW)
+}
+
+/// Sizes of events spread over a session, the smallest first.
+fn sizes(stream: &Stream<Vector3<f64>>) -> Vec<f64> {
+    let every = stream.events.len().div_ceil(LOOKED_AT).max(1);
+    let mut sizes: Vec<f64> = stream.events.iter().step_by(every).map(|(_, value)| value.norm()).collect();
+    sizes.retain(|size| size.is_finite());
+    sizes.sort_by(f64::total_cmp);
+    sizes
+}
+
+/// The value below which this share of sorted values is.
+fn at(sorted: &[f64], share: f64) -> Option<f64> {
+    sorted.get((sorted.len() as f64 * share) as usize).copied()
 }
 
 fn check_time(stream: &Stream<Vector3<f64>>) -> Result<(), LabError> {
@@ -50,11 +102,7 @@ fn check_size(
     option: &str,
     units: &[(&str, f64)],
 ) -> Result<(), LabError> {
-    let every = stream.events.len().div_ceil(LOOKED_AT).max(1);
-    let mut sizes: Vec<f64> = stream.events.iter().step_by(every).map(|(_, value)| value.norm()).collect();
-    sizes.retain(|size| size.is_finite());
-    sizes.sort_by(f64::total_cmp);
-    let (Some(size), Some([_, value])) = (sizes.get(sizes.len() / 2).copied(), &stream.first) else { return Ok(()) };
+    let (Some(size), Some([_, value])) = (at(&sizes(stream), 0.5), &stream.first) else { return Ok(()) };
     if (low..=high).contains(&size) {
         return Ok(());
     }

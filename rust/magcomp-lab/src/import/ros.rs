@@ -2,52 +2,80 @@
 //! as REP 145 has it), timed by the stamps in their headers. Messages are CDR as ROS 2 writes it: 4 bytes of encapsulation, then
 //! stamp, `frame_id`, and numbers of 8 bytes aligned to 8. An Imu's own orientation is not read: it is a filter's, no reference.
 
+use super::guard::guarded;
+use super::input::Input;
 use super::session::Session;
 use super::units::Units;
 use crate::error::{LabError, Place};
+use crate::time::MOST_NS;
 use magcomp::nalgebra::Vector3;
+use mcap::io::MessageReader;
+use mcap::sans_io::LinearReaderOptions;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
+use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
 /// First bytes of an mcap file.
 pub(super) const MCAP: &[u8] = b"\x89MCAP";
+/// A record in a packed chunk may have this many bytes, whatever the file has.
+const UNPACKED_BYTES: u64 = 64 << 20;
 const MICROTESLA: f64 = 1e6;
 /// Numbers of an Imu before the angular velocity (orientation and its covariance), of a vector with its covariance.
 const ORIENTATION: usize = 4 + 9;
 const VECTOR: usize = 3 + 9;
 
 /// The mcap files that `inputs` name, or that lie in a folder of `inputs`; none where there are none.
-pub(super) fn bags(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, LabError> {
+pub(super) fn bags(inputs: &[Input]) -> Result<Vec<(PathBuf, File)>, LabError> {
     let mut found = Vec::new();
     for input in inputs {
-        if input.is_dir() {
-            let entries = fs::read_dir(input).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-            let paths = entries.map_err(LabError::read(input))?.into_iter().map(|entry| entry.path());
+        if input.is_dir {
+            let entries = fs::read_dir(&input.path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+            let paths = entries.map_err(LabError::read(&input.path))?.into_iter().map(|entry| entry.path());
             let mut paths: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == "mcap")).collect();
             paths.sort();
-            found.extend(paths);
+            for path in paths {
+                let file = File::open(&path).map_err(LabError::read(&path))?;
+                found.push((path, file));
+            }
         } else {
             let mut start = Vec::new();
-            let file = File::open(input).map_err(LabError::read(input))?;
-            file.take(MCAP.len() as u64).read_to_end(&mut start).map_err(LabError::read(input))?;
-            found.extend((start == MCAP).then(|| input.clone()));
+            input.open()?.take(MCAP.len() as u64).read_to_end(&mut start).map_err(LabError::read(&input.path))?;
+            if start == MCAP {
+                found.push((input.path.clone(), input.open()?));
+            }
         }
     }
     Ok(found)
 }
 
 /// Reads bags as one session; of `topics` alone where some are named.
-pub(super) fn read(paths: &[PathBuf], topics: &[String], units: &Units) -> Result<Session, LabError> {
+///
+/// A bag that is cut off, as one of a robot that was switched off, or damaged gives what is before that place, with a warning.
+pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units) -> Result<Session, LabError> {
+    let first = bags[0].0.clone();
     let mut bag = Bag::default();
     let field = units.field.unwrap_or(MICROTESLA);
     let (rate, acceleration) = (units.rate.unwrap_or(1.0), units.acceleration.unwrap_or(1.0));
-    for path in paths {
-        let file = File::open(path).map_err(LabError::read(path))?;
-        for (number, message) in (1..).zip(mcap::io::MessageReader::new(BufReader::new(file))) {
-            let damaged = |error| LabError::read(path)(io::Error::other(error));
-            let message = message.map_err(damaged)?;
+    for (path, file) in &bags {
+        // a length beyond the file's end is damage; records in packed chunks may be longer than a small file
+        let most_bytes = file.metadata().map_err(LabError::read(path))?.len().max(UNPACKED_BYTES);
+        let limits = LinearReaderOptions::default().with_record_length_limit(most_bytes as usize);
+        let mut messages = MessageReader::new_with_options(BufReader::new(file), limits);
+        for number in 1.. {
+            let message = match guarded(AssertUnwindSafe(|| messages.next())) {
+                Ok(None) => break,
+                Ok(Some(Ok(message))) => message,
+                Ok(Some(Err(why))) => {
+                    bag.damaged.push(LabError::read(path)(io::Error::other(why)));
+                    break;
+                }
+                Err(why) => {
+                    bag.damaged.push(LabError::read(path)(io::Error::other(why)));
+                    break;
+                }
+            };
             let (topic, schema) = (&message.channel.topic, message.channel.schema.as_ref());
             let Some(kind) = schema.and_then(|schema| Kind::of(&schema.name)) else { continue };
             if !topics.is_empty() && !topics.contains(topic) {
@@ -69,7 +97,14 @@ pub(super) fn read(paths: &[PathBuf], topics: &[String], units: &Units) -> Resul
                 });
             };
             // a driver that leaves the stamp empty: the time of the record
-            let time_ns = if stamp_ns == 0 { message.log_time as i64 } else { stamp_ns };
+            let logged_ns = i64::try_from(message.log_time).ok().filter(|time_ns| *time_ns < MOST_NS);
+            let Some(time_ns) = (if stamp_ns == 0 { logged_ns } else { Some(stamp_ns) }) else {
+                return Err(LabError::Recording {
+                    place: Place { column: Some((1, format!("{topic} log_time"))), ..place() },
+                    expected: "a time within 146 years of 1970".to_owned(),
+                    found: format!("{} ns", message.log_time),
+                });
+            };
             bag.unstamped += usize::from(stamp_ns == 0);
             let vector = |at: usize| Vector3::from_column_slice(&values[at..at + 3]);
             let places = |name: &str| {
@@ -78,16 +113,16 @@ pub(super) fn read(paths: &[PathBuf], topics: &[String], units: &Units) -> Resul
             };
             let session = &mut bag.session;
             match kind {
-                Kind::Field => session.raw.add(time_ns, vector(0) * field, || places("magnetic_field")),
+                Kind::Field => session.raw.add(time_ns, vector(0) * field, || places("magnetic_field"))?,
                 Kind::Imu => {
-                    session.rate.add(time_ns, vector(ORIENTATION) * rate, || places("angular_velocity"));
+                    session.rate.add(time_ns, vector(ORIENTATION) * rate, || places("angular_velocity"))?;
                     let up = vector(ORIENTATION + VECTOR) * acceleration;
-                    session.up.add(time_ns, up, || places("linear_acceleration"));
+                    session.up.add(time_ns, up, || places("linear_acceleration"))?;
                 }
             }
         }
     }
-    bag.finish(&paths[0])
+    bag.finish(&first)
 }
 
 #[derive(Clone, Copy)]
@@ -115,6 +150,8 @@ struct Bag {
     /// Topics of each kind.
     topics: [BTreeSet<String>; 2],
     unstamped: usize,
+    /// Why reading a bag ended before its end.
+    damaged: Vec<LabError>,
 }
 
 impl Bag {
@@ -127,6 +164,12 @@ impl Bag {
             }
         }
         let mut session = self.session;
+        for why in self.damaged {
+            if session.raw.events.is_empty() {
+                return Err(why);
+            }
+            session.warnings.push(format!("{why}; what is before that place was taken"));
+        }
         if self.unstamped > 0 {
             session
                 .notes

@@ -7,14 +7,12 @@
 //! sign of the platform, which Metadata.csv names. Accelerometer lacks gravity and is not used.
 
 use super::document::Document;
+use super::plausible::{BETWEEN_G_AND_M_S2, low_size};
 use super::session::{Session, Stream};
 use super::sheet::Sheet;
 use super::units::{GRAVITY_M_S2, Units};
 use crate::error::LabError;
 use magcomp::nalgebra::Vector3;
-
-/// Accelerations are in g below this median size and in m/s^2 above, halfway on a scale of ratios.
-const BETWEEN_G_AND_M_S2: f64 = 3.1;
 
 pub(super) fn is_header(header: &[String]) -> bool {
     let has = |name: &str| header.iter().any(|column| column == name);
@@ -24,12 +22,16 @@ pub(super) fn is_header(header: &[String]) -> bool {
 pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, LabError> {
     let mut session = Session::default();
     let find = |stem: &str| documents.iter().find(|document| document.stem() == stem);
-    let either = |first: &str, second: &str| find(first).or_else(|| find(second));
 
-    match (find("magnetometeruncalibrated"), find("magnetometer")) {
+    let (mut raw, system) = (find("magnetometeruncalibrated"), find("magnetometer"));
+    if raw.is_some_and(|raw| raw.text.is_empty()) && system.is_some() {
+        session.optional("magnetometer, uncalibrated", &[raw.take()], |raw| stream(raw, 1.0));
+    }
+    match (raw, system) {
         (Some(raw), system) => {
             session.raw = stream(raw, 1.0)?;
-            session.system = system.map(|system| stream(system, 1.0)).transpose()?.unwrap_or_default();
+            let system = session.optional("the system's field", &[system], |system| stream(system, 1.0));
+            session.system = system.map(|(_, stream)| stream).unwrap_or_default();
         }
         (None, Some(calibrated)) => {
             session.raw = stream(calibrated, 1.0)?;
@@ -39,29 +41,27 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
         }
         (None, None) => {}
     }
-    if let Some(rate) = either("gyroscopeuncalibrated", "gyroscope") {
-        session.rate = stream(rate, 1.0)?;
+    let rates = [find("gyroscopeuncalibrated"), find("gyroscope")];
+    if let Some((_, rate)) = session.optional("gyroscope", &rates, |rate| stream(rate, 1.0)) {
+        session.rate = rate;
     }
-    if let Some(raw) = find("accelerometeruncalibrated") {
-        session.up = stream(raw, 1.0)?;
-        let factor = units.acceleration.unwrap_or_else(|| {
-            let is_apple = median_norm(&session.up).is_some_and(|norm| norm < BETWEEN_G_AND_M_S2);
-            if is_apple { -GRAVITY_M_S2 } else { 1.0 }
-        });
-        session.up.events.iter_mut().for_each(|(_, up)| *up *= factor);
-    } else if let Some(total) = find("totalacceleration") {
-        session.up = stream(total, units.acceleration.unwrap_or(1.0))?;
-    } else if let Some(gravity) = find("gravity") {
-        let sign = match units.acceleration {
-            Some(factor) => factor,
-            None => platform_sign(find("metadata"), gravity)?,
-        };
-        session.up = stream(gravity, sign)?;
-    } else if find("accelerometer").is_some() {
-        session.notes.push(
+    let ups = [find("accelerometeruncalibrated"), find("totalacceleration"), find("gravity")];
+    match session.optional("accelerometer", &ups, |up| stream(up, 1.0)) {
+        Some((which, up)) => {
+            let factor = match (units.acceleration, which) {
+                (Some(factor), _) => factor,
+                (None, 0) if low_size(&up).is_some_and(|size| size < BETWEEN_G_AND_M_S2) => -GRAVITY_M_S2,
+                (None, 2) => platform_sign(find("metadata"), &up)?,
+                _ => 1.0,
+            };
+            session.up = up;
+            session.up.events.iter_mut().for_each(|(_, up)| *up *= factor);
+        }
+        None if find("accelerometer").is_some() => session.notes.push(
             "Accelerometer has no gravity in it and was left out; record AccelerometerUncalibrated, TotalAcceleration or Gravity"
                 .to_owned(),
-        );
+        ),
+        None => {}
     }
     Ok(session)
 }
@@ -75,20 +75,14 @@ fn stream(document: &Document, factor: f64) -> Result<Stream<Vector3<f64>>, LabE
         let cells = cells?;
         let time_ns = cells.time_ns(time, 1)?;
         if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value * factor, || [cells.place(time), cells.place(axes[0])]);
+            stream.add(time_ns, value * factor, || [cells.place(time), cells.place(axes[0])])?;
         }
     }
     Ok(stream)
 }
 
-fn median_norm(stream: &Stream<Vector3<f64>>) -> Option<f64> {
-    let mut norms: Vec<f64> = stream.events.iter().map(|(_, value)| value.norm()).collect();
-    norms.sort_by(f64::total_cmp);
-    norms.get(norms.len() / 2).copied()
-}
-
 /// 1 for Android's sign of gravity, -1 for Apple's.
-fn platform_sign(metadata: Option<&Document>, gravity: &Document) -> Result<f64, LabError> {
+fn platform_sign(metadata: Option<&Document>, gravity: &Stream<Vector3<f64>>) -> Result<f64, LabError> {
     let cell = |name: &str| {
         let sheet = Sheet::new(metadata?);
         let column = sheet.column(name)?;
@@ -101,7 +95,7 @@ fn platform_sign(metadata: Option<&Document>, gravity: &Document) -> Result<f64,
         _ => Err(LabError::Usage(format!(
             "{}: the sign of gravity depends on the platform, and no Metadata.csv names it; add that file, or say --units a=m/s2 \
              for Android, a=-m/s2 for iOS",
-            gravity.path.display()
+            gravity.first.as_ref().map_or_else(String::new, |[place, _]| place.path.display().to_string())
         ))),
     }
 }

@@ -1,14 +1,19 @@
 //! A logger's session: each sensor's events with their own times. It is written as a recording, one row for each time.
 
+use super::document::Document;
 use super::units::Frame;
 use crate::error::{LabError, Place};
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// Times below this (ns) keep their nanoseconds when they are read as seconds; others are counted from the first event.
 const EXACT_NS: i64 = 4_000_000_000_000_000;
+
+/// Events of one sensor, at most: they wait in memory until all sensors are merged. At 100 Hz they are 23 hours.
+const MOST_EVENTS: usize = 1 << 23;
 
 /// One sensor's events.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,9 +25,21 @@ pub(super) struct Stream<T> {
 }
 
 impl<T> Stream<T> {
-    pub fn add(&mut self, time_ns: i64, value: T, places: impl FnOnce() -> [Place; 2]) {
+    /// One more event. The error is that there are too many.
+    pub fn add(&mut self, time_ns: i64, value: T, places: impl FnOnce() -> [Place; 2]) -> Result<(), LabError> {
+        if self.events.len() == MOST_EVENTS {
+            let ([place, _], expected) = (places(), format!("at most {MOST_EVENTS} events of a sensor"));
+            return Err(LabError::Recording { place, expected, found: "more; import a shorter session".to_owned() });
+        }
         self.first.get_or_insert_with(places);
         self.events.push((time_ns, value));
+        Ok(())
+    }
+
+    /// The events of another file of this sensor too.
+    pub fn append(&mut self, mut more: Self) {
+        self.events.append(&mut more.events);
+        self.first = self.first.take().or(more.first);
     }
 
     /// In the order of time, one event for each; how many came late, and how many were left out for a time that was there.
@@ -56,6 +73,10 @@ pub(super) struct Session {
     pub attitude: Stream<UnitQuaternion<f64>>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// Parts that were left out, or may be wrong.
+    pub warnings: Vec<String>,
+    /// When it began, ns since 1970, where the events' own times do not say so.
+    pub start_unix_ns: Option<i64>,
 }
 
 /// The number, rate and longest pause of one sensor's events.
@@ -72,6 +93,44 @@ pub struct Sensor {
 }
 
 impl Session {
+    /// The events of the first of these files that has some, and which file that is. Files that cannot be read are left out
+    /// with a warning: the sensor is one that a session can do without.
+    pub fn optional(
+        &mut self,
+        sensor: &str,
+        documents: &[Option<&Document>],
+        read: impl Fn(&Document) -> Result<Stream<Vector3<f64>>, LabError>,
+    ) -> Option<(usize, Stream<Vector3<f64>>)> {
+        for (k, document) in documents.iter().enumerate() {
+            let Some(document) = document else { continue };
+            match read(document) {
+                Ok(stream) if !stream.events.is_empty() => return Some((k, stream)),
+                Ok(_) => self.leave_out(sensor, format!("{}: it has no rows", document.path.display())),
+                Err(why) => self.leave_out(sensor, why),
+            }
+        }
+        None
+    }
+
+    /// Warns that a file of this sensor was left out.
+    pub fn leave_out(&mut self, sensor: &str, why: impl Display) {
+        self.warnings.push(format!("a file was left out ({sensor}): {why}"));
+    }
+
+    /// All of another part of the same session.
+    pub fn append(&mut self, more: Self) {
+        self.raw.append(more.raw);
+        self.up.append(more.up);
+        self.rate.append(more.rate);
+        self.system.append(more.system);
+        self.attitude.append(more.attitude);
+    }
+
+    /// When it began, ns since 1970, if that is known.
+    pub fn begun_unix_ns(&self) -> Option<i64> {
+        self.start_unix_ns.or_else(|| self.raw.events.first().map(|(time_ns, _)| *time_ns))
+    }
+
     /// Sorts every sensor's events and turns them into the device's axes.
     pub fn sort(&mut self, frame: &Frame) {
         for (name, stream) in [
@@ -148,7 +207,8 @@ impl Session {
         }
         let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         let why = "no magnetometer event; record the magnetometer too, uncalibrated where the logger offers it";
-        Err(LabError::Usage(format!("{logger} session {}: {why}", names.join(", "))))
+        let left_out = self.warnings.first().map_or_else(String::new, |warning| format!("; {warning}"));
+        Err(LabError::Usage(format!("{logger} session {}: {why}{left_out}", names.join(", "))))
     }
 }
 

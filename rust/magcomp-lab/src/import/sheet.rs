@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use crate::error::{LabError, Place};
+use crate::time::MOST_NS;
 use csv::{ByteRecord, ReaderBuilder};
 use magcomp::nalgebra::Vector3;
 use std::io;
@@ -57,13 +58,22 @@ impl<'a> Sheet<'a> {
         let wrong = |expected: String| LabError::Recording {
             place: Place { path: self.path().to_owned(), line: 1, column: None },
             expected,
-            found: format!("'{}'", shorten(&self.header.join(","))),
+            found: self.shown(),
         };
         let mut columns = (0..self.header.len()).filter(|column| self.header[*column] == name);
         match (columns.next(), columns.next()) {
             (Some(column), None) => Ok(column),
             (Some(_), Some(_)) => Err(wrong(format!("column '{name}' once"))),
             (None, _) => Err(wrong(format!("a header with the column '{name}'"))),
+        }
+    }
+
+    /// Its header, for an error.
+    pub fn shown(&self) -> String {
+        if self.header.is_empty() {
+            "an empty file".to_owned()
+        } else {
+            format!("'{}'", shorten(&self.header.join(",")))
         }
     }
 
@@ -152,7 +162,7 @@ impl Cells<'_> {
         time_ns(&text, unit_ns).ok_or_else(|| {
             self.wrong(
                 column,
-                "a time that 64 bits of nanoseconds hold; its unit is named by --units t=s, ms, us or ns",
+                "a time within 146 years of zero; its unit is named by --units t=s, ms, us or ns",
             )
         })
     }
@@ -166,11 +176,12 @@ fn time_ns(text: &str, unit_ns: i64) -> Option<i64> {
         let unit = i128::from(unit_ns);
         let parts: i128 = if fraction.is_empty() { 0 } else { fraction.parse().ok()? };
         let scale = 10_i128.pow(fraction.len() as u32);
-        let size = whole.parse::<i128>().ok()?.checked_mul(unit)? + (parts * unit + scale / 2) / scale;
+        let whole = whole.parse::<i128>().ok()?.checked_mul(unit)?;
+        let size = whole.checked_add((parts * unit + scale / 2) / scale).filter(|size| *size < i128::from(MOST_NS))?;
         return i64::try_from(if negative { -size } else { size }).ok();
     }
     let value = text.parse::<f64>().ok()? * unit_ns as f64;
-    (value.abs() < 9e18).then(|| value.round() as i64)
+    (value.abs() < MOST_NS as f64).then(|| value.round() as i64)
 }
 
 /// A text that an error can show.
@@ -199,6 +210,10 @@ mod tests {
             ("nan", second, None),
             ("", second, None),
             ("99999999999999999999", 1, None),
+            ("9223372036854775807", 1, None),
+            ("4611686018427387903", 1, Some((1 << 62) - 1)),
+            ("-4.7e9", second, None),
+            ("170141183460469231731687303715884.1057279", 1_000_000, None),
         ] {
             assert_eq!(time_ns(text, unit), expected, "{text}");
         }

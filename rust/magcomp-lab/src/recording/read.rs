@@ -2,7 +2,7 @@
 
 use super::rows::{Extent, Inertial, Recording, Row};
 use crate::error::{LabError, Place};
-use crate::time::time_ns;
+use crate::time::{is_time, time_ns};
 use csv::{ByteRecord, ReaderBuilder};
 use flate2::read::MultiGzDecoder;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -12,8 +12,12 @@ use std::path::{Path, PathBuf};
 
 /// First bytes of a gzip file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
-/// Times beyond this (s) do not fit 64-bit nanoseconds.
-const LARGEST_TIME_S: f64 = 9e9;
+/// Bytes of a line, at most: it lies in memory.
+const LONGEST_LINE: usize = 1 << 20;
+/// Events of other sensors that wait for the next magnetometer sample, at most: an hour of two sensors at 140 Hz.
+const MOST_WAITING: usize = 1 << 20;
+/// Bytes that are taken from a pipe, at most.
+const MOST_PIPED: u64 = 1 << 30;
 
 /// A recording on disk, gzipped or not. It was read once, so every row is known to be good; its rows are not in memory.
 #[derive(Debug)]
@@ -31,13 +35,11 @@ impl Source {
     /// it cannot be read.
     pub fn open(path: &Path) -> Result<Self, LabError> {
         let open = || -> io::Result<File> {
-            let mut file = File::open(path)?;
+            let file = File::open(path)?;
             if file.metadata()?.is_file() {
                 return Ok(file);
             }
-            let mut copy = tempfile::tempfile()?;
-            io::copy(&mut file, &mut copy)?;
-            Ok(copy)
+            copied(file)
         };
         Self::of(path, open().map_err(LabError::read(path))?)
     }
@@ -97,6 +99,19 @@ pub fn read(path: &Path) -> Result<Recording, LabError> {
     read_from(path, File::open(path).map_err(LabError::read(path))?)
 }
 
+/// An unnamed temporary file with all that a pipe gives.
+///
+/// # Errors
+/// When it gives more than 1 GiB, or a file cannot be read or written.
+pub(crate) fn copied(pipe: impl Read) -> io::Result<File> {
+    let mut copy = tempfile::tempfile()?;
+    if io::copy(&mut pipe.take(MOST_PIPED + 1), &mut copy)? > MOST_PIPED {
+        let why = format!("a pipe of more than {} MiB is not read; give a file", MOST_PIPED >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, why));
+    }
+    Ok(copy)
+}
+
 /// The content of `source`, gzipped or not.
 ///
 /// # Errors
@@ -107,10 +122,28 @@ pub fn unzipped(source: impl Read + 'static) -> io::Result<Box<dyn Read>> {
     Ok(if zipped { Box::new(MultiGzDecoder::new(source)) } else { Box::new(source) })
 }
 
+/// A text, of which no line may be longer than memory allows. The owner sets `read` to 0 after each line.
+struct Lines {
+    source: Box<dyn Read>,
+    read: usize,
+}
+
+impl Read for Lines {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.read > LONGEST_LINE {
+            let why = format!("a line has more than {LONGEST_LINE} bytes; is a quotation mark open, or is this no CSV?");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+        }
+        let read = self.source.read(buffer)?;
+        self.read += read;
+        Ok(read)
+    }
+}
+
 /// The rows of a recording, in order; an error ends them.
 pub struct Rows {
     path: PathBuf,
-    reader: csv::Reader<Box<dyn Read>>,
+    reader: csv::Reader<Lines>,
     record: ByteRecord,
     columns: Columns,
     /// Time of the line before.
@@ -119,7 +152,7 @@ pub struct Rows {
 
 impl Rows {
     fn new(path: &Path, source: Box<dyn Read>) -> Result<Self, LabError> {
-        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source);
+        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Lines { source, read: 0 });
         let mut record = ByteRecord::new();
         if !reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))? {
             return Err(LabError::Empty { path: path.to_owned(), what: "nothing in it" });
@@ -138,11 +171,23 @@ impl Rows {
     fn read(&mut self) -> Result<Option<Row>, LabError> {
         let (mut before, mut system_ut) = (Vec::new(), None);
         while self.reader.read_byte_record(&mut self.record).map_err(|error| unreadable(&self.path, error))? {
+            self.reader.get_mut().read = 0;
             let line = self.columns.line(&self.path, &self.record, self.before)?;
             self.before = Some((line.time_s, line.time_ns));
             system_ut = line.system_ut.or(system_ut);
             let Some(field_ut) = line.field_ut else {
                 if line.rate_rad_s.is_some() || line.up_m_s2.is_some() {
+                    if before.len() == MOST_WAITING {
+                        return Err(LabError::Recording {
+                            place: Place {
+                                path: self.path.clone(),
+                                line: self.record.position().map_or(0, csv::Position::line),
+                                column: None,
+                            },
+                            expected: "a magnetometer sample".to_owned(),
+                            found: format!("{MOST_WAITING} rows of other sensors before it; cut the part without magnetometer off"),
+                        });
+                    }
                     let Line { time_ns, rate_rad_s, up_m_s2, .. } = line;
                     before.push(Inertial { time_ns, rate_rad_s, up_m_s2 });
                 }
@@ -269,7 +314,7 @@ impl Columns {
         let of = |cells: Option<[usize; 3]>| cells.map_or(Ok(None), vector);
 
         let time_s = number(self.time)?;
-        if !(-LARGEST_TIME_S..LARGEST_TIME_S).contains(&time_s) {
+        if !is_time(time_s) {
             let hint = if time_s.is_finite() { "; name another unit by --units t=ms, us or ns" } else { "" };
             return Err(wrong(Some(self.time), format!("a time in seconds{hint}"), time_s.to_string()));
         }

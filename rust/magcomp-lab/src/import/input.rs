@@ -1,0 +1,90 @@
+//! One input that the user named, and how much of it is taken into memory.
+
+use crate::error::LabError;
+use crate::recording::copied;
+use std::fs::File;
+use std::io::{self, Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// Bytes of text of a session, at most: it lies in memory while it is read. At 100 Hz ten sensors' CSV files are four hours.
+pub(super) const MOST_BYTES: u64 = 1 << 30;
+/// Packed text that is this many times its packed size is none of a sensor, and this much may be so all the same, bytes.
+const MOST_TIMES: u64 = 100;
+const SMALL_BYTES: u64 = 64 << 20;
+
+/// A file, a folder, or what a pipe gave, which can be read only once.
+pub(super) struct Input {
+    pub path: PathBuf,
+    /// Content of a pipe.
+    copy: Option<File>,
+    pub is_dir: bool,
+}
+
+impl Input {
+    /// Looks at `path`; of a pipe or a device all is read.
+    pub fn new(path: &Path) -> Result<Self, LabError> {
+        let kind = std::fs::metadata(path).map_err(LabError::read(path))?;
+        let copy = if kind.is_dir() || kind.is_file() {
+            None
+        } else {
+            let pipe = File::open(path).map_err(LabError::read(path))?;
+            Some(copied(pipe).map_err(LabError::read(path))?)
+        };
+        Ok(Self { path: path.to_owned(), copy, is_dir: kind.is_dir() })
+    }
+
+    pub fn all(paths: &[PathBuf]) -> Result<Vec<Self>, LabError> {
+        paths.iter().map(|path| Self::new(path)).collect()
+    }
+
+    /// Its content from the first byte on. The file of an earlier call must not be read any further.
+    pub fn open(&self) -> Result<File, LabError> {
+        let open = || match &self.copy {
+            None => File::open(&self.path),
+            Some(copy) => {
+                let mut copy = copy.try_clone()?;
+                copy.rewind()?;
+                Ok(copy)
+            }
+        };
+        open().map_err(LabError::read(&self.path))
+    }
+}
+
+/// How many more bytes of text a session may have.
+pub(super) struct Budget(u64);
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self(MOST_BYTES)
+    }
+}
+
+impl Budget {
+    /// All of `content`.
+    pub fn read(&mut self, content: impl Read) -> io::Result<Vec<u8>> {
+        self.take(content, u64::MAX)
+    }
+
+    /// All of `content`, whose packed form has so many bytes.
+    pub fn unpack(&mut self, content: impl Read, packed_bytes: u64) -> io::Result<Vec<u8>> {
+        self.take(content, packed_bytes.saturating_mul(MOST_TIMES).max(SMALL_BYTES))
+    }
+
+    fn take(&mut self, content: impl Read, most: u64) -> io::Result<Vec<u8>> {
+        let most = most.min(self.0);
+        let mut bytes = Vec::new();
+        content.take(most + 1).read_to_end(&mut bytes)?;
+        let found = bytes.len() as u64;
+        if found <= most {
+            self.0 -= found;
+            return Ok(bytes);
+        }
+        let why = if most == self.0 {
+            format!("the session has more than {} MiB of text; import a shorter one", MOST_BYTES >> 20)
+        } else {
+            format!("it unpacks to more than {MOST_TIMES} times its size, as no sensor's text does")
+        };
+        Err(io::Error::new(io::ErrorKind::FileTooLarge, why))
+    }
+}
