@@ -212,10 +212,10 @@ fn matlab_mobile_timetables() {
                     0.000000000,20,30,-40,0.1,0.2,9.8,,,\n\
                     0.010000000,20,30,-40,0.1,0.2,9.8,,,\n";
     assert_eq!(imported(&[folder.path()], &[]), expected);
-    fs::write(folder.path().join("Acceleration.csv"), "Timestamp,X,Y,Z\nyesterday,1,2,3\n").unwrap();
+    fs::write(folder.path().join("MagneticField.csv"), "Timestamp,X,Y,Z\nyesterday,1,2,3\n").unwrap();
     let error = refused(&[folder.path()], &[]);
     assert!(
-        error.contains("Acceleration.csv: line 2, column 1 (Timestamp): expected a time such as 22-Nov-2026"),
+        error.contains("MagneticField.csv: line 2, column 1 (Timestamp): expected a time such as 22-Nov-2026"),
         "{error}"
     );
 }
@@ -549,6 +549,7 @@ fn a_bag_of_ros_2() {
     let error = refused(&[&session("ros2.mcap")], &["--units", "m=mT"]);
     assert!(error.contains("line 2, column 1 (/imu/mag magnetic_field): expected a field of 5 to 5000 uT"), "{error}");
     let bytes = fs::read(session("ros2.mcap")).unwrap();
+    // cut before its first message
     let cut = folder.path().join("cut.mcap");
     fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
     assert!(refused(&[&cut], &[]).contains("cut.mcap: cannot be read: "));

@@ -3,7 +3,7 @@
 //!
 //! Arrow: a file (Feather, version 2) or a stream, buffers plain or compressed with LZ4 or zstd.
 
-use super::guard::guarded;
+use super::guard::{guarded, one_line};
 use super::input::MOST_BYTES;
 use super::{arrow_lengths, parquet_lengths};
 use crate::error::LabError;
@@ -60,7 +60,7 @@ pub(super) fn as_csv(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LabError> {
         Ok(text.0)
     }));
     let text: Result<Vec<u8>, Failed> = made.unwrap_or_else(|damaged| Err(damaged.into()));
-    text.map_err(|why| LabError::Read { path: path.to_owned(), source: io::Error::other(why) })
+    text.map_err(one_line).map_err(LabError::read(path))
 }
 
 /// Text of at most [`MOST_BYTES`]: packed tables can have any number of rows.

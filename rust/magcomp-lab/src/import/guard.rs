@@ -1,6 +1,8 @@
 //! Readers of other people's formats may panic on a damaged file: that becomes an error, and nothing is printed.
 
 use std::cell::Cell;
+use std::fmt::Display;
+use std::io;
 use std::panic::{self, UnwindSafe};
 use std::sync::Once;
 
@@ -23,4 +25,9 @@ pub(super) fn guarded<T>(read: impl FnOnce() -> T + UnwindSafe) -> Result<T, &'s
     let result = panic::catch_unwind(read);
     GUARDED.set(before);
     result.map_err(|_| "the file is damaged: its reader stopped within it")
+}
+
+/// An error of such a reader, as one line.
+pub(super) fn one_line(why: impl Display) -> io::Error {
+    io::Error::other(why.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }

@@ -1,12 +1,11 @@
 //! One input that the user named, and how much of it is taken into memory.
 
 use crate::error::LabError;
-use crate::recording::copied;
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::{Path, PathBuf};
 
-/// Bytes of text of a session, at most: it lies in memory while it is read. At 100 Hz ten sensors' CSV files are four hours.
+/// Bytes of text of a session and of a pipe, at most: it lies in memory while it is read. At 100 Hz ten sensors' CSV files are four hours.
 pub(super) const MOST_BYTES: u64 = 1 << 30;
 /// Packed text that is this many times its packed size is none of a sensor, and this much may be so all the same, bytes.
 const MOST_TIMES: u64 = 100;
@@ -49,6 +48,16 @@ impl Input {
         };
         open().map_err(LabError::read(&self.path))
     }
+}
+
+/// An unnamed temporary file with all that a pipe gives.
+fn copied(pipe: File) -> io::Result<File> {
+    let mut copy = tempfile::tempfile()?;
+    if io::copy(&mut pipe.take(MOST_BYTES + 1), &mut copy)? > MOST_BYTES {
+        let why = format!("a pipe of more than {} MiB is not read; give a file", MOST_BYTES >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, why));
+    }
+    Ok(copy)
 }
 
 /// How many more bytes of text a session may have.

@@ -110,7 +110,7 @@ pub struct Opened {
 /// Opens a recording, or makes a session into one.
 ///
 /// # Errors
-/// Those of [`import`] and of [`Source::open`].
+/// Those of [`import`] and of [`Source::of`].
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabError> {
     let found = Input::all(inputs)?;
     if let [input] = &found[..]

@@ -2,7 +2,7 @@
 //! as REP 145 has it), timed by the stamps in their headers. Messages are CDR as ROS 2 writes it: 4 bytes of encapsulation, then
 //! stamp, `frame_id`, and numbers of 8 bytes aligned to 8. An Imu's own orientation is not read: it is a filter's, no reference.
 
-use super::guard::guarded;
+use super::guard::{guarded, one_line};
 use super::input::Input;
 use super::session::Session;
 use super::units::Units;
@@ -68,11 +68,11 @@ pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units)
                 Ok(None) => break,
                 Ok(Some(Ok(message))) => message,
                 Ok(Some(Err(why))) => {
-                    bag.damaged.push(LabError::read(path)(io::Error::other(why)));
+                    bag.damaged.push(LabError::read(path)(one_line(why)));
                     break;
                 }
                 Err(why) => {
-                    bag.damaged.push(LabError::read(path)(io::Error::other(why)));
+                    bag.damaged.push(LabError::read(path)(one_line(why)));
                     break;
                 }
             };

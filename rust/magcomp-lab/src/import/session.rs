@@ -207,8 +207,13 @@ impl Session {
         }
         let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         let why = "no magnetometer event; record the magnetometer too, uncalibrated where the logger offers it";
+        let named = match logger {
+            "Sensor Logger" => "; a file's name tells its sensor (MagnetometerUncalibrated.csv), which a pipe does not have",
+            "MATLAB Mobile" => "; a file's name tells its sensor (MagneticField.csv), which a pipe does not have",
+            _ => "",
+        };
         let left_out = self.warnings.first().map_or_else(String::new, |warning| format!("; {warning}"));
-        Err(LabError::Usage(format!("{logger} session {}: {why}{left_out}", names.join(", "))))
+        Err(LabError::Usage(format!("{logger} session {}: {why}{named}{left_out}", names.join(", "))))
     }
 }
 

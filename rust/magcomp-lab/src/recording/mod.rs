@@ -8,7 +8,6 @@ mod read;
 mod rows;
 mod write;
 
-pub(crate) use read::copied;
 pub use read::{Rows, Source, read, read_from, unzipped};
 pub use rows::{Extent, Inertial, Recording, Row, name_of};
 pub use write::{AtomicFile, remove_unfinished_on_signals, write_atomically, write_simulation};

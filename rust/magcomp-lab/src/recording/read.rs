@@ -16,8 +16,6 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 const LONGEST_LINE: usize = 1 << 20;
 /// Events of other sensors that wait for the next magnetometer sample, at most: an hour of two sensors at 140 Hz.
 const MOST_WAITING: usize = 1 << 20;
-/// Bytes that are taken from a pipe, at most.
-const MOST_PIPED: u64 = 1 << 30;
 
 /// A recording on disk, gzipped or not. It was read once, so every row is known to be good; its rows are not in memory.
 #[derive(Debug)]
@@ -28,27 +26,12 @@ pub struct Source {
 }
 
 impl Source {
-    /// Opens `path` and checks every row. A pipe, which can be read only once, is copied to an unnamed temporary file.
+    /// The recording in `file`, under the name it came from. Every row is checked.
     ///
     /// # Errors
     /// [`LabError::Recording`] for a file of another form, [`LabError::Empty`] for one without rows, [`LabError::Read`] when
     /// it cannot be read.
-    pub fn open(path: &Path) -> Result<Self, LabError> {
-        let open = || -> io::Result<File> {
-            let file = File::open(path)?;
-            if file.metadata()?.is_file() {
-                return Ok(file);
-            }
-            copied(file)
-        };
-        Self::of(path, open().map_err(LabError::read(path))?)
-    }
-
-    /// A recording that was written to an unnamed temporary file, under the name it came from.
-    ///
-    /// # Errors
-    /// As of [`Source::open`].
-    pub(crate) fn of(path: &Path, file: File) -> Result<Self, LabError> {
+    pub fn of(path: &Path, file: File) -> Result<Self, LabError> {
         let mut source = Self { path: path.to_owned(), file, extent: Extent::default() };
         for row in source.rows()? {
             source.extent.add(&row?);
@@ -74,7 +57,7 @@ impl Source {
     /// Its rows from the first on. The rows of an earlier call must not be read any further.
     ///
     /// # Errors
-    /// As of [`Source::open`].
+    /// As of [`Source::of`].
     pub fn rows(&mut self) -> Result<Rows, LabError> {
         self.file.rewind().map_err(LabError::read(&self.path))?;
         let file = self.file.try_clone().map_err(LabError::read(&self.path))?;
@@ -85,7 +68,7 @@ impl Source {
 /// Reads a whole recording into memory; `path` is its name in messages.
 ///
 /// # Errors
-/// As of [`Source::open`].
+/// As of [`Source::of`].
 pub fn read_from(path: &Path, source: impl Read + 'static) -> Result<Recording, LabError> {
     let rows = Rows::new(path, unzipped(source).map_err(LabError::read(path))?)?;
     Ok(Recording { path: path.to_owned(), rows: rows.collect::<Result<_, _>>()? })
@@ -94,22 +77,9 @@ pub fn read_from(path: &Path, source: impl Read + 'static) -> Result<Recording, 
 /// Opens `path` and reads a whole recording into memory.
 ///
 /// # Errors
-/// As of [`Source::open`].
+/// As of [`Source::of`].
 pub fn read(path: &Path) -> Result<Recording, LabError> {
     read_from(path, File::open(path).map_err(LabError::read(path))?)
-}
-
-/// An unnamed temporary file with all that a pipe gives.
-///
-/// # Errors
-/// When it gives more than 1 GiB, or a file cannot be read or written.
-pub(crate) fn copied(pipe: impl Read) -> io::Result<File> {
-    let mut copy = tempfile::tempfile()?;
-    if io::copy(&mut pipe.take(MOST_PIPED + 1), &mut copy)? > MOST_PIPED {
-        let why = format!("a pipe of more than {} MiB is not read; give a file", MOST_PIPED >> 20);
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, why));
-    }
-    Ok(copy)
 }
 
 /// The content of `source`, gzipped or not.
