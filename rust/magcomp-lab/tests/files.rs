@@ -64,7 +64,8 @@ fn logged(rows: usize, row: impl Fn(usize) -> [f64; 3]) -> String {
     let mut text = "time,seconds_elapsed,z,y,x\n".to_owned();
     for k in 0..rows {
         let [x, y, z] = row(k);
-        writeln!(text, "{},{},{z},{y},{x}", 1_700_000_000_000_000_000 + k as u64 * 10_000_000, k as f64 / 100.0).unwrap();
+        writeln!(text, "{},{},{z},{y},{x}", 1_700_000_000_000_000_000 + k as u64 * 10_000_000, k as f64 / 100.0)
+            .unwrap();
     }
     text
 }
@@ -97,7 +98,10 @@ fn a_run_is_no_other_unit() {
     let replay = |name: &str, more: &[&str]| run_in(folder.path(), &[&["replay", name], more].concat());
     let (code, _, error) = replay("run.csv", &[]);
     assert_eq!(code, Some(0), "{error}");
-    assert!(error.starts_with("magcomp: warning: run.csv: acceleration is mostly 23.") && error.lines().count() == 1, "{error}");
+    assert!(
+        error.starts_with("magcomp: warning: run.csv: acceleration is mostly 23.") && error.lines().count() == 1,
+        "{error}"
+    );
     assert_eq!(replay("rest.csv", &[]).2, "");
     // the units that occur are told apart, however lively it is
     let (code, _, error) = replay("run_in_g.csv", &[]);
@@ -139,7 +143,8 @@ fn an_optional_file_that_cannot_be_read_is_left_out_with_a_warning() {
             ("Gyroscope.csv", "expected a header with the column 'x'"),
             ("Magnetometer.csv.gz", "cannot be read"),
         ] {
-            let line = warnings.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{name}: {warnings}"));
+            let line =
+                warnings.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{name}: {warnings}"));
             assert!(line.starts_with("magcomp: warning: a file was left out (") && line.contains(why), "{line}");
         }
     };
@@ -179,12 +184,20 @@ fn every_loggers_optional_files_are_left_out_alike() {
     let plain = rows("t_s,mx,my,mz");
     let sessions: [(&[(&str, &[u8])], &str, &str); 3] = [
         (
-            &[("Magnetometer.csv", phyphox.as_bytes()), ("Accelerometer.csv", b""), ("Gyroscope.csv", broken.as_bytes())],
+            &[
+                ("Magnetometer.csv", phyphox.as_bytes()),
+                ("Accelerometer.csv", b""),
+                ("Gyroscope.csv", broken.as_bytes()),
+            ],
             "Accelerometer.csv",
             "Gyroscope.csv: line 2, column 4",
         ),
         (
-            &[("MagneticField.csv", matlab.as_bytes()), ("Acceleration.csv", b""), ("AngularVelocity.csv", b"a,b\n1,2\n")],
+            &[
+                ("MagneticField.csv", matlab.as_bytes()),
+                ("Acceleration.csv", b""),
+                ("AngularVelocity.csv", b"a,b\n1,2\n"),
+            ],
             "Acceleration.csv: line 1: expected a header",
             "AngularVelocity.csv: line 1: expected a header",
         ),
@@ -300,7 +313,8 @@ fn bag(messages: u32, compression: Option<mcap::Compression>, log_time: u64) -> 
         let numbers = [2e-5, 3e-5, -4e-5 - 1e-7 * f64::from(k)].into_iter().chain([0.0; 9]);
         numbers.for_each(|number| data.extend(number.to_le_bytes()));
         let time = log_time + u64::from(k);
-        let header = mcap::records::MessageHeader { channel_id: channel, sequence: k, log_time: time, publish_time: time };
+        let header =
+            mcap::records::MessageHeader { channel_id: channel, sequence: k, log_time: time, publish_time: time };
         writer.write_to_known_channel(&header, &data).unwrap();
     }
     writer.finish().unwrap();
@@ -320,7 +334,10 @@ fn a_cut_bag_gives_what_precedes_the_cut() {
             fs::write(folder.path().join("cut.mcap"), &whole[..whole.len() * part / 10]).unwrap();
             let (text, warnings) = imported(folder.path(), "cut.mcap", &[]);
             assert!(expected.starts_with(&text) && text.lines().count() > 1, "{text}");
-            assert!(warnings.contains("cut.mcap: cannot be read: ") && warnings.contains("what is before that place"), "{warnings}");
+            assert!(
+                warnings.contains("cut.mcap: cannot be read: ") && warnings.contains("what is before that place"),
+                "{warnings}"
+            );
             rows.push(text.lines().count());
         }
         assert!(rows.is_sorted() && rows[0] < 40 && rows[2] > 40, "{rows:?}");
@@ -371,11 +388,21 @@ fn damaged_files_end_in_an_error_and_nothing_else() {
         ("session.zip", zip.finish().unwrap().into_inner()),
         ("m.csv.gz", gzip.finish().unwrap()),
         ("m.csv", m.into_bytes()),
-        ("matlab.csv", b"Timestamp,X,Y,Z\n22-Nov-2026 10:11:12.340,20,30,-40\n22-Nov-2026 10:11:12.350,20,30,-41\n".to_vec()),
+        (
+            "matlab.csv",
+            b"Timestamp,X,Y,Z\n22-Nov-2026 10:11:12.340,20,30,-40\n22-Nov-2026 10:11:12.350,20,30,-41\n".to_vec(),
+        ),
         ("gnss.txt", GNSS.repeat(5)),
         ("meta.json", b"[{\"sensor\":\"Magnetometer\",\"time\":\"1700000000000000000\",\"x\":\"1\"}]".to_vec()),
     ];
-    for name in ["ros2.mcap", "table.arrow", "table.feather", "table_numbers.feather", "table.parquet", "table_timestamps.parquet"] {
+    for name in [
+        "ros2.mcap",
+        "table.arrow",
+        "table.feather",
+        "table_numbers.feather",
+        "table.parquet",
+        "table_timestamps.parquet",
+    ] {
         files.push((name, session(name)));
     }
     let rounds: usize = std::env::var("MAGCOMP_FUZZ").map_or(60, |rounds| rounds.parse().unwrap());
@@ -456,7 +483,9 @@ fn what_unpacks_without_end_is_refused_before_memory_is_full() {
     (0..1_100_000).for_each(|k| writeln!(waiting, "{k},,,,0,0,9").unwrap());
     let quoted = format!("t_s,mx,my,mz\n0,1,2,\"3\n{}", "0,1,2,3\n".repeat(300_000));
     let line = format!("t_s,mx,my,mz\n0,1,2,{}", "3".repeat(3_000_000));
-    for (text, why) in [(waiting, "1048576 rows of other sensors"), (quoted, "a line has more than"), (line, "a line has more than")] {
+    for (text, why) in
+        [(waiting, "1048576 rows of other sensors"), (quoted, "a line has more than"), (line, "a line has more than")]
+    {
         fs::write(bomb.path().join("r.csv"), text).unwrap();
         let (code, _, error) = run_in(bomb.path(), &["replay", "r.csv"]);
         assert!(code == Some(1) && error.lines().count() == 1 && error.contains(why), "{error}");
@@ -473,7 +502,10 @@ fn matlab_times_without_milliseconds_say_how_to_write_them() {
     let fine = rows(&|k| format!("22-Nov-2026 10:11:{:02}.{:02}0", k / 100, k % 100));
     let folder = folder(&[("MagneticField.csv", coarse.as_bytes())]);
     let error = refused(folder.path(), ".", &[]);
-    assert!(error.contains("MagneticField.csv: line 2, column 1 (Timestamp): expected times with milliseconds"), "{error}");
+    assert!(
+        error.contains("MagneticField.csv: line 2, column 1 (Timestamp): expected times with milliseconds"),
+        "{error}"
+    );
     assert!(error.contains("MagneticField.Timestamp.Format = \"dd-MMM-yyyy HH:mm:ss.SSS\""), "{error}");
     fs::write(folder.path().join("MagneticField.csv"), fine).unwrap();
     fs::write(folder.path().join("Acceleration.csv"), coarse).unwrap();
@@ -546,7 +578,9 @@ fn times_that_wrap_are_refused() {
         format!("t,mx,my,mz\n{first},20,30,-40\n{rows}{last},20,30,-40\n")
     };
     let options = ["--columns", "t=t", "--units", "t=ns"];
-    for (first, last) in [("-9000000000000000000", "1"), ("0", "9000000000000000000"), ("-5000000000000000000", "5000000000000000000")] {
+    for (first, last) in
+        [("-9000000000000000000", "1"), ("0", "9000000000000000000"), ("-5000000000000000000", "5000000000000000000")]
+    {
         let folder = folder(&[("r.csv", rows(first, last).as_bytes())]);
         let error = refused(folder.path(), "r.csv", &options);
         assert!(error.contains("expected a time within 146 years of zero"), "{error}");
@@ -559,7 +593,10 @@ fn times_that_wrap_are_refused() {
     let (code, _, error) = run_in(folder.path(), &["replay", "r.csv"]);
     assert!(code == Some(1) && error.contains("r.csv: line 2, column 1 (t_s): expected a time in seconds"), "{error}");
     let error = refused(folder.path(), "b.mcap", &[]);
-    assert!(error.contains("b.mcap: line 1, column 1 (/mag log_time): expected a time within 146 years of 1970"), "{error}");
+    assert!(
+        error.contains("b.mcap: line 1, column 1 (/mag log_time): expected a time within 146 years of 1970"),
+        "{error}"
+    );
     assert!(refused(folder.path(), "MagneticField.csv", &[]).contains("expected a time such as"));
 }
 
@@ -571,9 +608,12 @@ fn a_place_takes_the_sessions_own_date() {
             let rows = (0..50).map(|k| format!("{from}.{k:02},20,{},-40\n", k % 7));
             format!("t_s,mx,my,mz\n{}", rows.collect::<String>())
         };
-        let logger = format!("time,seconds_elapsed,z,y,x\n{unix_s}000000000,0,-40,30,20\n{unix_s}010000000,0.01,-40,30,20\n");
+        let logger =
+            format!("time,seconds_elapsed,z,y,x\n{unix_s}000000000,0,-40,30,20\n{unix_s}010000000,0.01,-40,30,20\n");
         let phyphox = "\"Time (s)\",\"Field x (µT)\",\"Field y (µT)\",\"Field z (µT)\"\n0,20,30,-40\n0.01,20,30,-41\n";
-        let clock = format!("\"event\",\"experiment time\",\"system time\",\"system time text\"\n\"START\",0,{unix_s}.25,\"\"\n");
+        let clock = format!(
+            "\"event\",\"experiment time\",\"system time\",\"system time text\"\n\"START\",0,{unix_s}.25,\"\"\n"
+        );
         let gnss = format!("UncalMag,{unix_s}000,65972055195160,221.5,89.5,-21.25,213.5,180.25,5.5\n");
         let place = folder(&[
             ("own.csv", rows(unix_s).as_bytes()),

@@ -347,7 +347,8 @@ fn events_out_of_order_and_twice_are_said() {
     let text = format!("{HEADER}3,0,-40,3,2\n1,0,-40,1,2\n2,0,-40,2,2\n2,0,-40,9,2\n").replace("\n3,", "\n30000000,");
     let text = text.replace("\n1,", "\n10000000,").replace("\n2,", "\n20000000,");
     let folder = folder(&[("Magnetometer.csv", &text)]);
-    let output = folder.path().join("out.csv");
+    let elsewhere = tempfile::tempdir().unwrap();
+    let output = elsewhere.path().join("out.csv");
     let (code, table, _) = run(&["import", folder.path().to_str().unwrap(), "-o", output.to_str().unwrap()]);
     assert_eq!(code, 0);
     assert!(table.contains("magnetometer: 1 events were older than the one before"), "{table}");
@@ -393,7 +394,8 @@ fn three_sensors_at_three_rates_are_the_events_pushed_by_hand() {
         ("GyroscopeUncalibrated.csv", &csv(rate)),
         ("TotalAcceleration.csv", &csv(up)),
     ]);
-    let path = folder.path().join("session.csv.gz");
+    let elsewhere = tempfile::tempdir().unwrap();
+    let path = elsewhere.path().join("session.csv.gz");
     let (code, ..) = run(&["import", folder.path().to_str().unwrap(), "-o", path.to_str().unwrap()]);
     assert_eq!(code, 0);
     let recording = recording::read(&path).unwrap();
@@ -551,7 +553,7 @@ fn a_bag_of_ros_2() {
     let bytes = fs::read(session("ros2.mcap")).unwrap();
     // cut before its first message
     let cut = folder.path().join("cut.mcap");
-    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    fs::write(&cut, &bytes[..200]).unwrap();
     assert!(refused(&[&cut], &[]).contains("cut.mcap: cannot be read: "));
     let database = folder.path().join("bag.db3");
     fs::write(&database, b"SQLite format 3\0").unwrap();

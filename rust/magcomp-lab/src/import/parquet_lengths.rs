@@ -67,7 +67,10 @@ fn check_headers(column: &ColumnChunkMetaData, bytes: &[u8]) -> Checked<bool> {
             return damaged(column, "the file is damaged: a dictionary has more values than bytes");
         }
         if encoding == DELTA_BYTE_ARRAY && !dictionary {
-            return damaged(column, "text of encoding DELTA_BYTE_ARRAY is not read; write the table without this column");
+            return damaged(
+                column,
+                "text of encoding DELTA_BYTE_ARRAY is not read; write the table without this column",
+            );
         }
         texts |= encoding == DELTA_LENGTH_BYTE_ARRAY && !dictionary;
         rest = &rest[packed as usize..];

@@ -53,10 +53,14 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
         let sheet = Sheet::new(document);
         if !is_header(&sheet.header) {
             if let Some(began) = sheet.column("system time") {
-                let began = sheet.rows().next().and_then(Result::ok).and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
+                let began =
+                    sheet.rows().next().and_then(Result::ok).and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
                 session.start_unix_ns = session.start_unix_ns.or(began);
             } else if SENSORS.iter().any(|name| document.stem().contains(name)) {
-                session.leave_out(&document.stem(), format!("{}: no header of phyphox, but {}", document.path.display(), sheet.shown()));
+                session.leave_out(
+                    &document.stem(),
+                    format!("{}: no header of phyphox, but {}", document.path.display(), sheet.shown()),
+                );
             }
             continue;
         }

@@ -208,7 +208,9 @@ impl Session {
         let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         let why = "no magnetometer event; record the magnetometer too, uncalibrated where the logger offers it";
         let named = match logger {
-            "Sensor Logger" => "; a file's name tells its sensor (MagnetometerUncalibrated.csv), which a pipe does not have",
+            "Sensor Logger" => {
+                "; a file's name tells its sensor (MagnetometerUncalibrated.csv), which a pipe does not have"
+            }
             "MATLAB Mobile" => "; a file's name tells its sensor (MagneticField.csv), which a pipe does not have",
             _ => "",
         };

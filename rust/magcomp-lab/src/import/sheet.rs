@@ -160,10 +160,7 @@ impl Cells<'_> {
     pub fn time_ns(&self, column: usize, unit_ns: i64) -> Result<i64, LabError> {
         let text = self.point(column);
         time_ns(&text, unit_ns).ok_or_else(|| {
-            self.wrong(
-                column,
-                "a time within 146 years of zero; its unit is named by --units t=s, ms, us or ns",
-            )
+            self.wrong(column, "a time within 146 years of zero; its unit is named by --units t=s, ms, us or ns")
         })
     }
 }

@@ -101,7 +101,8 @@ struct Lines {
 impl Read for Lines {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.read > LONGEST_LINE {
-            let why = format!("a line has more than {LONGEST_LINE} bytes; is a quotation mark open, or is this no CSV?");
+            let why =
+                format!("a line has more than {LONGEST_LINE} bytes; is a quotation mark open, or is this no CSV?");
             return Err(io::Error::new(io::ErrorKind::InvalidData, why));
         }
         let read = self.source.read(buffer)?;
@@ -155,7 +156,9 @@ impl Rows {
                                 column: None,
                             },
                             expected: "a magnetometer sample".to_owned(),
-                            found: format!("{MOST_WAITING} rows of other sensors before it; cut the part without magnetometer off"),
+                            found: format!(
+                                "{MOST_WAITING} rows of other sensors before it; cut the part without magnetometer off"
+                            ),
                         });
                     }
                     let Line { time_ns, rate_rad_s, up_m_s2, .. } = line;
