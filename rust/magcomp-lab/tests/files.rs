@@ -4,7 +4,7 @@
 #![cfg(unix)]
 
 use magcomp_lab::import::{ImportOptions, import};
-use nix::sys::resource::{Resource, setrlimit};
+use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::collections::BTreeMap;
@@ -371,69 +371,119 @@ fn lengths_beyond_the_file_are_errors() {
     }
 }
 
+/// Imports each file many times, damaged in another way each time: `MAGCOMP_FUZZ` times, or few enough to take seconds.
+///
+/// An abort, or memory that is asked for by a damaged length, ends this very process; the file is then left in the temporary folder.
+fn damage(files: &[(&str, Vec<u8>)]) {
+    let (_, most) = getrlimit(Resource::RLIMIT_AS).unwrap();
+    setrlimit(Resource::RLIMIT_AS, most.min(4_096_000_000), most).unwrap();
+    let rounds: u64 = std::env::var("MAGCOMP_FUZZ").map_or(60, |rounds| rounds.parse().unwrap());
+    let place = tempfile::tempdir().unwrap();
+    for (name, whole) in files {
+        let path = place.path().join(name);
+        let options = if name.starts_with("table") {
+            ImportOptions {
+                columns: Some(TABLE[1].parse().unwrap()),
+                units: Some("t=ns".parse().unwrap()),
+                ..ImportOptions::default()
+            }
+        } else {
+            ImportOptions::default()
+        };
+        let take = |bytes: &[u8]| {
+            fs::write(&path, bytes).unwrap();
+            let mut out = Vec::new();
+            let made = import(std::slice::from_ref(&path), &options, |write| {
+                write(&mut out).map_err(|_| unreachable!("a Vec can be written"))
+            });
+            made.map(|_| ()).map_err(|why| why.to_string())
+        };
+        assert_eq!(take(whole), Ok(()), "{name}");
+        let mut refused = 0;
+        for seed in 0..rounds {
+            if let Err(why) = take(&mutated(whole, &mut ChaCha8Rng::seed_from_u64(seed))) {
+                refused += 1;
+                assert!(!why.contains('\n'), "{name}, {seed}: {why}");
+            }
+        }
+        assert!(refused > 0, "{name}: no damage was noticed");
+    }
+}
+
 #[test]
-fn damaged_files_end_in_an_error_and_nothing_else() {
-    // an abort, or memory that is asked for by a damaged length, would end this very process
-    setrlimit(Resource::RLIMIT_AS, 4 << 30, 8 << 30).unwrap();
+fn damaged_bags_end_in_an_error_or_a_shorter_recording() {
+    damage(&[("bag.mcap", bag(30, None, 0)), ("ros2.mcap", session("ros2.mcap"))]);
+}
+
+#[test]
+fn damaged_arrow_files_end_in_an_error_or_other_numbers() {
+    damage(&["table.arrow", "table.feather", "table_numbers.feather"].map(|name| (name, session(name))));
+}
+
+#[test]
+fn damaged_parquet_files_end_in_an_error_or_other_numbers() {
+    damage(&["table.parquet", "table_timestamps.parquet"].map(|name| (name, session(name))));
+}
+
+#[test]
+fn damaged_packed_files_end_in_an_error_or_other_numbers() {
     let m = field(20);
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, text) in [("MagnetometerUncalibrated.csv", &m), ("Metadata.csv", &"platform\nios\n".to_owned())] {
+    for (name, text) in [("MagnetometerUncalibrated.csv", m.as_str()), ("Metadata.csv", "platform\nios\n")] {
         zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
         zip.write_all(text.as_bytes()).unwrap();
     }
     let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     gzip.write_all(m.as_bytes()).unwrap();
-    let mut files = vec![
-        ("bag.mcap", bag(30, None, 0)),
-        ("session.zip", zip.finish().unwrap().into_inner()),
-        ("m.csv.gz", gzip.finish().unwrap()),
-        ("m.csv", m.into_bytes()),
+    damage(&[("session.zip", zip.finish().unwrap().into_inner()), ("Magnetometer.csv.gz", gzip.finish().unwrap())]);
+}
+
+#[test]
+fn damaged_texts_end_in_an_error_or_other_numbers() {
+    let gnss =
+        (0..5).map(|k| format!("UncalMag,16631646691{k}1,659720{k}5195160,221.5,89.5,-21.25,213.5,180.25,5.5\n"));
+    damage(&[
+        ("Magnetometer.csv", field(20).into_bytes()),
         (
-            "matlab.csv",
+            "MagneticField.csv",
             b"Timestamp,X,Y,Z\n22-Nov-2026 10:11:12.340,20,30,-40\n22-Nov-2026 10:11:12.350,20,30,-41\n".to_vec(),
         ),
-        ("gnss.txt", GNSS.repeat(5)),
-        ("meta.json", b"[{\"sensor\":\"Magnetometer\",\"time\":\"1700000000000000000\",\"x\":\"1\"}]".to_vec()),
-    ];
-    for name in [
-        "ros2.mcap",
-        "table.arrow",
-        "table.feather",
-        "table_numbers.feather",
-        "table.parquet",
-        "table_timestamps.parquet",
-    ] {
-        files.push((name, session(name)));
-    }
-    let rounds: usize = std::env::var("MAGCOMP_FUZZ").map_or(60, |rounds| rounds.parse().unwrap());
-    let place = tempfile::tempdir().unwrap();
-    let table = ImportOptions {
-        columns: Some(TABLE[1].parse().unwrap()),
-        units: Some("t=ns".parse().unwrap()),
-        ..ImportOptions::default()
-    };
-    let (mut taken, mut refused) = (0, 0);
-    for (k, (name, whole)) in files.iter().enumerate() {
-        for seed in 0..rounds {
-            let mut rng = ChaCha8Rng::seed_from_u64((k * 1_000_003 + seed) as u64);
-            let bytes = mutated(whole, &mut rng);
-            let path = place.path().join(name);
-            fs::write(&path, &bytes).unwrap();
-            if std::env::var_os("MAGCOMP_FUZZ").is_some() {
-                fs::write("fuzz_last", &bytes).unwrap();
-            }
-            let options = if name.starts_with("table") { table.clone() } else { ImportOptions::default() };
-            let mut out = Vec::new();
-            match import(&[path], &options, |write| write(&mut out).map_err(|_| unreachable!("a Vec can be written"))) {
-                Ok(_) => taken += 1,
-                Err(why) => {
-                    refused += 1;
-                    assert!(!why.to_string().contains('\n'), "{name}, {seed}: {why}");
-                }
-            }
+        ("gnss.txt", gnss.collect::<String>().into_bytes()),
+    ]);
+}
+
+#[test]
+fn a_length_beyond_its_record_is_an_error_or_not_read() {
+    let whole = bag(3, None, 0);
+    let folder = folder(&[("b.mcap", &whole)]);
+    let (expected, _) = imported(folder.path(), "b.mcap", &[]);
+    // (opcode of the record, bytes before the length of a string in it, whether it is read at all)
+    for (opcode, before, read) in [(1, 0, false), (3, 2, true), (4, 4, true), (6, 28, true), (8, 50, false)] {
+        let mut bytes = whole.clone();
+        let mut records = records(&whole);
+        let at = records.find(|(found, _)| *found == opcode).unwrap().1 + before;
+        bytes[at..at + 4].copy_from_slice(&(u32::MAX - 9).to_le_bytes());
+        fs::write(folder.path().join("b.mcap"), bytes).unwrap();
+        if read {
+            let error = refused(folder.path(), "b.mcap", &[]);
+            assert!(error.contains("b.mcap: cannot be read: "), "{error}");
+        } else {
+            assert_eq!(imported(folder.path(), "b.mcap", &[]).0, expected, "{opcode}");
         }
     }
-    assert!(taken > rounds && refused > rounds, "{taken} were taken, {refused} refused");
+}
+
+/// Opcode of each record of a bag, in chunks too, and where its content begins.
+fn records(bag: &[u8]) -> impl Iterator<Item = (u8, usize)> {
+    let mut at = 8;
+    std::iter::from_fn(move || {
+        let opcode = *bag.get(at)?;
+        let start = at + 9;
+        let length = u64::from_le_bytes(bag.get(at + 1..start)?.try_into().unwrap()) as usize;
+        // a chunk that is not packed: its records follow times, size, checksum, an empty name and a length
+        at = if opcode == 6 { start + 40 } else { start + length };
+        Some((opcode, start))
+    })
 }
 
 /// Some bytes changed, or cut off, or repeated, or a length among them made huge.

@@ -31,3 +31,26 @@ pub(super) fn guarded<T>(read: impl FnOnce() -> T + UnwindSafe) -> Result<T, &'s
 pub(super) fn one_line(why: impl Display) -> io::Error {
     io::Error::other(why.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_and_only_panics_within_are_quiet() {
+        assert_eq!(guarded(|| 7), Ok(7));
+        let nested = guarded(|| {
+            assert!(guarded(|| panic!("within")).is_err() && GUARDED.get());
+            // another thread's panics are printed as ever
+            std::thread::spawn(|| GUARDED.get()).join().unwrap()
+        });
+        assert_eq!(nested, Ok(false));
+        assert_eq!(guarded(|| -> u8 { panic!("outermost") }), Err("the file is damaged: its reader stopped within it"));
+        assert!(!GUARDED.get());
+    }
+
+    #[test]
+    fn errors_are_one_line() {
+        assert_eq!(one_line("a\n  b\r\nc").to_string(), "a b c");
+    }
+}

@@ -9,13 +9,15 @@ use super::units::Units;
 use crate::error::{LabError, Place};
 use crate::time::MOST_NS;
 use magcomp::nalgebra::Vector3;
-use mcap::io::MessageReader;
-use mcap::sans_io::LinearReaderOptions;
-use std::collections::BTreeSet;
+use mcap::records::op;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// First bytes of an mcap file.
 pub(super) const MCAP: &[u8] = b"\x89MCAP";
@@ -61,23 +63,19 @@ pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units)
     for (path, file) in &bags {
         // a length beyond the file's end is damage; records in packed chunks may be longer than a small file
         let most_bytes = file.metadata().map_err(LabError::read(path))?.len().max(UNPACKED_BYTES);
-        let limits = LinearReaderOptions::default().with_record_length_limit(most_bytes as usize);
-        let mut messages = MessageReader::new_with_options(BufReader::new(file), limits);
+        let mut messages = Messages::new(file, most_bytes);
         for number in 1.. {
-            let message = match guarded(AssertUnwindSafe(|| messages.next())) {
+            let next = guarded(AssertUnwindSafe(|| messages.next())).unwrap_or_else(|damaged| Err(damaged.into()));
+            let message = match next {
                 Ok(None) => break,
-                Ok(Some(Ok(message))) => message,
-                Ok(Some(Err(why))) => {
-                    bag.damaged.push(LabError::read(path)(one_line(why)));
-                    break;
-                }
+                Ok(Some(message)) => message,
                 Err(why) => {
                     bag.damaged.push(LabError::read(path)(one_line(why)));
                     break;
                 }
             };
-            let (topic, schema) = (&message.channel.topic, message.channel.schema.as_ref());
-            let Some(kind) = schema.and_then(|schema| Kind::of(&schema.name)) else { continue };
+            let topic = &message.channel.topic;
+            let Some(kind) = Kind::of(&message.channel.schema) else { continue };
             if !topics.is_empty() && !topics.contains(topic) {
                 continue;
             }
@@ -88,7 +86,7 @@ pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units)
                 Kind::Imu => ORIENTATION + 2 * VECTOR,
             };
             let Some((stamp_ns, values)) = decode(&message.data, numbers) else {
-                let encoding = &message.channel.message_encoding;
+                let encoding = &message.channel.encoding;
                 let expected = format!("a CDR message of {} with its covariances", kind.name());
                 return Err(LabError::Recording {
                     place: Place { column: Some((1, topic.clone())), ..place() },
@@ -123,6 +121,97 @@ pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units)
         }
     }
     bag.finish(&first)
+}
+
+struct Channel {
+    topic: String,
+    /// Name of the schema; empty where the bag has none.
+    schema: String,
+    encoding: String,
+}
+
+struct Message {
+    channel: Rc<Channel>,
+    log_time: u64,
+    data: Vec<u8>,
+}
+
+/// The messages of a bag in the file's order.
+///
+/// The three kinds of records that it takes are read here: the crate's own reader allocates whatever length a string in a record
+/// states, and reads the summary too, which nothing here needs.
+struct Messages<'a> {
+    file: BufReader<&'a File>,
+    records: LinearReader,
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, Rc<Channel>>,
+}
+
+impl<'a> Messages<'a> {
+    fn new(file: &'a File, most_bytes: u64) -> Self {
+        let most_bytes = usize::try_from(most_bytes).unwrap_or(usize::MAX);
+        let records =
+            LinearReader::new_with_options(LinearReaderOptions::default().with_record_length_limit(most_bytes));
+        Self { file: BufReader::new(file), records, schemas: BTreeMap::new(), channels: BTreeMap::new() }
+    }
+
+    fn next(&mut self) -> Result<Option<Message>, Box<dyn Error + Send + Sync>> {
+        while let Some(event) = self.records.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(bytes) => {
+                    let count = self.file.read(self.records.insert(bytes))?;
+                    self.records.notify_read(count);
+                }
+                LinearReadEvent::Record { opcode: op::SCHEMA, data } => {
+                    let (id, name) = schema(data).ok_or("the file is damaged: a schema is longer than its record")?;
+                    self.schemas.insert(id, name);
+                }
+                LinearReadEvent::Record { opcode: op::CHANNEL, data } => {
+                    let found = channel(data, &self.schemas);
+                    let (id, channel) = found.ok_or("the file is damaged: a channel is longer than its record")?;
+                    self.channels.insert(id, Rc::new(channel));
+                }
+                LinearReadEvent::Record { opcode: op::MESSAGE, data } => {
+                    let found = message(data, &self.channels);
+                    return found.map(Some).ok_or("the file is damaged: a message has no channel".into());
+                }
+                LinearReadEvent::Record { .. } => {}
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Identity and name of the schema in a record.
+fn schema(mut record: &[u8]) -> Option<(u16, String)> {
+    Some((u16::from_le_bytes(taken(&mut record)?), text(&mut record)?))
+}
+
+fn channel(mut record: &[u8], schemas: &BTreeMap<u16, String>) -> Option<(u16, Channel)> {
+    let (id, schema) = (u16::from_le_bytes(taken(&mut record)?), u16::from_le_bytes(taken(&mut record)?));
+    let schema = schemas.get(&schema).cloned().unwrap_or_default();
+    Some((id, Channel { topic: text(&mut record)?, schema, encoding: text(&mut record)? }))
+}
+
+fn message(mut record: &[u8], channels: &BTreeMap<u16, Rc<Channel>>) -> Option<Message> {
+    let channel = channels.get(&u16::from_le_bytes(taken(&mut record)?))?.clone();
+    let _sequence: [u8; 4] = taken(&mut record)?;
+    let log_time = u64::from_le_bytes(taken(&mut record)?);
+    let _publish_time: [u8; 8] = taken(&mut record)?;
+    Some(Message { channel, log_time, data: record.to_vec() })
+}
+
+fn taken<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
+    let (first, after) = rest.split_first_chunk()?;
+    *rest = after;
+    Some(*first)
+}
+
+fn text(rest: &mut &[u8]) -> Option<String> {
+    let length = u32::from_le_bytes(taken(rest)?) as usize;
+    let (text, after) = rest.split_at_checked(length)?;
+    *rest = after;
+    String::from_utf8(text.to_vec()).ok()
 }
 
 #[derive(Clone, Copy)]
