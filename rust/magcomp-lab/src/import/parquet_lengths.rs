@@ -147,8 +147,10 @@ impl Header {
 const I32: u8 = 5;
 const STRUCT: u8 = 12;
 
+type OnField<'a> = dyn FnMut(&mut &[u8], i64, u8) -> Option<()> + 'a;
+
 /// Calls `field` with the number and kind of each field of a struct; it must read the field's value.
-fn fields(rest: &mut &[u8], field: &mut dyn FnMut(&mut &[u8], i64, u8) -> Option<()>) -> Option<()> {
+fn fields(rest: &mut &[u8], field: &mut OnField<'_>) -> Option<()> {
     let mut id = 0_i64;
     loop {
         let first = byte(rest)?;

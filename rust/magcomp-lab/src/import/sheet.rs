@@ -183,11 +183,8 @@ fn time_ns(text: &str, unit_ns: i64) -> Option<i64> {
 
 /// A text that an error can show.
 pub(super) fn shorten(text: &str) -> String {
-    if text.chars().count() <= SHOWN {
-        text.to_owned()
-    } else {
-        text.chars().take(SHOWN).chain("...".chars()).collect()
-    }
+    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().count() <= SHOWN { text } else { text.chars().take(SHOWN).chain("...".chars()).collect() }
 }
 
 #[cfg(test)]
