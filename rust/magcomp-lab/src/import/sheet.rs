@@ -124,7 +124,7 @@ impl Cells<'_> {
 
     /// Where a cell is.
     pub fn place(&self, column: usize) -> Place {
-        let name = self.sheet.header.get(column).cloned().unwrap_or_default();
+        let name = self.sheet.header.get(column).map(|name| shorten(name)).unwrap_or_default();
         let line = self.record.position().map_or(0, csv::Position::line);
         Place { path: self.sheet.path().to_owned(), line, column: Some((column + 1, name)) }
     }
