@@ -182,7 +182,8 @@ fn every_loggers_optional_files_are_left_out_alike() {
     let broken = "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\",\"Gyroscope z (rad/s)\"\n0,1,2,x\n";
     let matlab = "Timestamp,X,Y,Z\n22-Nov-2026 10:11:12.340,20,30,-40\n22-Nov-2026 10:11:12.350,20,30,-41\n";
     let plain = rows("t_s,mx,my,mz");
-    let sessions: [(&[(&str, &[u8])], &str, &str); 3] = [
+    type Files<'a> = &'a [(&'a str, &'a [u8])];
+    let sessions: [(Files<'_>, &str, &str); 3] = [
         (
             &[
                 ("Magnetometer.csv", phyphox.as_bytes()),
