@@ -10,7 +10,8 @@ esac
 . tests/need.sh
 need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
-cargo build --quiet --locked --profile test -p uniffi-bindgen
+# --workspace: with the features that the library's build has given to the crates they share
+cargo build --quiet --locked --profile test --workspace --features magcomp-ffi/test-hooks --bin uniffi-bindgen
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 # --no-format: the committed files do not depend on which formatters are installed

@@ -2,7 +2,7 @@
 # The native library as target/ios/MagcompFFI.xcframework: static libraries for iOS devices, for simulators and for macOS,
 # these two for Apple silicon and Intel, with headers and module map. On a Mac with Xcode and Rust's targets (rustup target
 # add aarch64-apple-ios aarch64-apple-ios-sim x86_64-apple-ios aarch64-apple-darwin x86_64-apple-darwin); on Debian, without
-# Xcode, with Debian's rustc-web, cargo-web, rust-web-src and llvm-19, to check the structure: what ships is built on a Mac.
+# Xcode, with Debian's rustc-web, cargo-web, rust-web-src and llvm, to check the structure: what ships is built on a Mac.
 # `--device` leaves out all but the devices' slice, for a check: apps then build for devices alone.
 # With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift;
 # `--pack URL` does no more than that, with the framework that is there, for one that was checked and signed meanwhile.
@@ -20,8 +20,9 @@ lipo=lipo
 export CARGO_TARGET_DIR=$target/ios-build
 if [ "$(uname)" != Darwin ]; then
     . tests/need.sh
-    lipo=llvm-lipo-19
-    need xcframework "${debian_rust[@]}" $lipo:llvm-19 $([ $# != 2 ] || echo zip:zip)
+    need xcframework "${debian_rust[@]}" $([ $# != 2 ] || echo zip:zip)
+    need_llvm xcframework llvm-lipo:llvm
+    lipo=llvm-lipo$llvm
     # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
     export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
     unset RUSTUP_TOOLCHAIN RUSTFLAGS

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
-need aar "${rust_tools[@]}" "${java_tools[@]}" unzip:unzip
+need aar "${java_tools[@]}" unzip:unzip
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 [ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64 x86
 [ $# -gt 0 ] || set -- arm64-v8a

@@ -1,12 +1,11 @@
-# Sourced: builds the library with its test hooks, and the example that says what Kotlin and Swift have to find, once for
+# Sourced, after need.sh: builds the library with its test hooks, and the example that says what Kotlin and Swift have to find, once for
 # bindings, kotlin and swift. `tests/run.sh rust` builds the same files with the same features. Sets `target`, and `native`,
 # the folder of the library. PROFILE=ship takes the library as phones get it, which builds longer.
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 profile=${PROFILE:-test}
 native=$target/$profile
 [ "$profile" != test ] || native=$target/debug
-# the whole workspace, as in `tests/run.sh rust`: with fewer packages cargo picks other features and builds it all again
-cargo build --quiet --locked --profile "$profile" --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --lib --example expected
+cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --lib --example expected
 
 # expected FILE
 expected() {

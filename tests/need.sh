@@ -8,6 +8,12 @@ rust_tools=(cargo: cc:gcc '/usr/include/stdio.h:libc6-dev')
 debian_rust=(/usr/bin/cargo:cargo-web /usr/bin/rustc:rustc-web '/usr/lib/rustlib/src/rust/library:rust-web-src' "${rust_tools[@]:1}")
 java_tools=(jdk:default-jdk-headless mvn:maven)
 
+# `workspace`: what cargo selects in every part. With fewer packages it picks other features of the crates that they share and
+# builds these again; so it does without dependencies of tests, which `cargo test`, `--all-targets` and `--example expected` take in.
+# Not the generator of the bindings, 5 lines on a large library: its features would put that library into the one that is tested.
+# test-hooks: the library is the one that the other languages test.
+workspace=(--workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks)
+
 there() { # TOOL
     case "$1" in
         /*) compgen -G "$1" >/dev/null ;;
@@ -59,4 +65,25 @@ need() { # PART TOOL:PACKAGE...
         esac
     done >&2
     exit 1
+}
+
+# `need_llvm PART TOOL:PACKAGE...` asks for LLVM's tools, each without its suffix, such as -22, which it sets as `llvm`. Debian has
+# several; one that is older than the LLVM of the compiler can't read what that compiler writes. So: the newest from there on, of
+# those that are here and those that apt knows. LLVM, where it is set, is the suffix instead.
+need_llvm() {
+    local part=$1 least pair pairs=()
+    shift
+    if [ -n "${LLVM+set}" ]; then
+        llvm=$LLVM
+    else
+        need "$part" "${debian_rust[@]}"
+        least=$(/usr/bin/rustc -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p')
+        llvm=-$({
+            echo "$least"
+            compgen -c llvm-nm- || true
+            apt-cache search --names-only '^llvm-[0-9]+$' || true
+        } 2>/dev/null | sed -n 's/^\(llvm-\(nm-\)\?\)\?\([0-9]\+\)\( .*\)\?$/\3/p' | sort -n | tail -n 1)
+    fi
+    for pair; do pairs+=("${pair%%:*}$llvm:${pair#*:}$llvm"); done
+    need "$part" "${pairs[@]}"
 }

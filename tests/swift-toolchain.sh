@@ -1,5 +1,5 @@
 # Sourced, after need.sh: `swift_run ARGUMENTS...` runs `swift` in this folder, from PATH or in a Debian root; `swift_tool NAME
-# ARGUMENTS...` any other tool of the toolchain.
+# ARGUMENTS...` any other tool of the toolchain. `target` has to be set before they run.
 swift_root=${MAGCOMP_SWIFT_ROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/magcomp/swift}
 
 swift_run() { swift_tool swift "$@"; }
@@ -20,13 +20,35 @@ swift_tool() {
     ' swift "$@"
 }
 
-# Swift 6 on PATH, or a Debian root that has it
-if type -P swift >/dev/null; then
+# why the Debian root can't be used here: what `swift_tool` does is tried with an empty folder. Empty where it can.
+swift_obstacle() {
+    local folder why
+    [ "$(id -u)" = 0 ] || { echo "it needs root, this is user $(id -u)"; return; }
+    folder=$(mktemp -d)
+    mkdir "$folder/proc" "$folder/bound"
+    why=$(LC_ALL=C unshare -m sh -euc 'mount -t proc proc "$0/proc"; mount --bind "$0/proc" "$0/bound"; chroot / true' "$folder" 2>&1) || true
+    rmdir "$folder"/{proc,bound} "$folder"
+    why=${why%%$'\n'*}
+    case "$why" in
+        "") ;;
+        *"root filesystem propagation"*)
+            echo "this is a chroot whose root is no mount point ($why); outside, 'mount --bind ROOT ROOT' before 'chroot ROOT'"
+            ;;
+        *)
+            echo "this container may not mount or change its root ($why); it needs CAP_SYS_ADMIN, CAP_SYS_CHROOT and a /proc that is not masked, as 'docker run --privileged' gives"
+            ;;
+    esac
+}
+
+# Swift 6 on PATH (OpenStack's client is called swift too), or a Debian root that has it
+swift_found=$(swift --version 2>&1 | sed -n 's/.*Swift version \([0-9]*\).*/\1/p' || true)
+if [ "${swift_found:-0}" -ge 6 ]; then
     swift_on_path=yes
 else
     swift_on_path=no
-    if [ "$(id -u)" != 0 ] || ! unshare -m true; then
-        echo "swift: Swift 6 is missing; put it on PATH, or run as root on Debian, which makes $swift_root and mounts in it" >&2
+    swift_why=$(swift_obstacle)
+    if [ -n "$swift_why" ]; then
+        echo "swift: missing: Swift 6. Put it on PATH, or let this script run it in a Debian root, $swift_root. That fails here: $swift_why" >&2
         exit 1
     fi
     # made whole, then renamed
@@ -35,8 +57,10 @@ else
         echo "swift: making $swift_root"
         rm -rf "$swift_root.tmp"
         mkdir -p "$swift_root.tmp"
-        debootstrap --variant=minbase --include=swiftlang,libc6-dev,libstdc++-14-dev trixie "$swift_root.tmp" \
-            >"$swift_root.log" || { echo "swift: debootstrap failed, see $swift_root.log" >&2; exit 1; }
+        debootstrap --variant=minbase --include=swiftlang,libc6-dev,libstdc++-14-dev trixie "$swift_root.tmp" >"$swift_root.log" || {
+            echo "swift: debootstrap failed: $(tail -n 1 "$swift_root.log"); the whole of it is in $swift_root.log" >&2
+            exit 1
+        }
         rm -rf "$swift_root.tmp/var/cache/apt/archives/"*.deb
         mv "$swift_root.tmp" "$swift_root"
     fi

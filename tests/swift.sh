@@ -2,15 +2,16 @@
 # The Swift package on Linux: builds the real native library, then compiles and tests the Swift side, its documentation,
 # its format and the grammar of the sample. `tests/swift.sh`, or with arguments for `swift`, for instance `tests/swift.sh test --filter Facts`;
 # `tests/swift.sh benchmark` prints what a push costs. PROFILE=ship takes the library as phones get it, which builds longer.
-# Needs Rust, and Swift 6 on PATH, or root to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT, by default
-# ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
+# Needs Rust, and Swift 6 on PATH, or root that may mount, to make a Debian root with Swift in a cache folder: MAGCOMP_SWIFT_ROOT,
+# by default ~/.cache/magcomp/swift (3 GB, a few minutes; deleting it is safe when nothing runs in it).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
 need swift "${rust_tools[@]}"
 [ "${1:-}" != benchmark ] || PROFILE=${PROFILE:-ship}
-. tests/native.sh
+# first, since it may end the script
 . tests/swift-toolchain.sh
+. tests/native.sh
 expected "$target/swift/expected.txt"
 gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"
 gzip -dc tests/recordings/broad_01_slow_rotation_A.csv.gz >"$target/swift/slow_rotation.csv"
@@ -27,7 +28,7 @@ case "${1:-}" in
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel
         # an app's own package by path: no reading lost, the numbers of the command
-        cargo build --quiet --locked --profile "$profile" --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --bin magcomp
+        cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --bin magcomp --example expected
         "$native/magcomp" replay --axis auto \
             tests/recordings/broad_34_attached_magnet_3cm.csv.gz --output "$target/swift/replay.csv" >/dev/null
         cut -d, -f2-10,14 "$target/swift/replay.csv" | tail -n +2 >"$target/swift/of-replay.csv"

@@ -5,8 +5,8 @@
 # framework in the same app. Links the device's slice as an app would and prints what is left after dead-stripping.
 # `tests/xcframework.sh` builds the device's slice alone, `tests/xcframework.sh all` those of simulators and macOS too,
 # `tests/xcframework.sh built` checks the one that is there, for one that was built on a Mac. LLVM is the suffix of the LLVM
-# tools' names, -19 by default. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm-19, lld-19 and Python 3, and installs them as
-# root. Not for shipping, and not tried in Xcode.
+# tools' names, by default that of Debian's newest. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm, lld and Python 3, and
+# installs them as root. Not for shipping, and not tried in Xcode.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/.."
@@ -15,9 +15,9 @@ case "$*" in
     all | built) slices='ios-arm64 ios-arm64_x86_64-simulator macos-arm64_x86_64' options=() ;;
     *) echo "usage: tests/xcframework.sh [all | built]" >&2; exit 2 ;;
 esac
-llvm=${LLVM--19}
 . tests/need.sh
-need xcframework "llvm-nm$llvm:llvm-19" "llvm-objdump$llvm:llvm-19" "llvm-size$llvm:llvm-19" "ld64.lld$llvm:lld-19" python3:python3
+need xcframework python3:python3
+need_llvm xcframework llvm-nm:llvm llvm-objdump:llvm llvm-size:llvm ld64.lld:lld
 fail() { echo "xcframework: $*" >&2; exit 1; }
 
 [ "$*" = built ] || ios/build-xcframework.sh ${options[@]+"${options[@]}"}
@@ -74,8 +74,7 @@ while read -r slice platform architecture; do
     "llvm-objdump$llvm" --macho --arch="$architecture" --private-headers "$library" >"$work/objects"
     kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" || $1 == "minos" { print $1, $2 }' "$work/objects" | sort -u)
     [ "$kinds" = "$(printf 'arch %s\nminos %s\nplatform %s' "$(tr a-z A-Z <<<"$architecture")" "$least" "$platform")" ] || fail "$slice: objects are $kinds"
-    # it complains of bitcode newer than itself; a list that is not whole fails below
-    { "llvm-nm$llvm" --arch="$architecture" --defined-only --extern-only --format=just-symbols "$library" 2>/dev/null || true; } | sort -u >"$work/defined"
+    "llvm-nm$llvm" --arch="$architecture" --defined-only --extern-only --format=just-symbols "$library" | sort -u >"$work/defined"
     missing=$(comm -23 "$work/declared" "$work/defined")
     [ -z "$missing" ] || fail "$slice: declared and not defined: $missing"
     if grep -q '^_magcomp_test_' "$work/defined"; then fail "$slice: holds test hooks"; fi
