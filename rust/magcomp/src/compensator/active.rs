@@ -181,13 +181,13 @@ impl Active {
     }
 }
 
-/// Rotations without a break for so long lead to a first calibration wherever the place allows one, s.
+/// Rotations without a break for so long after one lead to a first calibration wherever the place allows one, s.
 const CHAIN_S: f64 = 5.0;
 
-/// Which of the two of a start speaks: the one with the gyroscope, unless that has not been there for long without a break and the other one
-/// alone knows a calibration, or has learned b better.
+/// Which of the two of a start speaks: the one with the gyroscope, unless that keeps breaking off and the other one alone knows a calibration,
+/// or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive) -> bool {
-    if aided.chain_s() > CHAIN_S {
+    if !aided.broke_within(CHAIN_S) {
         return true;
     }
     let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();

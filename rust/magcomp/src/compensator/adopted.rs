@@ -101,7 +101,8 @@ impl Adopted {
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
     pub fn see(&mut self, sample: &MagneticSample, up: Option<&Vector3<f64>>) -> bool {
         let since_ns = *self.since_ns.get_or_insert(sample.time_ns);
-        let waits = up.is_none() && sample.time_ns.saturating_sub(since_ns) < UP_LATE_NS;
+        let waits =
+            up.is_none() && self.inclination_deg.is_some() && sample.time_ns.saturating_sub(since_ns) < UP_LATE_NS;
         if self.is_seen || waits {
             return false;
         }

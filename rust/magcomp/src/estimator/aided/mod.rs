@@ -54,8 +54,9 @@ pub(crate) struct Aided {
     motion: Motion,
     former: Option<Former>,
     event: Option<Event>,
-    /// Seconds since the chain of rotations began.
+    /// Seconds since the chain of rotations began, and whether there was one before.
     chain_s: f64,
+    was_broken: bool,
 }
 
 impl Aided {
@@ -70,6 +71,7 @@ impl Aided {
             former: None,
             event: None,
             chain_s: 0.0,
+            was_broken: false,
             tuning,
         }
     }
@@ -79,9 +81,9 @@ impl Aided {
         self.phase.running().is_some()
     }
 
-    /// Seconds since the chain of rotations began.
-    pub fn chain_s(&self) -> f64 {
-        self.chain_s
+    /// Whether the chain of rotations broke not long ago: it is younger than this.
+    pub fn broke_within(&self, seconds: f64) -> bool {
+        self.was_broken && self.chain_s < seconds
     }
 
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
@@ -161,6 +163,7 @@ impl Aided {
                 self.with_rotation(step)
             }
             None => {
+                self.was_broken |= self.chain_s > 0.0;
                 self.chain_s = 0.0;
                 self.without_rotation(&raw_ut, up, dt_s)
             }
