@@ -32,7 +32,7 @@ my $error = substr $text, $from, $length;
 must 'capital cases of errors', $error =~ s/(^    case |return \.|case let \.|        case \.)([A-Z])/$1\l$2/mg;
 substr($text, $from, $length) = $error;
 
-# documents: `field_ut` is fieldUt, but for a path as an error says it; `SnapshotDamaged` is MagcompError.snapshotDamaged
+# documents: `field_ut` is fieldUt, but for a path as an error says it; `KeptDamaged` is MagcompError.keptDamaged
 my $errors = join '|', map { ucfirst } $error =~ /^    case (\w+)/mg;
 $text =~ s{^(\s*\*\s.*)$}{
     my $line = $1;

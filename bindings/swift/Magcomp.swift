@@ -825,6 +825,14 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
 
     /**
+     * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
+     * heading frame stay. It is as sure as it was, less what its age by `unixTimeS` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * are judged by: what disagrees widens or replaces it. Fails with `MagcompError.keptDamaged` or `MagcompError.keptNewer`; nothing has changed then.
+     */
+    func adoptKept(text: String, unixTimeS: Int64?) throws
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     func calibration() throws  -> Calibration?
@@ -851,12 +859,29 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func fit() throws  -> EllipsoidFit?
 
     /**
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `pushGap`.
+     */
+    func gaps() throws  -> Int64
+
+    /**
+     * The calibration in force with what is known of it, as JSON, for `adoptKept` at the next launch; `unixTimeS` is now, seconds
+     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     */
+    func keep(unixTimeS: Int64) throws  -> String?
+
+    /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
-     * the number of such samples.
+     * assumes another clock: it keeps the calibration and begins anew with everything else.
      */
     func push(sample: MagneticSample) throws  -> Reading
+
+    /**
+     * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
+     * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
+     * Fails with `MagcompError.config` when `hiddenS` is out of range; nothing has changed then.
+     */
+    func pushGap(hiddenS: Double) throws
 
     /**
      * A gyroscope event. Fails with `MagcompError.eventRejected`, which says why it was not used.
@@ -875,20 +900,6 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     func reset() throws
 
     /**
-     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-     * frame may differ), else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
-     * changed then.
-     */
-    func restore(snapshot: String) throws  -> Restored
-
-    /**
-     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
-     * `SnapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then.
-     */
-    func restoreCalibration(snapshot: String) throws
-
-    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `MagcompError.config` when the declination is out of range.
      */
@@ -898,17 +909,6 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
     func shutDown()
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-    func snapshot() throws  -> String
-
-    /**
-     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-     * `restoreCalibration`. None without a calibration.
-     */
-    func snapshotCalibration() throws  -> String?
 
 }
 /**
@@ -996,6 +996,22 @@ public func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {tr
 }
 
     /**
+     * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
+     * heading frame stay. It is as sure as it was, less what its age by `unixTimeS` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * are judged by: what disagrees widens or replaces it. Fails with `MagcompError.keptDamaged` or `MagcompError.keptNewer`; nothing has changed then.
+     */
+public func adoptKept(text: String, unixTimeS: Int64?)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_adopt_kept(
+            self.uniffiCloneHandle(),
+        FfiConverterString.lower(text),
+        FfiConverterOptionInt64.lower(unixTimeS),uniffiCallStatus
+    )
+}
+}
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
 public func calibration()throws  -> Calibration?  {
@@ -1057,10 +1073,35 @@ public func fit()throws  -> EllipsoidFit?  {
 }
 
     /**
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `pushGap`.
+     */
+public func gaps()throws  -> Int64  {
+    return try  FfiConverterInt64.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_gaps(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * The calibration in force with what is known of it, as JSON, for `adoptKept` at the next launch; `unixTimeS` is now, seconds
+     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     */
+public func keep(unixTimeS: Int64)throws  -> String?  {
+    return try  FfiConverterOptionString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_keep(
+            self.uniffiCloneHandle(),
+        FfiConverterInt64.lower(unixTimeS),uniffiCallStatus
+    )
+})
+}
+
+    /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
-     * the number of such samples.
+     * assumes another clock: it keeps the calibration and begins anew with everything else.
      */
 public func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1070,6 +1111,20 @@ public func push(sample: MagneticSample)throws  -> Reading  {
         FfiConverterTypeMagneticSample_lower(sample),uniffiCallStatus
     )
 })
+}
+
+    /**
+     * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
+     * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
+     * Fails with `MagcompError.config` when `hiddenS` is out of range; nothing has changed then.
+     */
+public func pushGap(hiddenS: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_gap(
+            self.uniffiCloneHandle(),
+        FfiConverterDouble.lower(hiddenS),uniffiCallStatus
+    )
+}
 }
 
     /**
@@ -1109,35 +1164,6 @@ public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_
 }
 
     /**
-     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-     * frame may differ), else its calibration alone. Fails with `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has
-     * changed then.
-     */
-public func restore(snapshot: String)throws  -> Restored  {
-    return try  FfiConverterTypeRestored_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
-     * `SnapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then.
-     */
-public func restoreCalibration(snapshot: String)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
-            self.uniffiCloneHandle(),
-        FfiConverterString.lower(snapshot),uniffiCallStatus
-    )
-}
-}
-
-    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `MagcompError.config` when the declination is out of range.
      */
@@ -1159,31 +1185,6 @@ public func shutDown()  {try! rustCall() {
             self.uniffiCloneHandle(),uniffiCallStatus
     )
 }
-}
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-public func snapshot()throws  -> String  {
-    return try  FfiConverterString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_snapshot(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
-}
-
-    /**
-     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-     * `restoreCalibration`. None without a calibration.
-     */
-public func snapshotCalibration()throws  -> String?  {
-    return try  FfiConverterOptionString.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(
-            self.uniffiCloneHandle(),uniffiCallStatus
-    )
-})
 }
 
 
@@ -3084,6 +3085,91 @@ fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -
 
 
 /**
+ * An axis of the device.
+ */
+
+public enum Axis: Equatable, Hashable, Codable {
+
+    /**
+     * Along the screen, to the right.
+     */
+    case x
+    /**
+     * Along the screen, up.
+     */
+    case y
+    /**
+     * Out of the screen.
+     */
+    case z
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Axis: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeAxis: FfiConverterRustBuffer {
+    typealias SwiftType = Axis
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Axis {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .x
+
+        case 2: return .y
+
+        case 3: return .z
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: Axis, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .x:
+            writeInt(&buf, Int32(1))
+
+
+        case .y:
+            writeInt(&buf, Int32(2))
+
+
+        case .z:
+            writeInt(&buf, Int32(3))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeAxis_lift(_ buf: RustBuffer) throws -> Axis {
+    return try FfiConverterTypeAxis.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeAxis_lower(_ value: Axis) -> RustBuffer {
+    return FfiConverterTypeAxis.lower(value)
+}
+
+
+
+/**
  * What a first calibration still lacks.
  */
 
@@ -4030,15 +4116,19 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
          */why: String
     )
     /**
-     * A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
+     * A text is no kept calibration: cut, changed to something impossible, or not written by this library. Start without it.
      */
-    case snapshotDamaged
-    /**
-     * A snapshot was written by a newer version of this library. Update it or start without the snapshot.
-     */
-    case snapshotNewer(
+    case keptDamaged(
         /**
-         * Version of the snapshot.
+         * The first thing that is wrong.
+         */why: String
+    )
+    /**
+     * A kept calibration was written by a newer version of this library. Update it or start without.
+     */
+    case keptNewer(
+        /**
+         * Version of the text.
          */found: Int64
     )
     /**
@@ -4115,8 +4205,10 @@ fileprivate struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
         case 5: return .calibration(
             why: try FfiConverterString.read(from: &buf)
             )
-        case 6: return .snapshotDamaged
-        case 7: return .snapshotNewer(
+        case 6: return .keptDamaged(
+            why: try FfiConverterString.read(from: &buf)
+            )
+        case 7: return .keptNewer(
             found: try FfiConverterInt64.read(from: &buf)
             )
         case 8: return .place(
@@ -4165,11 +4257,12 @@ fileprivate struct FfiConverterTypeMagcompError: FfiConverterRustBuffer {
             FfiConverterString.write(why, into: &buf)
 
 
-        case .snapshotDamaged:
+        case let .keptDamaged(why):
             writeInt(&buf, Int32(6))
+            FfiConverterString.write(why, into: &buf)
 
 
-        case let .snapshotNewer(found):
+        case let .keptNewer(found):
             writeInt(&buf, Int32(7))
             FfiConverterInt64.write(found, into: &buf)
 
@@ -4593,6 +4686,9 @@ public enum RejectReason: Equatable, Hashable, Codable {
      */
     case saturated(
         /**
+         * The axis of the component.
+         */axis: Axis,
+        /**
          * The component, microtesla.
          */valueUt: Double,
         /**
@@ -4667,7 +4763,7 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
         case 2: return .outOfRange(valueUt: try FfiConverterDouble.read(from: &buf), limitUt: try FfiConverterDouble.read(from: &buf)
         )
 
-        case 3: return .saturated(valueUt: try FfiConverterDouble.read(from: &buf), railUt: try FfiConverterDouble.read(from: &buf)
+        case 3: return .saturated(axis: try FfiConverterTypeAxis.read(from: &buf), valueUt: try FfiConverterDouble.read(from: &buf), railUt: try FfiConverterDouble.read(from: &buf)
         )
 
         case 4: return .timeNotAfter(timeNs: try FfiConverterInt64.read(from: &buf), latestNs: try FfiConverterInt64.read(from: &buf)
@@ -4697,8 +4793,9 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
             FfiConverterDouble.write(limitUt, into: &buf)
 
 
-        case let .saturated(valueUt,railUt):
+        case let .saturated(axis,valueUt,railUt):
             writeInt(&buf, Int32(3))
+            FfiConverterTypeAxis.write(axis, into: &buf)
             FfiConverterDouble.write(valueUt, into: &buf)
             FfiConverterDouble.write(railUt, into: &buf)
 
@@ -4811,82 +4908,6 @@ fileprivate func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> Resi
 #endif
 fileprivate func FfiConverterTypeResidual_lower(_ value: Residual) -> RustBuffer {
     return FfiConverterTypeResidual.lower(value)
-}
-
-
-
-/**
- * What was taken over from a snapshot.
- */
-
-public enum Restored: Equatable, Hashable, Codable {
-
-    /**
-     * Everything: readings go on as if nothing had happened.
-     */
-    case everything
-    /**
-     * The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
-     * over, the rest starts anew.
-     */
-    case calibrationOnly
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension Restored: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeRestored: FfiConverterRustBuffer {
-    typealias SwiftType = Restored
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Restored {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .everything
-
-        case 2: return .calibrationOnly
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: Restored, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case .everything:
-            writeInt(&buf, Int32(1))
-
-
-        case .calibrationOnly:
-            writeInt(&buf, Int32(2))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeRestored_lift(_ buf: RustBuffer) throws -> Restored {
-    return try FfiConverterTypeRestored.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeRestored_lower(_ value: Restored) -> RustBuffer {
-    return FfiConverterTypeRestored.lower(value)
 }
 
 
@@ -5184,6 +5205,30 @@ fileprivate struct FfiConverterOptionInt32: FfiConverterRustBuffer {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterInt32.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionInt64: FfiConverterRustBuffer {
+    typealias SwiftType = Int64?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterInt64.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterInt64.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5828,6 +5873,9 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_adopt() != 42302) {
         return InitializationResult.apiChecksumMismatch
     }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_adopt_kept() != 51246) {
+        return InitializationResult.apiChecksumMismatch
+    }
     if (uniffi_magcomp_ffi_checksum_method_compensator_calibration() != 6080) {
         return InitializationResult.apiChecksumMismatch
     }
@@ -5843,7 +5891,16 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_fit() != 44924) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 40295) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_gaps() != 64266) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_keep() != 31565) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 49418) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push_gap() != 2014) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() != 34691) {
@@ -5855,22 +5912,10 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_reset() != 1317) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore() != 65144) {
-        return InitializationResult.apiChecksumMismatch
-    }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() != 5125) {
-        return InitializationResult.apiChecksumMismatch
-    }
     if (uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() != 6198) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_shut_down() != 5850) {
-        return InitializationResult.apiChecksumMismatch
-    }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot() != 48416) {
-        return InitializationResult.apiChecksumMismatch
-    }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() != 23358) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 32779) {

@@ -17,19 +17,12 @@ pub struct Compensator {
     handle: OnceLock<i64>,
 }
 
-/// What was taken over from a snapshot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum Restored {
-    /// Everything: readings go on as if nothing had happened.
-    Everything,
-    /// The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
-    /// over, the rest starts anew.
-    CalibrationOnly,
-}
-
 struct Running {
     core: magcomp::Compensator,
+    /// The operating system's latest hard iron.
     reported_ut: Option<Vector3<f64>>,
+    /// The core was told the system's hard iron. It listens to the first alone.
+    has_told: bool,
 }
 
 static HANDLES: Handles<Compensator> = Handles::new();
@@ -64,8 +57,7 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
     /// After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-    /// assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
-    /// the number of such samples.
+    /// assumes another clock: it keeps the calibration and begins anew with everything else.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
         self.push_for(sample, |reading, jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,
@@ -107,7 +99,39 @@ impl Compensator {
     /// first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
     /// `Config` when the standard deviation is out of range; nothing has changed then.
     pub fn adopt(&self, calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<(), MagcompError> {
-        self.running.with(|running| Ok(running.core.adopt(calibration.try_into()?, hard_iron_sigma_ut)?))
+        self.running.with(|running| {
+            running.adopt(&magcomp::KeptCalibration::given(calibration.try_into()?, hard_iron_sigma_ut)?, None);
+            Ok(())
+        })
+    }
+
+    /// The calibration in force with what is known of it, as JSON, for `adopt_kept` at the next launch; `unix_time_s` is now, seconds
+    /// since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+    pub fn keep(&self, unix_time_s: i64) -> Result<Option<String>, MagcompError> {
+        self.running.with(|running| Ok(running.core.keep(unix_time_s).map(|kept| kept.to_json())))
+    }
+
+    /// From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
+    /// heading frame stay. It is as sure as it was, less what its age by `unix_time_s` costs: now, seconds since 1970, by the clock
+    /// that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+    /// are judged by: what disagrees widens or replaces it. Fails with `KeptDamaged` or `KeptNewer`; nothing has changed then.
+    pub fn adopt_kept(&self, text: String, unix_time_s: Option<i64>) -> Result<(), MagcompError> {
+        self.running.with(|running| {
+            running.adopt(&magcomp::KeptCalibration::from_json(&text)?, unix_time_s);
+            Ok(())
+        })
+    }
+
+    /// Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
+    /// as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
+    /// Fails with `Config` when `hidden_s` is out of range; nothing has changed then.
+    pub fn push_gap(&self, hidden_s: f64) -> Result<(), MagcompError> {
+        self.running.with(|running| Ok(running.core.push_gap(hidden_s)?))
+    }
+
+    /// Gaps so far: of the gyroscope while it was in use, of samples, and those told by `push_gap`.
+    pub fn gaps(&self) -> Result<i64, MagcompError> {
+        self.running.with(|running| Ok(i64::try_from(running.core.gaps()).unwrap_or(i64::MAX)))
     }
 
     /// The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
@@ -130,43 +154,6 @@ impl Compensator {
     /// compensator usable again after `Panicked`.
     pub fn reset(&self) -> Result<(), MagcompError> {
         self.running.replace(|| Running::new(&self.config))
-    }
-
-    /// The whole state as text with a version and a checksum, to be kept and restored.
-    pub fn snapshot(&self) -> Result<String, MagcompError> {
-        self.running.with(|running| Ok(running.core.snapshot()))
-    }
-
-    /// The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-    /// `restore_calibration`. None without a calibration.
-    pub fn snapshot_calibration(&self) -> Result<Option<String>, MagcompError> {
-        self.running.with(|running| Ok(running.core.snapshot_calibration()))
-    }
-
-    /// Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-    /// frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-    /// changed then.
-    pub fn restore(&self, snapshot: String) -> Result<Restored, MagcompError> {
-        let restored = self.running.with(|running| {
-            let restored = running.core.restore(&snapshot)?;
-            running.reported_ut = None;
-            Ok(restored)
-        })?;
-        Ok(match restored {
-            magcomp::Restored::Everything => Restored::Everything,
-            magcomp::Restored::CalibrationOnly => Restored::CalibrationOnly,
-        })
-    }
-
-    /// Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-    /// next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
-    /// `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
-    pub fn restore_calibration(&self, snapshot: String) -> Result<(), MagcompError> {
-        self.running.with(|running| {
-            running.core.restore_calibration(&snapshot)?;
-            running.reported_ut = None;
-            Ok(())
-        })
     }
 
     /// Frees the native state now; from then on every call fails with `Closed`. May be called twice.
@@ -203,22 +190,32 @@ impl Compensator {
 impl Running {
     fn new(config: &magcomp::Config) -> Result<Self, MagcompError> {
         let core = magcomp::Compensator::new(config.clone())?;
-        Ok(Self { core, reported_ut: None })
+        Ok(Self { core, reported_ut: None, has_told: false })
     }
 
-    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla.
+    fn adopt(&mut self, kept: &magcomp::KeptCalibration, unix_time_s: Option<i64>) {
+        self.core.adopt(kept, unix_time_s);
+        self.has_told = false;
+    }
+
+    /// Looks at the operating system's hard iron before the sample itself: by how much it jumped, microtesla. The core hears the first one;
+    /// once it has learned from live samples it does not listen.
     fn note_reported(&mut self, sample: &MagneticSample, use_reported: bool) -> Option<f64> {
         let now = sample.reported_hard_iron_ut.map(Vector3::from).filter(|b| b.iter().all(|v| v.is_finite()))?;
         // a sample that will be rejected changes nothing
         self.core.check(&(*sample).into()).ok()?;
         let before = self.reported_ut.replace(now);
-        if use_reported && before != Some(now) && self.core.calibration().is_none() {
-            match prior(now, self.core.config()) {
-                Ok(calibration) => {
-                    // a constant within its range
-                    let _ = self.core.adopt(calibration, REPORTED_SIGMA_UT);
+        if use_reported && !self.has_told {
+            match of_system(now, self.core.config()) {
+                Ok(kept) => {
+                    self.core.adopt(&kept, None);
+                    self.has_told = true;
                 }
-                Err(error) => log::warn!("the operating system's hard iron was not taken over: {error}"),
+                // once for each
+                Err(error) if before != Some(now) => {
+                    log::warn!("the operating system's hard iron was not taken over: {error}");
+                }
+                Err(_) => {}
             }
         }
         let before = before?;
@@ -226,14 +223,15 @@ impl Running {
     }
 }
 
-/// A first calibration from the operating system's hard iron.
-fn prior(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp::Calibration, MagcompError> {
+/// What the operating system's hard iron tells.
+fn of_system(hard_iron_ut: Vector3<f64>, config: &magcomp::Config) -> Result<magcomp::KeptCalibration, MagcompError> {
     let (value_ut, limit_ut) = (hard_iron_ut[hard_iron_ut.iamax()], config.range_ut);
     if value_ut.abs() > limit_ut {
         return Err(magcomp::RejectReason::OutOfRange { value_ut, limit_ut }.into());
     }
     let field_ut = config.field_strength_ut.unwrap_or(USUAL_FIELD_UT);
-    Ok(magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?)
+    let calibration = magcomp::Calibration::new(Matrix3::identity(), hard_iron_ut, field_ut)?;
+    Ok(magcomp::KeptCalibration::system(calibration, REPORTED_SIGMA_UT)?)
 }
 
 #[cfg(test)]
@@ -250,13 +248,55 @@ mod tests {
             field_ut: Vector3 { x, y: 1.0, z: 2.0 },
             reported_hard_iron_ut: Some(Vector3 { x: reported, y: 0.0, z: 0.0 }),
         };
-        let before = compensator.snapshot().unwrap();
         assert_eq!(compensator.push(sample(1, f64::NAN, 70.0)).unwrap().reported_hard_iron_jump_ut, None);
-        assert_eq!(compensator.snapshot().unwrap(), before);
+        assert_eq!(compensator.calibration().unwrap(), None);
         assert_eq!(compensator.push(sample(2, 3.0, 100.0)).unwrap().reported_hard_iron_jump_ut, None);
         assert!((compensator.calibration().unwrap().unwrap().hard_iron_ut.x - 100.0).abs() < 1e-9);
         let jump_ut =
             |time_ns, x, reported| compensator.push(sample(time_ns, x, reported)).unwrap().reported_hard_iron_jump_ut;
         assert_eq!((jump_ut(3, 1e9, 90.0), jump_ut(4, 4.0, 97.0)), (None, Some(3.0)));
+    }
+
+    fn sample(time_ns: i64, reported_x: f64) -> MagneticSample {
+        MagneticSample {
+            time_ns,
+            field_ut: Vector3 { x: 100.0, y: 20.0 + time_ns as f64, z: -40.0 },
+            reported_hard_iron_ut: Some(Vector3 { x: reported_x, y: 0.0, z: 0.0 }),
+        }
+    }
+
+    #[test]
+    fn the_first_hard_iron_of_the_system_alone_is_heard_also_beside_a_kept_calibration() {
+        let compensator = Compensator::new(default_config()).unwrap();
+        let x_ut = || compensator.calibration().unwrap().unwrap().hard_iron_ut.x;
+        for (time_ns, reported_x) in [(1, 100.0), (2, 60.0)] {
+            compensator.push(sample(time_ns, reported_x)).unwrap();
+            assert!((x_ut() - 100.0).abs() < 1e-9, "the first: {}", x_ut());
+        }
+        let soft_iron = Matrix3::identity();
+        let there = magcomp::Calibration::new(soft_iron, [110.0, 0.0, 0.0].into(), 45.0).unwrap();
+        let text = magcomp::KeptCalibration::given(there, 13.0).unwrap().to_json();
+        compensator.adopt_kept(text, None).unwrap();
+        assert!((x_ut() - 110.0).abs() < 1e-9);
+        compensator.push(sample(3, 90.0)).unwrap();
+        let heard = x_ut();
+        assert!((95.0..105.0).contains(&heard), "as sure as one another: {heard}");
+        compensator.push(sample(4, 20.0)).unwrap();
+        assert!((x_ut() - heard).abs() < 5.0, "the first alone: {heard}, then {}", x_ut());
+        assert_eq!(compensator.keep(0).unwrap(), None, "nothing was learned");
+    }
+
+    #[test]
+    fn a_text_that_is_refused_changes_nothing() {
+        let compensator = Compensator::new(default_config()).unwrap();
+        compensator.push(sample(1, 100.0)).unwrap();
+        let before = compensator.calibration().unwrap();
+        let found = |text: &str| compensator.adopt_kept(text.to_owned(), Some(1)).unwrap_err();
+        assert!(matches!(found("nonsense"), MagcompError::KeptDamaged { why } if !why.is_empty()));
+        assert_eq!(found("{\"magcomp_calibration\": 99}"), MagcompError::KeptNewer { found: 99 });
+        assert!(
+            matches!(compensator.push_gap(f64::NAN), Err(MagcompError::Config { field, .. }) if field == "hidden_s")
+        );
+        assert_eq!((compensator.calibration().unwrap(), compensator.gaps().unwrap()), (before, 0));
     }
 }

@@ -34,11 +34,14 @@ pub enum MagcompError {
         /// Why, in a sentence.
         why: String,
     },
-    /// A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
-    SnapshotDamaged,
-    /// A snapshot was written by a newer version of this library. Update it or start without the snapshot.
-    SnapshotNewer {
-        /// Version of the snapshot.
+    /// A text is no kept calibration: cut, changed to something impossible, or not written by this library. Start without it.
+    KeptDamaged {
+        /// The first thing that is wrong.
+        why: String,
+    },
+    /// A kept calibration was written by a newer version of this library. Update it or start without.
+    KeptNewer {
+        /// Version of the text.
         found: i64,
     },
     /// The geomagnetic model does not cover the place or the date.
@@ -71,9 +74,9 @@ impl std::fmt::Display for MagcompError {
             Self::EventRejected { reason } => magcomp::EventRejection::from(*reason).fmt(f),
             Self::Fit { problem } => magcomp::FitError::from(*problem).fmt(f),
             Self::Calibration { why } | Self::Place { why } => f.write_str(why),
-            Self::SnapshotDamaged => magcomp::SnapshotError::Damaged.fmt(f),
-            Self::SnapshotNewer { found } => {
-                magcomp::SnapshotError::Newer { found: u32::try_from(*found).unwrap_or(u32::MAX) }.fmt(f)
+            Self::KeptDamaged { why } => magcomp::KeptError::Damaged { why: why.clone() }.fmt(f),
+            Self::KeptNewer { found } => {
+                magcomp::KeptError::Newer { found: u32::try_from(*found).unwrap_or(u32::MAX) }.fmt(f)
             }
             Self::Closed => f.write_str("used after it was closed; make a new one"),
             Self::Panicked { what } => write!(f, "a defect of magcomp ({what}); call reset() to go on, and report it"),
@@ -113,11 +116,11 @@ impl From<magcomp::CalibrationError> for MagcompError {
     }
 }
 
-impl From<magcomp::SnapshotError> for MagcompError {
-    fn from(e: magcomp::SnapshotError) -> Self {
+impl From<magcomp::KeptError> for MagcompError {
+    fn from(e: magcomp::KeptError) -> Self {
         match e {
-            magcomp::SnapshotError::Damaged => Self::SnapshotDamaged,
-            magcomp::SnapshotError::Newer { found } => Self::SnapshotNewer { found: found.into() },
+            magcomp::KeptError::Damaged { why } => Self::KeptDamaged { why },
+            magcomp::KeptError::Newer { found } => Self::KeptNewer { found: found.into() },
         }
     }
 }

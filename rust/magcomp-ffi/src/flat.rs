@@ -6,7 +6,7 @@
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
 use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
+use crate::status::{Axis, EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
 use magcomp::{EventKind, ModelOrder, SensorMode, nalgebra};
 
 /// The handle's object is closed or gone.
@@ -232,7 +232,14 @@ impl From<Status> for FlatStatus {
             Status::Rejected { reason } => match reason {
                 RejectReason::NotFinite => Self::of(5, 0),
                 RejectReason::OutOfRange { value_ut, limit_ut } => Self::of(5, 1).real(value_ut, limit_ut, none),
-                RejectReason::Saturated { value_ut, rail_ut } => Self::of(5, 2).real(value_ut, rail_ut, none),
+                RejectReason::Saturated { axis, value_ut, rail_ut } => {
+                    let axis = match axis {
+                        Axis::X => 0,
+                        Axis::Y => 1,
+                        Axis::Z => 2,
+                    };
+                    Self::of(5, 2).whole(axis, 0).real(value_ut, rail_ut, none)
+                }
                 RejectReason::TimeNotAfter { time_ns, latest_ns } => Self::of(5, 3).whole(time_ns, latest_ns),
                 RejectReason::TimeJump { gap_s, limit_s } => Self::of(5, 4).real(gap_s, limit_s, none),
                 RejectReason::Stuck { repeats } => Self::of(5, 5).whole(repeats.into(), 0),

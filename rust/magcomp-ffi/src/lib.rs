@@ -25,7 +25,7 @@ mod logging;
 mod record;
 mod status;
 
-pub use compensator::{Compensator, Restored};
+pub use compensator::Compensator;
 pub use config::{Config, FitOptions, HeadingConfig, Method, Normalisation, Residual, WindowedConfig, default_config};
 pub use constant_field::ConstantField;
 pub use error::MagcompError;
@@ -36,7 +36,8 @@ pub use record::{
     ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
-    Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
+    Axis, Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
+    Status,
 };
 
 uniffi::setup_scaffolding!();

@@ -76,6 +76,17 @@ pub enum HoldReason {
     NoGyroscope,
 }
 
+/// An axis of the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum Axis {
+    /// Along the screen, to the right.
+    X,
+    /// Along the screen, up.
+    Y,
+    /// Out of the screen.
+    Z,
+}
+
 /// Why a sample was not used.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum RejectReason {
@@ -90,6 +101,8 @@ pub enum RejectReason {
     },
     /// A component is at the sensor's full scale: the true field is larger.
     Saturated {
+        /// The axis of the component.
+        axis: Axis,
         /// The component, microtesla.
         value_ut: f64,
         /// Full scale, microtesla.
@@ -282,7 +295,7 @@ pub(crate) fn examples() -> Vec<Status> {
     let rejected = [
         RejectReason::NotFinite,
         RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
-        RejectReason::Saturated { value_ut: 1300.0, rail_ut: 1299.5 },
+        RejectReason::Saturated { axis: Axis::Z, value_ut: 1300.0, rail_ut: 1299.5 },
         // more digits than a double holds
         RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 9_007_199_254_740_993 },
         RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },

@@ -691,6 +691,8 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_adopt(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_adopt_kept(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_calibration(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_covariance(
@@ -701,7 +703,13 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_fit(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_gaps(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_keep(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_push(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_push_gap(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate(
     ): Int
@@ -709,17 +717,9 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_reset(
     ): Int
-    external fun uniffi_magcomp_ffi_checksum_method_compensator_restore(
-    ): Int
-    external fun uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration(
-    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_shut_down(
-    ): Int
-    external fun uniffi_magcomp_ffi_checksum_method_compensator_snapshot(
-    ): Int
-    external fun uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_constantfield_add(
     ): Int
@@ -765,6 +765,8 @@ internal object UniffiLib {
     ): Long
     external fun uniffi_magcomp_ffi_fn_method_compensator_adopt(`ptr`: Long,`calibration`: RustBuffer.ByValue,`hardIronSigmaUt`: Double,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
+    external fun uniffi_magcomp_ffi_fn_method_compensator_adopt_kept(`ptr`: Long,`text`: RustBuffer.ByValue,`unixTimeS`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_covariance(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -775,26 +777,24 @@ internal object UniffiLib {
     ): Long
     external fun uniffi_magcomp_ffi_fn_method_compensator_fit(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_gaps(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): Long
+    external fun uniffi_magcomp_ffi_fn_method_compensator_keep(`ptr`: Long,`unixTimeS`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_compensator_push(`ptr`: Long,`sample`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_push_gap(`ptr`: Long,`hiddenS`: Double,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(`ptr`: Long,`sample`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_push_up(`ptr`: Long,`sample`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_reset(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
-    external fun uniffi_magcomp_ffi_fn_method_compensator_restore(`ptr`: Long,`snapshot`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
-    ): RustBuffer.ByValue
-    external fun uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(`ptr`: Long,`snapshot`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
-    ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_set_heading_frame(`ptr`: Long,`frame`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
-    external fun uniffi_magcomp_ffi_fn_method_compensator_snapshot(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
-    ): RustBuffer.ByValue
-    external fun uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
-    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_clone_constantfield(`handle`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Long
     external fun uniffi_magcomp_ffi_fn_free_constantfield(`handle`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -982,6 +982,9 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt() and 0xFFFF) != 42302) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_adopt_kept() and 0xFFFF) != 51246) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_calibration() and 0xFFFF) != 6080) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
@@ -997,7 +1000,16 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_fit() and 0xFFFF) != 44924) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 40295) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_gaps() and 0xFFFF) != 64266) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_keep() and 0xFFFF) != 31565) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 49418) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_gap() and 0xFFFF) != 2014) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_rotation_rate() and 0xFFFF) != 34691) {
@@ -1009,22 +1021,10 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_reset() and 0xFFFF) != 1317) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore() and 0xFFFF) != 65144) {
-        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
-    }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_restore_calibration() and 0xFFFF) != 5125) {
-        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
-    }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_set_heading_frame() and 0xFFFF) != 6198) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_shut_down() and 0xFFFF) != 5850) {
-        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
-    }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot() and 0xFFFF) != 48416) {
-        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
-    }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_snapshot_calibration() and 0xFFFF) != 23358) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 32779) {
@@ -1467,6 +1467,14 @@ internal interface NativeCompensatorInterface {
     fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
 
     /**
+     * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
+     * heading frame stay. It is as sure as it was, less what its age by `unix_time_s` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * are judged by: what disagrees widens or replaces it. Fails with `KeptDamaged` or `KeptNewer`; nothing has changed then.
+     */
+    fun `adoptKept`(`text`: kotlin.String, `unixTimeS`: kotlin.Long?)
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     fun `calibration`(): Calibration?
@@ -1493,12 +1501,29 @@ internal interface NativeCompensatorInterface {
     fun `fit`(): Fit?
 
     /**
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `push_gap`.
+     */
+    fun `gaps`(): kotlin.Long
+
+    /**
+     * The calibration in force with what is known of it, as JSON, for `adopt_kept` at the next launch; `unix_time_s` is now, seconds
+     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     */
+    fun `keep`(`unixTimeS`: kotlin.Long): kotlin.String?
+
+    /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
-     * the number of such samples.
+     * assumes another clock: it keeps the calibration and begins anew with everything else.
      */
     fun `push`(`sample`: MagneticSample): Reading
+
+    /**
+     * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
+     * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
+     * Fails with `Config` when `hidden_s` is out of range; nothing has changed then.
+     */
+    fun `pushGap`(`hiddenS`: kotlin.Double)
 
     /**
      * A gyroscope event. Fails with `EventRejected`, which says why it was not used.
@@ -1517,20 +1542,6 @@ internal interface NativeCompensatorInterface {
     fun `reset`()
 
     /**
-     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-     * frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-    fun `restore`(`snapshot`: kotlin.String): Restored
-
-    /**
-     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
-     */
-    fun `restoreCalibration`(`snapshot`: kotlin.String)
-
-    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `Config` when the declination is out of range.
      */
@@ -1540,17 +1551,6 @@ internal interface NativeCompensatorInterface {
      * Frees the native state now; from then on every call fails with `Closed`. May be called twice.
      */
     fun `shutDown`()
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-    fun `snapshot`(): kotlin.String
-
-    /**
-     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-     * `restore_calibration`. None without a calibration.
-     */
-    fun `snapshotCalibration`(): kotlin.String?
 
     companion object
 }
@@ -1694,6 +1694,27 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
+     * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
+     * heading frame stay. It is as sure as it was, less what its age by `unix_time_s` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * are judged by: what disagrees widens or replaces it. Fails with `KeptDamaged` or `KeptNewer`; nothing has changed then.
+     */
+    @Throws(MagcompException::class)override fun `adoptKept`(`text`: kotlin.String, `unixTimeS`: kotlin.Long?)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_adopt_kept(
+        it,
+
+        FfiConverterString.lower(`text`),
+        FfiConverterOptionalLong.lower(`unixTimeS`),_status)
+}
+    }
+
+
+
+
+    /**
      * Hard iron, soft iron and field strength in force, if any.
      */
     @Throws(MagcompException::class)override fun `calibration`(): Calibration? {
@@ -1779,10 +1800,45 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `push_gap`.
+     */
+    @Throws(MagcompException::class)override fun `gaps`(): kotlin.Long {
+            return FfiConverterLong.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_gaps(
+        it,
+        _status)
+}
+    }
+    )
+    }
+
+
+
+    /**
+     * The calibration in force with what is known of it, as JSON, for `adopt_kept` at the next launch; `unix_time_s` is now, seconds
+     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     */
+    @Throws(MagcompException::class)override fun `keep`(`unixTimeS`: kotlin.Long): kotlin.String? {
+            return FfiConverterOptionalString.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_keep(
+        it,
+
+        FfiConverterLong.lower(`unixTimeS`),_status)
+}
+    }
+    )
+    }
+
+
+
+    /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else. A snapshot does not hold
-     * the number of such samples.
+     * assumes another clock: it keeps the calibration and begins anew with everything else.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
             return FfiConverterTypeReading.lift(
@@ -1796,6 +1852,25 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     }
     )
     }
+
+
+
+    /**
+     * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
+     * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
+     * Fails with `Config` when `hidden_s` is out of range; nothing has changed then.
+     */
+    @Throws(MagcompException::class)override fun `pushGap`(`hiddenS`: kotlin.Double)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_push_gap(
+        it,
+
+        FfiConverterDouble.lower(`hiddenS`),_status)
+}
+    }
+
 
 
 
@@ -1851,45 +1926,6 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-     * frame may differ), else its calibration alone. Fails with `SnapshotDamaged` or `SnapshotNewer`; nothing has
-     * changed then.
-     */
-    @Throws(MagcompException::class)override fun `restore`(`snapshot`: kotlin.String): Restored {
-            return FfiConverterTypeRestored.lift(
-    callWithHandle {
-    uniffiRustCallWithError(MagcompException) { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_restore(
-        it,
-
-        FfiConverterString.lower(`snapshot`),_status)
-}
-    }
-    )
-    }
-
-
-
-    /**
-     * Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-     * next launch of an app, or for a device that was restarted and whose sensor clock begins at 0 again. Fails with
-     * `SnapshotDamaged` or `SnapshotNewer`; nothing has changed then.
-     */
-    @Throws(MagcompException::class)override fun `restoreCalibration`(`snapshot`: kotlin.String)
-        =
-    callWithHandle {
-    uniffiRustCallWithError(MagcompException) { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_restore_calibration(
-        it,
-
-        FfiConverterString.lower(`snapshot`),_status)
-}
-    }
-
-
-
-
-    /**
      * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
      * Fails with `Config` when the declination is out of range.
      */
@@ -1919,41 +1955,6 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 }
     }
 
-
-
-
-    /**
-     * The whole state as text with a version and a checksum, to be kept and restored.
-     */
-    @Throws(MagcompException::class)override fun `snapshot`(): kotlin.String {
-            return FfiConverterString.lift(
-    callWithHandle {
-    uniffiRustCallWithError(MagcompException) { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_snapshot(
-        it,
-        _status)
-}
-    }
-    )
-    }
-
-
-
-    /**
-     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-     * `restore_calibration`. None without a calibration.
-     */
-    @Throws(MagcompException::class)override fun `snapshotCalibration`(): kotlin.String? {
-            return FfiConverterOptionalString.lift(
-    callWithHandle {
-    uniffiRustCallWithError(MagcompException) { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_snapshot_calibration(
-        it,
-        _status)
-}
-    }
-    )
-    }
 
 
 
@@ -3709,6 +3710,55 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
 
 
 /**
+ * An axis of the device.
+ */
+
+enum class Axis {
+
+    /**
+     * Along the screen, to the right.
+     */
+    X,
+    /**
+     * Along the screen, up.
+     */
+    Y,
+    /**
+     * Out of the screen.
+     */
+    Z;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeAxis: FfiConverterRustBuffer<Axis> {
+    override fun read(buf: ByteBuffer) = try {
+
+        Axis.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: Axis) = 4UL
+
+    override fun write(value: Axis, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * What changed.
  */
 
@@ -4388,21 +4438,26 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * A snapshot is incomplete, was changed after it was written, or was not written by this library. Start without it.
+     * A text is no kept calibration: cut, changed to something impossible, or not written by this library. Start without it.
      */
-    class SnapshotDamaged(
+    class KeptDamaged(
+
+        /**
+         * The first thing that is wrong.
+         */
+        val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = ""
+            get() = "why=${ `why` }"
     }
 
     /**
-     * A snapshot was written by a newer version of this library. Update it or start without the snapshot.
+     * A kept calibration was written by a newer version of this library. Update it or start without.
      */
-    class SnapshotNewer(
+    class KeptNewer(
 
         /**
-         * Version of the snapshot.
+         * Version of the text.
          */
         val `found`: kotlin.Long
         ) : MagcompException() {
@@ -4496,8 +4551,10 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
             5 -> MagcompException.Calibration(
                 FfiConverterString.read(buf),
                 )
-            6 -> MagcompException.SnapshotDamaged()
-            7 -> MagcompException.SnapshotNewer(
+            6 -> MagcompException.KeptDamaged(
+                FfiConverterString.read(buf),
+                )
+            7 -> MagcompException.KeptNewer(
                 FfiConverterLong.read(buf),
                 )
             8 -> MagcompException.Place(
@@ -4540,11 +4597,12 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
                 4UL
                 + FfiConverterString.allocationSize(value.`why`)
             )
-            is MagcompException.SnapshotDamaged -> (
+            is MagcompException.KeptDamaged -> (
                 // Add the size for the Int that specifies the variant plus the size needed for all fields
                 4UL
+                + FfiConverterString.allocationSize(value.`why`)
             )
-            is MagcompException.SnapshotNewer -> (
+            is MagcompException.KeptNewer -> (
                 // Add the size for the Int that specifies the variant plus the size needed for all fields
                 4UL
                 + FfiConverterLong.allocationSize(value.`found`)
@@ -4595,11 +4653,12 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
                 FfiConverterString.write(value.`why`, buf)
                 Unit
             }
-            is MagcompException.SnapshotDamaged -> {
+            is MagcompException.KeptDamaged -> {
                 buf.putInt(6)
+                FfiConverterString.write(value.`why`, buf)
                 Unit
             }
-            is MagcompException.SnapshotNewer -> {
+            is MagcompException.KeptNewer -> {
                 buf.putInt(7)
                 FfiConverterLong.write(value.`found`, buf)
                 Unit
@@ -5003,6 +5062,10 @@ sealed class RejectReason {
      */
     data class Saturated(
         /**
+         * The axis of the component.
+         */
+        val `axis`: org.magcomp.Axis,
+        /**
          * The component, microtesla.
          */
         val `valueUt`: kotlin.Double,
@@ -5105,6 +5168,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
                 FfiConverterDouble.read(buf),
                 )
             3 -> RejectReason.Saturated(
+                FfiConverterTypeAxis.read(buf),
                 FfiConverterDouble.read(buf),
                 FfiConverterDouble.read(buf),
                 )
@@ -5142,6 +5206,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
+                + FfiConverterTypeAxis.allocationSize(value.`axis`)
                 + FfiConverterDouble.allocationSize(value.`valueUt`)
                 + FfiConverterDouble.allocationSize(value.`railUt`)
             )
@@ -5185,6 +5250,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
             }
             is RejectReason.Saturated -> {
                 buf.putInt(3)
+                FfiConverterTypeAxis.write(value.`axis`, buf)
                 FfiConverterDouble.write(value.`valueUt`, buf)
                 FfiConverterDouble.write(value.`railUt`, buf)
                 Unit
@@ -5251,52 +5317,6 @@ internal object FfiConverterTypeResidual: FfiConverterRustBuffer<Residual> {
     override fun allocationSize(value: Residual) = 4UL
 
     override fun write(value: Residual, buf: ByteBuffer) {
-        buf.putInt(value.ordinal + 1)
-    }
-}
-
-
-
-
-
-/**
- * What was taken over from a snapshot.
- */
-
-enum class Restored {
-
-    /**
-     * Everything: readings go on as if nothing had happened.
-     */
-    EVERYTHING,
-    /**
-     * The snapshot holds no more, or was made with another config or by another build of the library: its calibration was taken
-     * over, the rest starts anew.
-     */
-    CALIBRATION_ONLY;
-
-
-
-
-    companion object
-}
-
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeRestored: FfiConverterRustBuffer<Restored> {
-    override fun read(buf: ByteBuffer) = try {
-
-        Restored.entries[buf.getInt() - 1]
-
-    } catch (e: IndexOutOfBoundsException) {
-        throw RuntimeException("invalid enum value, something is very wrong!!", e)
-    }
-
-    override fun allocationSize(value: Restored) = 4UL
-
-    override fun write(value: Restored, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5718,6 +5738,38 @@ internal object FfiConverterOptionalInt: FfiConverterRustBuffer<kotlin.Int?> {
         } else {
             buf.put(1)
             FfiConverterInt.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalLong: FfiConverterRustBuffer<kotlin.Long?> {
+    override fun read(buf: ByteBuffer): kotlin.Long? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterLong.read(buf)
+    }
+
+    override fun allocationSize(value: kotlin.Long?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterLong.allocationSize(value)
+        }
+    }
+
+    override fun write(value: kotlin.Long?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterLong.write(value, buf)
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Status and what belongs to it, from the library's types and back.
 
 use super::{
-    Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode, Status,
+    Axis, Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
+    Status,
 };
 use crate::convert::{count, same_names};
 
@@ -63,6 +64,7 @@ impl From<magcomp::Event> for Event {
 }
 
 same_names! {
+    Axis { X, Y, Z }
     EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
     SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
     ModelOrder { Nothing, HardIron, All, Former }
@@ -102,7 +104,7 @@ impl From<magcomp::RejectReason> for RejectReason {
         match r {
             R::NotFinite => Self::NotFinite,
             R::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
-            R::Saturated { value_ut, rail_ut } => Self::Saturated { value_ut, rail_ut },
+            R::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: count(repeats) },
@@ -116,7 +118,7 @@ impl From<RejectReason> for magcomp::RejectReason {
         match r {
             R::NotFinite => Self::NotFinite,
             R::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
-            R::Saturated { value_ut, rail_ut } => Self::Saturated { value_ut, rail_ut },
+            R::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: size(repeats) },

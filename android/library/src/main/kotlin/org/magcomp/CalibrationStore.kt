@@ -4,22 +4,24 @@ import android.content.Context
 import android.content.SharedPreferences
 
 /**
- * Where a calibration is kept from one launch to the next. A store need not look into the text, which carries its own
- * version and checksum: the library ignores an old or damaged text. An error of the store appears in
- * [CompensatedReading.storeError] and harms no reading; the next save tries again.
+ * Where a calibration is kept from one launch to the next. The text is JSON with its own
+ * version, source, date and covariance; a store need not look into it. Of a text that is damaged or of a newer version nothing is taken
+ * over, and it is told in [CompensatedReading.storeError]. So is an error of the store, which harms no reading; the next save
+ * tries again.
  */
 public interface CalibrationStore {
     /** The text that was saved last, or null. Never called before a save that is under way has returned. */
     public fun load(): String?
 
     /**
-     * Keeps a snapshot in the place of the one before. Called on a background thread, one call at a time: when the
+     * Keeps a text in the place of the one before. Never called while nothing was learned from live samples, so neither the system's
+     * hard iron nor what [load] gave is ever saved as learned. Called on a background thread, one call at a time: when the
      * status is first `Tracking`, then when the calibration has changed and 10 s have passed since the save before,
      * when the last collector leaves, and at the end of the readings. A change of hard iron or soft iron counts. A
      * change of the field strength alone does not, because it follows the noise of a device at rest. Never called when
      * [load] or the save before has kept the same.
      */
-    public fun save(snapshot: String)
+    public fun save(text: String)
 }
 
 /**
@@ -37,7 +39,7 @@ public class PreferencesStore @JvmOverloads constructor(
 
     override fun load(): String? = preferences.getString(key, null)
 
-    override fun save(snapshot: String) {
-        preferences.edit().putString(key, snapshot).apply()
+    override fun save(text: String) {
+        preferences.edit().putString(key, text).apply()
     }
 }

@@ -20,7 +20,7 @@ import kotlinx.coroutines.flow.flow
  * @param config a field left out has the library's default, as in [Compensator]. Two defaults serve a compass: the
  *   heading's axis is `AUTO`, which does not flip when the phone is raised; and `useReportedHardIron` makes the
  *   system's own hard iron the first calibration where there is no other, so that the first reading has a heading, with
- *   a wide sigma
+ *   a wide sigma. `railUt` is the source's [MagneticFieldSource.fullScaleUt] where the config has none
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
  *   turned comes back within it, and nothing has stopped. Default 5000
@@ -74,8 +74,13 @@ public class Compass @JvmOverloads constructor(
      */
     public fun readings(): Flow<CompensatedReading> = shared.collected()
 
+    /** Seconds since 1970, for the date of what is kept. */
+    internal var unixTimeS: () -> Long = ::systemUnixTimeS
+
+    private fun configOfSource() = if (config.railUt != null) config else config.copy(railUt = source.fullScaleUt)
+
     private fun run(): Flow<CompensatedReading> = flow {
-        val estimation = kept ?: Estimation(config, store, frames) { source.sensors?.value }.also { kept = it }
+        val estimation = kept ?: Estimation(configOfSource(), store, frames, source, unixTimeS).also { kept = it }
         try {
             emitAll(source.samples().compensated(estimation))
         } catch (e: MagcompException) {

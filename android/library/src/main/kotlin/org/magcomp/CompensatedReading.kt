@@ -19,8 +19,8 @@ import kotlinx.coroutines.flow.mapNotNull
  * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
  *   every sample all the same
  * @property sensors the phone's sensors that are used; null when the source knows none, as a recording
- * @property storeError the error that the calibration store threw last, or [MagcompException.SnapshotDamaged] or
- *   [MagcompException.SnapshotNewer] for the text that it had kept; null without an error. Readings go on, and the next
+ * @property storeError the error that the calibration store threw last, or [MagcompException.KeptDamaged] or
+ *   [MagcompException.KeptNewer] for the text that it had kept; null without an error. Readings go on, and the next
  *   save tries again
  */
 public data class CompensatedReading(

@@ -140,6 +140,42 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         unlessClosed { native.adopt(calibration, hardIronSigmaUt) }
 
     /**
+     * The calibration in force with what is known of it, as JSON, for [adoptKept] at the next launch. Null while nothing was learned
+     * from live samples: what was adopted is kept where it came from.
+     *
+     * @param unixTimeS now, seconds since 1970
+     */
+    @Throws(MagcompException::class)
+    public fun keep(unixTimeS: Long): String? = unlessClosed { native.keep(unixTimeS) }
+
+    /**
+     * From now on the calibration of a text of [keep] is in force, until something better is learned. The stream, the config and the
+     * heading frame stay. It is as sure as it was, less what its age costs; the first live samples are judged by: what disagrees
+     * widens or replaces it.
+     *
+     * @param unixTimeS now, seconds since 1970, by the clock that [keep] was told; null: not known, so as good as nothing is believed
+     *   beforehand
+     * @throws MagcompException.KeptDamaged when it is no such text; nothing has changed then
+     * @throws MagcompException.KeptNewer when a newer version wrote it; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun adoptKept(text: String, unixTimeS: Long?): Unit = unlessClosed { native.adoptKept(text, unixTimeS) }
+
+    /**
+     * Time passed that the clock of the samples does not show: the phone slept. The calibration is as unsure from here on as one that was
+     * kept for so long, and where the field points is found anew. The samples' time goes on.
+     *
+     * @param hiddenS about how long, seconds, 0 to 1e9
+     * @throws MagcompException.Config when that is out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun pushGap(hiddenS: Double): Unit = unlessClosed { native.pushGap(hiddenS) }
+
+    /** Gaps so far: of the gyroscope while it was in use, of samples, and those told by [pushGap]. */
+    @Throws(MagcompException::class)
+    public fun gaps(): Long = unlessClosed { native.gaps() }
+
+    /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
      * null when it is not known.
      */
@@ -160,37 +196,6 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      */
     @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
-
-    /** The whole state as text with a version and a checksum, to be kept and restored. */
-    @Throws(MagcompException::class)
-    public fun snapshot(): String = unlessClosed { native.snapshot() }
-
-    /**
-     * The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-     * [restoreCalibration]. Null without a calibration.
-     */
-    @Throws(MagcompException::class)
-    public fun snapshotCalibration(): String? = unlessClosed { native.snapshotCalibration() }
-
-    /**
-     * Takes over a snapshot: everything when it was made with the same config, the heading's aside, and by the same version
-     * of the library, else its calibration alone.
-     *
-     * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
-     * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
-     */
-    @Throws(MagcompException::class)
-    public fun restore(snapshot: String): Restored = unlessClosed { native.restore(snapshot) }
-
-    /**
-     * Takes over a snapshot's calibration, if it has one, and all else starts anew, the clock too: for the next launch of an
-     * app, or of the phone, whose sensor clock begins at 0 again.
-     *
-     * @throws MagcompException.SnapshotDamaged when it is not whole; nothing has changed then
-     * @throws MagcompException.SnapshotNewer when a newer version wrote it; nothing has changed then
-     */
-    @Throws(MagcompException::class)
-    public fun restoreCalibration(snapshot: String): Unit = unlessClosed { native.restoreCalibration(snapshot) }
 
     /** Frees the native state now. May be called twice, and while another thread pushes. */
     override fun close() {

@@ -8,11 +8,22 @@ internal class Estimation(
     config: Config,
     private val store: CalibrationStore?,
     private val frame: StateFlow<HeadingFrame>? = null,
-    private val sensors: () -> SensorsInUse? = { null },
+    private val source: MagneticFieldSource? = null,
+    private val unixTimeS: () -> Long = ::systemUnixTimeS,
 ) : AutoCloseable {
     val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
-    private var currentFrame = config.headingFrame()
+    private val configFrame = config.headingFrame()
+    private var currentFrame = configFrame
+
+    /** What was taken over last, and whether live samples have not confirmed it yet. */
+    private var text: String? = null
+    private var unconfirmed = false
+    private var isInForce = true
+
+    /** When the latest run ended, seconds since 1970. */
+    private var endedS: Long? = null
+    private var hiddenS = source?.hiddenS ?: 0.0
 
     /** What the store keeps, and the time of the sample it was saved at. */
     private var saved: Correction? = null
@@ -28,7 +39,7 @@ internal class Estimation(
     init {
         try {
             store?.load()?.let {
-                compensator.restoreCalibration(it)
+                adopt(it)
                 saved = correction()
             }
         } catch (e: Exception) {
@@ -55,11 +66,27 @@ internal class Estimation(
         return null
     }
 
-    /** Keeps the calibration alone: all else belongs to the times before. */
+    private fun adopt(kept: String) {
+        compensator.adoptKept(kept, unixTimeS())
+        text = kept
+        unconfirmed = true
+    }
+
+    /** Keeps the calibration alone, as old as the time since the latest run makes it: all else belongs to the times before. */
     private fun renew() {
-        val calibration = compensator.snapshotCalibration()
-        if (calibration == null) compensator.reset() else compensator.restoreCalibration(calibration)
+        val kept = compensator.keep(endedS ?: unixTimeS()) ?: text
+        compensator.reset()
+        currentFrame = configFrame
+        kept?.let(::adopt)
         lookedNs = null
+    }
+
+    /** The phone slept, and the events' times do not show it. */
+    private fun noteSleep() {
+        val now = source?.hiddenS ?: return
+        if (now == hiddenS) return
+        compensator.pushGap(now - hiddenS)
+        hiddenS = now
     }
 
     private fun push(sample: MagneticSample): CompensatedReading {
@@ -68,8 +95,9 @@ internal class Estimation(
             compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
+        noteSleep()
         val field = sample.fieldUt
-        val reported = sample.reportedHardIronUt
+        val reported = sample.reportedHardIronUt?.takeIf { isBelieved() }
         if (reported == null) {
             compensator.push(sample.timeNs, field.x, field.y, field.z, buffer)
         } else {
@@ -77,8 +105,18 @@ internal class Estimation(
         }
         val reading = buffer.toReading()
         // a time that is refused may be any
-        if (reading.status !is Status.Rejected) nowAndThen(sample.timeNs, reading.status)
-        return CompensatedReading(reading, sample, unseen, sensors = sensors(), storeError = storeError)
+        if (reading.status !is Status.Rejected) {
+            isInForce = reading.fieldUt != null
+            if (reading.status == Status.Tracking) unconfirmed = false
+            nowAndThen(sample.timeNs, reading.status)
+        }
+        return CompensatedReading(reading, sample, unseen, sensors = source?.sensors?.value, storeError = storeError)
+    }
+
+    /** Beside a kept calibration the system's hard iron is listened to only where the system itself is sure of it. */
+    private fun isBelieved(): Boolean {
+        val accuracy = source?.sensors?.value?.magnetometer?.accuracy
+        return !(unconfirmed && isInForce) || accuracy == null || accuracy == SensorAccuracy.HIGH
     }
 
     private fun nowAndThen(timeNs: Long, status: Status) {
@@ -100,7 +138,7 @@ internal class Estimation(
     private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
 
     /**
-     * Saves what the store does not keep already, from any thread. What the store throws is told with the readings; the next
+     * Saves what was learned and the store does not keep already, from any thread. What the store throws is told with the readings; the next
      * save tries again.
      *
      * @return whether the store was called
@@ -110,9 +148,9 @@ internal class Estimation(
         if (store == null) return false
         val found = correction()
         if (found == null || found == saved) return false
-        val snapshot = compensator.snapshotCalibration() ?: return false
+        val kept = compensator.keep(unixTimeS()) ?: return false
         try {
-            store.save(snapshot)
+            store.save(kept)
             saved = found
             storeError = null
         } catch (e: Exception) {
@@ -128,6 +166,7 @@ internal class Estimation(
 
     /** Saves at the end of a run. */
     fun end() {
+        endedS = unixTimeS()
         try {
             save()
         } catch (_: MagcompException) {
@@ -145,6 +184,9 @@ internal class Estimation(
         const val LOOK_EVERY_NS = 200_000_000L
     }
 }
+
+/** Seconds since 1970. */
+internal fun systemUnixTimeS(): Long = System.currentTimeMillis() / 1000
 
 /** The heading frame of a config; what was left out is the library's default. */
 internal fun Config.headingFrame(): HeadingFrame = HeadingFrame(

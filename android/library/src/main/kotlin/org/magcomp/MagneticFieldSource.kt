@@ -13,4 +13,13 @@ public interface MagneticFieldSource {
 
     /** The phone's sensors that are used, null before [samples] has chosen them; null when the source knows none. */
     public val sensors: StateFlow<SensorsInUse?>? get() = null
+
+    /** Largest component that the magnetometer can measure, microtesla; null where that is not known. */
+    public val fullScaleUt: Double? get() = null
+
+    /**
+     * Seconds that have passed so far and that the events' times do not show, because the phone slept; never less than before. Read
+     * with every magnetometer sample; what it grew by goes to [Compensator.pushGap].
+     */
+    public val hiddenS: Double get() = 0.0
 }

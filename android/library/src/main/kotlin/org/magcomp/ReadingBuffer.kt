@@ -211,7 +211,7 @@ public class ReadingBuffer {
             when (reason) {
                 0 -> RejectReason.NotFinite
                 1 -> RejectReason.OutOfRange(slots[at + REAL], slots[at + REAL + 1])
-                2 -> RejectReason.Saturated(slots[at + REAL], slots[at + REAL + 1])
+                2 -> RejectReason.Saturated(Axis.entries[whole(slots, at + WHOLE).toInt()], slots[at + REAL], slots[at + REAL + 1])
                 3 -> RejectReason.TimeNotAfter(whole(slots, at + WHOLE), whole(slots, at + WHOLE + 2))
                 4 -> RejectReason.TimeJump(slots[at + REAL], slots[at + REAL + 1])
                 5 -> RejectReason.Stuck(whole(slots, at + WHOLE).toInt())

@@ -9,6 +9,7 @@ import android.hardware.SensorManager
 import android.os.Build
 import android.os.Handler
 import android.os.HandlerThread
+import android.os.SystemClock
 import kotlinx.coroutines.channels.Channel
 import kotlinx.coroutines.channels.awaitClose
 import kotlinx.coroutines.flow.Flow
@@ -57,6 +58,7 @@ public data class SensorOptions @JvmOverloads constructor(
 public class SensorManagerSource internal constructor(
     private val manager: SensorManager,
     private val options: SensorOptions,
+    private val continuousNs: () -> Long,
     private val above200Hz: () -> Boolean,
 ) : MagneticFieldSource {
 
@@ -66,6 +68,7 @@ public class SensorManagerSource internal constructor(
         // of the application: the manager keeps its context
         applicationOf(context).getSystemService(Context.SENSOR_SERVICE) as SensorManager,
         options,
+        SystemClock::elapsedRealtimeNanos,
         mayExceed200Hz(applicationOf(context)),
     )
 
@@ -73,9 +76,17 @@ public class SensorManagerSource internal constructor(
 
     override val sensors: StateFlow<SensorsInUse?> = inUse.asStateFlow()
 
+    /** Android's `Sensor.getMaximumRange`; null where a driver says less than 100 or more than 100 000 microtesla, which is no full scale. */
+    override val fullScaleUt: Double?
+        get() = magnetometer()?.maximumRange?.toDouble()?.takeIf { it in LEAST_FULL_SCALE_UT..LARGEST_FULL_SCALE_UT }
+
+    private val sleep = Sleep()
+
+    /** Android's times count sleep on most phones; on those whose sensors count without it, it is seen beside `elapsedRealtimeNanos`. */
+    override val hiddenS: Double get() = sleep.hiddenS
+
     override fun samples(): Flow<SensorSample> = callbackFlow {
-        val magnetometer = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
-            ?: manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD)
+        val magnetometer = magnetometer()
             ?: throw SensorException.Missing("magnetometer", "hide the compass")
         val up = if (options.up) up() else null
         val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
@@ -104,6 +115,9 @@ public class SensorManagerSource internal constructor(
             thread.end()
         }
     }.buffer(Channel.UNLIMITED) // no event is dropped before the estimator
+
+    private fun magnetometer(): Sensor? = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
+        ?: manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD)
 
     private fun up(): Sensor = manager.getDefaultSensor(Sensor.TYPE_GRAVITY)
         ?: manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER)
@@ -142,6 +156,7 @@ public class SensorManagerSource internal constructor(
                 Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> SensorSample.Up(UpSample(event.timestamp, xyz))
                 else -> return
             }
+            if (sample is SensorSample.Magnetic) sleep.see(sample.timeNs, continuousNs())
             queue.push(sample, out)
         }
 
@@ -167,6 +182,9 @@ public class SensorManagerSource internal constructor(
 
     private companion object {
         val NO_BIAS = Vector3(0.0, 0.0, 0.0)
+        // one that is less can't measure the Earth's field beside a phone's own
+        const val LEAST_FULL_SCALE_UT = 100.0
+        const val LARGEST_FULL_SCALE_UT = 100_000.0
         const val FREE_RATE_HZ = 200
         const val HIGH_RATE = "android.permission.HIGH_SAMPLING_RATE_SENSORS"
 

@@ -83,7 +83,7 @@ private fun HoldReason.text(strings: Strings): String = when (this) {
 private fun RejectReason.text(strings: Strings): String = when (this) {
     RejectReason.NotFinite -> strings.say(R.string.magcomp_rejected_not_finite)
     is RejectReason.OutOfRange -> strings.say(R.string.magcomp_rejected_out_of_range, valueUt, limitUt)
-    is RejectReason.Saturated -> strings.say(R.string.magcomp_rejected_saturated, valueUt, railUt)
+    is RejectReason.Saturated -> strings.say(R.string.magcomp_rejected_saturated, axis.name.lowercase(), valueUt, railUt)
     is RejectReason.TimeNotAfter -> strings.say(R.string.magcomp_rejected_time_not_after, timeNs, latestNs)
     is RejectReason.TimeJump -> strings.say(R.string.magcomp_rejected_time_jump, gapS, limitS)
     is RejectReason.Stuck -> strings.say(R.string.magcomp_rejected_stuck, repeats)

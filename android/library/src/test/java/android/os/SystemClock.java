@@ -5,4 +5,8 @@ public class SystemClock {
     public static long uptimeMillis() {
         return 0;
     }
+
+    public static long elapsedRealtimeNanos() {
+        return 0;
+    }
 }

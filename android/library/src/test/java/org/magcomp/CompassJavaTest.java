@@ -78,10 +78,10 @@ class CompassJavaTest {
     void errorsCanBeCaught() {
         // compiles because the class says what it throws
         try (Compensator compensator = new Compensator()) {
-            compensator.restore("nonsense");
-            fail("restored");
-        } catch (MagcompException.SnapshotDamaged e) {
-            assertTrue(e.text().contains("snapshot"), e.text());
+            compensator.adoptKept("nonsense", null);
+            fail("adopted");
+        } catch (MagcompException.KeptDamaged e) {
+            assertTrue(e.text().contains("kept calibration"), e.text());
         } catch (MagcompException e) {
             fail(e);
         }

@@ -103,7 +103,7 @@ class BorderTest {
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(1300.0, 1299.5),
+            RejectReason.Saturated(Axis.Z, 1300.0, 1299.5),
             RejectReason.TimeNotAfter(7, 9_007_199_254_740_993),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
@@ -138,7 +138,7 @@ class BorderTest {
         Compensator().use { plain ->
             Compensator(defaultConfig()).use { spelled ->
                 assertEquals(plain.pushAll(events(values)), spelled.pushAll(events(values)))
-                assertEquals(plain.snapshot(), spelled.snapshot())
+                assertEquals(plain.keep(NOW_S), spelled.keep(NOW_S))
             }
         }
     }
@@ -147,7 +147,7 @@ class BorderTest {
     fun `a bad sample is rejected and changes nothing`() {
         Compensator().use { compensator ->
             compensator.pushAll(events(values))
-            val before = compensator.snapshot()
+            val before = compensator.keep(NOW_S)!!
             val out = ReadingBuffer()
             compensator.push(Long.MAX_VALUE, Double.NaN, 0.0, 0.0, out)
             assertEquals(Status.Rejected(RejectReason.NotFinite), out.status)
@@ -155,7 +155,7 @@ class BorderTest {
             assertEquals(Status.Rejected(RejectReason.TimeNotAfter(5, 600 * STEP_NS)), out.status)
             assertFalse(compensator.pushUp(5, 0.0, 0.0, 9.8), "too late")
             assertFalse(compensator.pushRotationRate(5, Double.NaN, 0.0, 0.0))
-            assertEquals(before, compensator.snapshot())
+            assertEquals(before, compensator.keep(NOW_S))
         }
     }
 
@@ -171,9 +171,11 @@ class BorderTest {
             { compensator.pushRotationRate(1, 1.0, 2.0, 3.0) },
             { compensator.pushAll(events(values)) },
             { compensator.calibration() },
-            { compensator.snapshot() },
+            { compensator.keep(NOW_S) },
             { compensator.reset() },
-            { compensator.restore("") },
+            { compensator.adoptKept("", NOW_S) },
+            { compensator.pushGap(1.0) },
+            { compensator.gaps() },
         )
         for (use in uses) assertThrows(MagcompException.Closed::class.java) { use() }
     }
@@ -189,7 +191,7 @@ class BorderTest {
                 { compensator.pushRotationRate(1, 0.0, 0.0, 0.0) },
                 { compensator.pushAll(events(values)) },
                 { compensator.calibration() },
-                { compensator.snapshot() },
+                { compensator.keep(NOW_S) },
             )
             for (call in calls) assertEquals("on purpose", assertThrows(MagcompException.Panicked::class.java) { call() }.what)
             compensator.reset()
@@ -250,36 +252,75 @@ class BorderTest {
     }
 
     @Test
-    fun `a restored snapshot goes on as if nothing had happened`() {
+    fun `a kept calibration is in force again, less sure with its age, in a stream that goes on`() {
         val all = events(values)
         Compensator().use { first ->
-            first.pushAll(all.take(800))
-            val snapshot = first.snapshot()
-            Compensator().use { second ->
-                assertEquals(Restored.EVERYTHING, second.restore(snapshot))
-                assertEquals(first.pushAll(all.drop(800)), second.pushAll(all.drop(800)))
+            assertNull(first.keep(NOW_S), "nothing was learned")
+            first.pushAll(all)
+            val text = first.keep(NOW_S)!!
+            val sigmas = listOf(60L, 3600L, 86_400L, null).map { age ->
+                Compensator().use { second ->
+                    second.setHeadingFrame(HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG90, 3.0))
+                    second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
+                    second.adoptKept(text, age?.let { NOW_S + it })
+                    assertEquals(first.calibration()!!.hardIronUt, second.calibration()!!.hardIronUt)
+                    assertNull(second.keep(NOW_S), "nothing was learned since")
+                    val rejected = second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
+                    assertTrue((rejected.status as Status.Rejected).reason is RejectReason.TimeNotAfter, "the clock goes on")
+                    second.pushAll(flat(10)).single().let { reading ->
+                        assertTrue(reading.heading?.let { it.trueHeadingDeg != null } ?: true, "the frame stays")
+                        assertNotEquals(Status.Tracking, reading.status)
+                        reading.fieldSigmaUt ?: 1e9
+                    }
+                }
             }
-            Compensator(Config(windowed = WindowedConfig(nMin = 150))).use { other ->
-                assertEquals(Restored.CALIBRATION_ONLY, other.restore(snapshot))
-                assertNotNull(other.calibration())
-            }
-            Compensator().use { other ->
-                other.restoreCalibration(snapshot)
-                assertNotNull(other.pushAll(all.take(2)).single().fieldUt, "at a time before the snapshot's")
-            }
+            assertEquals(sigmas.sorted(), sigmas, "$sigmas")
+            assertTrue(sigmas.first() < 10.0 && sigmas.last() > 2 * sigmas.first(), "$sigmas")
         }
     }
 
     @Test
-    fun `a damaged snapshot is a typed error and changes nothing`() {
+    fun `a text that is damaged or newer is a typed error and changes nothing`() {
         Compensator().use { compensator ->
             compensator.pushAll(events(values))
-            val snapshot = compensator.snapshot()
-            assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restore(snapshot.dropLast(9)) }
-            assertThrows(MagcompException.SnapshotDamaged::class.java) { compensator.restoreCalibration("{}") }
-            val error = assertThrows(MagcompException.SnapshotNewer::class.java) { compensator.restore(newer(snapshot)) }
+            val text = compensator.keep(NOW_S)!!
+            for (damaged in listOf("", "{}", "nonsense", text.dropLast(9), text.replaceFirst("\"learned\"", "\"luck\""))) {
+                val error = assertThrows(MagcompException.KeptDamaged::class.java) { compensator.adoptKept(damaged, NOW_S) }
+                assertTrue(error.why.isNotEmpty() && error.why in error.text(), error.text())
+            }
+            val error = assertThrows(MagcompException.KeptNewer::class.java) { compensator.adoptKept(newer(text), NOW_S) }
             assertEquals(99, error.found)
-            assertEquals(snapshot, compensator.snapshot())
+            assertEquals(text, compensator.keep(NOW_S))
+        }
+    }
+
+    @Test
+    fun `time that the clock does not show makes the calibration less sure`() {
+        val gone = listOf(0.0, 8 * 3600.0).map { hiddenS ->
+            Compensator().use { compensator ->
+                compensator.pushAll(events(values))
+                val gaps = compensator.gaps()
+                compensator.pushGap(hiddenS)
+                assertEquals(gaps + 1, compensator.gaps())
+                compensator.pushAll(flat(values.size / 3)).single().fieldSigmaUt ?: 1e9
+            }
+        }
+        assertTrue(gone[1] > 2 * gone[0], "$gone")
+        Compensator().use {
+            val error = assertThrows(MagcompException.Config::class.java) { it.pushGap(-1.0) }
+            assertEquals("hidden_s", error.field)
+            assertEquals(0, it.gaps())
+        }
+    }
+
+    @Test
+    fun `a saturated sample names its axis`() {
+        Compensator(Config(railUt = 1200.0)).use { compensator ->
+            val at = listOf(Vector3(1200.0, 1.0, 2.0), Vector3(1.0, -1201.0, 2.0), Vector3(1.0, 2.0, 1300.0))
+            val reasons = at.mapIndexed { k, field -> (compensator.push(MagneticSample(k + 1L, field)).status as Status.Rejected).reason }
+            val expected = listOf(Pair(Axis.X, 1200.0), Pair(Axis.Y, -1201.0), Pair(Axis.Z, 1300.0))
+            assertEquals(expected.map { (axis, value) -> RejectReason.Saturated(axis, value, 1200.0) }, reasons)
+            assertTrue(" y -1201.0 uT" in reasons[1].text(), reasons[1].text())
         }
     }
 

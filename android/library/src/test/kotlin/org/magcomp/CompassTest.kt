@@ -22,14 +22,14 @@ import org.junit.jupiter.api.Test
 import org.junit.jupiter.api.io.TempDir
 
 class CompassTest {
-    private class Kept(var snapshot: String? = null) : CalibrationStore {
+    private class Kept(var text: String? = null) : CalibrationStore {
         var saves = 0
 
-        override fun load(): String? = snapshot
+        override fun load(): String? = text
 
-        override fun save(snapshot: String) {
+        override fun save(text: String) {
             saves += 1
-            this.snapshot = snapshot
+            this.text = text
         }
     }
 
@@ -110,7 +110,7 @@ class CompassTest {
     fun `the calibration is kept from one launch to the next`() = runBlocking {
         val store = Kept()
         Compass(Played(events), store = store).readings().last()
-        assertTrue(store.snapshot!!.length < 1000, "no more than the next launch takes over")
+        assertTrue(store.text!!.length < 4000, "no more than the next launch takes over")
         val again = Compass(Played(events.take(2)), store = store).readings().take(1).toList().single()
         assertNotNull(again.reading.fieldUt, "calibrated from the first sample on, though the clock began anew")
         assertTrue(again.reading.status !is Status.Rejected)
@@ -120,18 +120,18 @@ class CompassTest {
     fun `a damaged store, or one of a newer version, is as none, and is told`() = runBlocking {
         val newer = Compensator().use {
             it.pushAll(events)
-            newer(it.snapshotCalibration()!!)
+            newer(it.keep(NOW_S)!!)
         }
-        for (snapshot in listOf("", "{}", "nonsense", newer)) {
-            val first = events.asFlow().compensated(store = Kept(snapshot), capacity = events.size).take(1).toList().single()
+        for (text in listOf("", "{}", "nonsense", newer)) {
+            val first = events.asFlow().compensated(store = Kept(text), capacity = events.size).take(1).toList().single()
             assertNull(first.reading.fieldUt)
-            val expected = if (snapshot == newer) MagcompException.SnapshotNewer::class else MagcompException.SnapshotDamaged::class
+            val expected = if (text == newer) MagcompException.KeptNewer::class else MagcompException.KeptDamaged::class
             assertEquals(expected, first.storeError!!::class)
         }
     }
 
     @Test
-    fun `preferences keep a snapshot`() {
+    fun `preferences keep a text`() {
         val preferences = FakePreferences()
         val store = PreferencesStore(preferences)
         assertNull(store.load())

@@ -120,7 +120,7 @@ class FactsTest {
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(1300.0, 1299.5),
+            RejectReason.Saturated(Axis.Z, 1300.0, 1299.5),
             RejectReason.TimeNotAfter(7, 8),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
@@ -142,10 +142,10 @@ class FactsTest {
                 "Config" -> assertThrows(MagcompException.Config::class.java) {
                     Compensator(Config(windowed = WindowedConfig(nMin = 3)))
                 }
-                "SnapshotDamaged" -> Compensator().use {
-                    assertThrows(MagcompException.SnapshotDamaged::class.java) { it.restore("nonsense") }
+                "KeptDamaged" -> Compensator().use {
+                    assertThrows(MagcompException.KeptDamaged::class.java) { it.adoptKept("nonsense", null) }
                 }
-                "SnapshotNewer" -> MagcompException.SnapshotNewer(99)
+                "KeptNewer" -> MagcompException.KeptNewer(99)
                 "Closed" -> MagcompException.Closed()
                 "Panicked" -> MagcompException.Panicked("why")
                 else -> error(name)

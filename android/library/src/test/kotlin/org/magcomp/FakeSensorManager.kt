@@ -15,10 +15,10 @@ import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.atomic.AtomicInteger
 
 /** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
-class FakeSensorManager(vararg types: Int, hardIron: Boolean = true) : SensorManager() {
+class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt: Float = 0f) : SensorManager() {
     data class Registration(val listener: SensorEventListener, val sensor: Sensor, val periodUs: Int, val latencyUs: Int)
 
-    private val sensors = types.associateWith(::sensor)
+    private val sensors = types.associateWith { sensor(it, fullScaleUt) }
     private val events = types.associateWith {
         SensorEvent(sensors.getValue(it), 0, 0, FloatArray(if (it == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && hardIron) 6 else 3))
     }
@@ -31,11 +31,15 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true) : SensorMan
     /** The most registrations a sensor had at a time. */
     val most = AtomicInteger()
     var refuse: Int? = null
+
+    /** The clock that counts sleep, when an event is delivered, ns. */
+    @Volatile
+    var continuousNs = 0L
     var forbid = false
 
     /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
     internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true) =
-        SensorManagerSource(this, options) { permitted }
+        SensorManagerSource(this, options, { continuousNs }) { permitted }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {
@@ -130,9 +134,10 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true) : SensorMan
         const val LISTENER_LIMIT = 128
 
         /** Apps can't make a Sensor: its constructor and its type are Android's own. */
-        private fun sensor(type: Int): Sensor {
+        private fun sensor(type: Int, fullScaleUt: Float): Sensor {
             val sensor = Sensor::class.java.getDeclaredConstructor().apply { isAccessible = true }.newInstance()
             Sensor::class.java.getDeclaredField("mType").apply { isAccessible = true }.setInt(sensor, type)
+            Sensor::class.java.getDeclaredField("mMaxRange").apply { isAccessible = true }.setFloat(sensor, fullScaleUt)
             return sensor
         }
     }

@@ -20,15 +20,15 @@ import org.junit.jupiter.api.Test
 /** When a calibration is saved. */
 class SavingTest {
     /** A store that knows at which event it was called. */
-    private class Kept(var snapshot: String? = null) : CalibrationStore {
+    private class Kept(var text: String? = null) : CalibrationStore {
         var nowS = 0.0
         val savedS = mutableListOf<Double>()
 
-        override fun load(): String? = snapshot
+        override fun load(): String? = text
 
-        override fun save(snapshot: String) {
+        override fun save(text: String) {
             savedS += nowS
-            this.snapshot = snapshot
+            this.text = text
         }
     }
 
@@ -48,7 +48,7 @@ class SavingTest {
     fun `a session of 20 s that a crash ended is there at the next launch`() {
         val store = Kept()
         var atCrash: String? = null
-        readings(events(tumbling(2000)), store) { atCrash = store.snapshot }
+        readings(events(tumbling(2000)), store) { atCrash = store.text }
         val next = readings(events(tumbling(1)), Kept(atCrash)).single()
         assertNotNull(next.reading.fieldUt, "calibrated from the first sample on")
     }
@@ -94,12 +94,12 @@ class SavingTest {
             readings(rested, store)
             assertTrue(store.savedS.last() <= changedS + 10.201, "${store.savedS}")
             val kept = Compensator().use {
-                it.restoreCalibration(store.snapshot!!)
+                it.adoptKept(store.text!!, null)
                 it.calibration()!!
             }
             assertEquals(calibration.hardIronUt, kept.hardIronUt, "the last change was saved, though within 10 s of the save before")
             // a next launch that ends before the first magnetometer sample
-            val next = Kept(store.snapshot)
+            val next = Kept(store.text)
             readings(rested.take(1), next)
             assertEquals(emptyList<Double>(), next.savedS)
         }
@@ -139,7 +139,7 @@ class SavingTest {
 
             override fun load(): String? = if (atLoad) throw Full() else null
 
-            override fun save(snapshot: String) {
+            override fun save(text: String) {
                 tries += 1
                 if (tries <= 2) throw Full()
             }

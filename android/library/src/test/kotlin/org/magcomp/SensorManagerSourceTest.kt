@@ -2,9 +2,11 @@ package org.magcomp
 
 import android.hardware.Sensor
 import android.hardware.SensorManager
+import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.locks.LockSupport
 import kotlin.concurrent.thread
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.flow.take
@@ -265,6 +267,66 @@ class SensorManagerSourceTest {
             }
             assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0), null))), samples)
         }
+    }
+
+    @Test
+    fun `a sample at the range that the sensor tells is saturated, unless the app knows another`() = runBlocking {
+        suspend fun status(fullScaleUt: Float, config: Config = Config()): Status {
+            val sensors = FakeSensorManager(*all, fullScaleUt = fullScaleUt)
+            val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().first().reading }
+            registered(sensors, 3)
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, -1200.5f, 3f)
+            return reading.await().status
+        }
+        assertEquals(Status.Rejected(RejectReason.Saturated(Axis.Y, -1200.5, 1200.0)), status(1200f))
+        assertTrue(status(1201f) is Status.Collecting)
+        assertTrue(status(1200f, Config(railUt = 2000.0)) is Status.Collecting)
+        for (absurd in listOf(0f, -1f, 99f, 100_001f, Float.NaN, Float.POSITIVE_INFINITY)) {
+            assertEquals(null, FakeSensorManager(*all, fullScaleUt = absurd).source().fullScaleUt)
+            assertTrue(status(absurd) is Status.Collecting, "$absurd")
+        }
+        assertEquals(null, FakeSensorManager().source().fullScaleUt)
+    }
+
+    @Test
+    fun `sleep that the sensors' clock does not show is told once, late events are no sleep`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source()
+        val compass = Compass(source, graceMs = 0)
+        val phone = Phone(1)
+        val readings = CopyOnWriteArrayList<CompensatedReading>()
+        val app = launch { compass.readings().collect { readings += it } }
+        registered(sensors, 3)
+        var sleptS = 0.0
+        suspend fun pass(samples: Int, still: Boolean, lateS: (Int) -> Double = { 0.0 }): Reading {
+            repeat(samples) { k ->
+                val events = phone.advance(still)
+                sensors.continuousNs = phone.timeNs + ((sleptS + lateS(k)) * 1e9).toLong()
+                events.forEach(sensors::deliver)
+            }
+            withTimeout(60_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
+            return readings.last().reading
+        }
+        val compensator = { compass.kept!!.compensator }
+        pass(3000, still = false)
+        val gaps = compensator().gaps()
+        // batches of 5 s, and an event of an hour ago
+        pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
+        sensors.deliver(SensorSample.Magnetic(MagneticSample(phone.timeNs - 3_600_000_000_000, HARD_IRON_UT)))
+        withTimeout(60_000) { while (readings.last().reading.status !is Status.Rejected) yield() }
+        val before = pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
+        assertEquals(Pair(0.0, gaps), Pair(source.hiddenS, compensator().gaps()))
+        // a nap that is as good as none
+        sleptS = 0.9
+        pass(200, still = true)
+        assertEquals(gaps, compensator().gaps())
+        sleptS = 8 * 3600.0
+        val after = pass(200, still = true)
+        assertEquals(8 * 3600.0, source.hiddenS, 1.0)
+        assertEquals(gaps + 1, compensator().gaps())
+        assertTrue(before.fieldSigmaUt!! < 6.0, "$before")
+        assertTrue((after.fieldSigmaUt ?: 1e9) > 2 * before.fieldSigmaUt!!, "${before.fieldSigmaUt}, then ${after.fieldSigmaUt}")
+        app.cancelAndJoin()
     }
 
     /** The first [count] samples while [play] runs, once the sensors are registered. */

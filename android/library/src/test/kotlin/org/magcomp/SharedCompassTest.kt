@@ -34,7 +34,7 @@ class SharedCompassTest {
     /** Takes its time, and knows when it is called at a wrong one. */
     private inner class Store(val delayMs: Long) : CalibrationStore {
         @Volatile
-        var snapshot: String? = null
+        var text: String? = null
         val loads = AtomicInteger()
         val saves = AtomicInteger()
         private val calls = AtomicInteger()
@@ -50,9 +50,9 @@ class SharedCompassTest {
             return what().also { calls.decrementAndGet() }
         }
 
-        override fun load() = call { snapshot.also { loads.incrementAndGet() } }
+        override fun load() = call { text.also { loads.incrementAndGet() } }
 
-        override fun save(snapshot: String) = call { this.snapshot = snapshot.also { saves.incrementAndGet() } }
+        override fun save(text: String) = call { this.text = text.also { saves.incrementAndGet() } }
     }
 
     @AfterEach
@@ -77,7 +77,7 @@ class SharedCompassTest {
             }
             assertEquals(1, store.loads.get())
             ended()
-            assertNotNull(store.snapshot)
+            assertNotNull(store.text)
         }
     }
 
@@ -96,7 +96,7 @@ class SharedCompassTest {
                 if (calibrated) assertTrue(readings.all { it.reading.fieldUt != null }, "lost at rotation $rotation")
                 calibrated = calibrated || readings.last().reading.fieldUt != null
                 // the process may die now
-                assertEquals(calibrated, store.snapshot != null)
+                assertEquals(calibrated, store.text != null)
             }
             assertTrue(calibrated)
             assertEquals(1, store.loads.get())
@@ -147,7 +147,7 @@ class SharedCompassTest {
         screen.cancelAndJoin()
         withTimeout(20_000) { while (store.saves.get() == before) delay(1) }
         assertEquals(3, sensors.registrations.size, "the sensors go on")
-        val kept = Compensator().use { it.apply { restoreCalibration(store.snapshot!!) }.calibration()!! }
+        val kept = Compensator().use { it.apply { adoptKept(store.text!!, null) }.calibration()!! }
         val found = Compensator().use { it.apply { pushAll(events.take(1000)) }.calibration()!! }
         assertEquals(found.hardIronUt, kept.hardIronUt)
     }
@@ -191,7 +191,7 @@ class SharedCompassTest {
             val store = object : CalibrationStore {
                 override fun load(): String? = null.also { here() }
 
-                override fun save(snapshot: String) {
+                override fun save(text: String) {
                     here()
                 }
             }

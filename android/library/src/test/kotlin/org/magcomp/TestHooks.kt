@@ -113,8 +113,11 @@ fun flat(k: Int): List<SensorSample> {
     return listOf(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
 }
 
-/** A snapshot as if a newer version of the library had written it. */
-fun newer(snapshot: String) = snapshot.replaceFirst(Regex("\"magcomp_snapshot\": ?\\d+"), "\"magcomp_snapshot\":99")
+/** A kept calibration as if a newer version of the library had written it. */
+fun newer(text: String) = text.replaceFirst(Regex("\"magcomp_calibration\": ?\\d+"), "\"magcomp_calibration\":99")
+
+/** A time of the wall clock, seconds since 1970. */
+const val NOW_S = 1_795_000_000L
 
 /** An event as Android delivers it. */
 fun inFloats(event: SensorSample): SensorSample {

@@ -87,7 +87,7 @@ class TextsTest {
         val held = problems.map { HoldReason.FitRefused(it) } + HoldReason.LowUniformity + HoldReason.Constant + HoldReason.AtRest +
             HoldReason.TooLittleRotation + HoldReason.NoGyroscope
         val rejected = listOf(
-            RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(real(), real()),
+            RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(Axis.entries.random(random), real(), real()),
             RejectReason.TimeNotAfter(random.nextLong(), random.nextLong()), RejectReason.TimeJump(real(), 604_800.0),
             RejectReason.Stuck(whole()),
         )

@@ -1,0 +1,53 @@
+package org.magcomp
+
+import kotlin.math.abs
+
+/**
+ * How much time a sensor's clock did not show beside one that never stops. An event is delivered later than it happened, by any time
+ * where events come in batches, so only the smallest lag of half a second counts.
+ */
+internal class Sleep {
+    /** Seconds so far. */
+    @Volatile
+    var hiddenS = 0.0
+        private set
+
+    /** The smallest lag of the two clocks, s. */
+    private var leastS: Double? = null
+
+    /** The smallest lag since all have been others, s, and since when, ns. */
+    private var otherS: Double? = null
+    private var otherSinceNs = 0L
+
+    /** An event of this time was delivered now. */
+    @Synchronized
+    fun see(timeNs: Long, nowNs: Long) {
+        // any two times may be subtracted
+        val lagS = (nowNs.toDouble() - timeNs.toDouble()) * 1e-9
+        val least = leastS
+        if (least == null || abs(lagS - least) <= LEAST_S) {
+            leastS = minOf(lagS, least ?: lagS)
+            otherS = null
+            return
+        }
+        if (otherS == null) otherSinceNs = nowNs
+        val other = minOf(lagS, otherS ?: lagS)
+        otherS = other
+        if (nowNs - otherSinceNs < OTHER_FOR_NS) return
+        // less: the first events were delivered late
+        hiddenS += (other - least).coerceIn(0.0, LONGEST_S)
+        leastS = other
+        otherS = null
+    }
+
+    private companion object {
+        /** Shorter sleep is as good as none. */
+        const val LEAST_S = 1.0
+
+        /** What the compensator takes; longer than any phone runs. */
+        const val LONGEST_S = 1e9
+
+        /** Events that waited have all been delivered by then. */
+        const val OTHER_FOR_NS = 500_000_000L
+    }
+}
