@@ -1,18 +1,20 @@
 import Foundation
 
-/// Where a calibration is kept from one launch to the next. A store need not look into the text, which carries its own
-/// version and checksum: the library ignores an old or damaged text.
+/// Where a calibration is kept from one launch to the next. The text is JSON with its own
+/// version, source, date and covariance; a store need not look into it. Of a text that is damaged or of a newer version nothing is
+/// taken over, and ``CompensatedReading/storeError`` tells it.
 public protocol CalibrationStore: Sendable {
     /// The text that was saved last, or nil.
     func load() -> String?
 
-    /// Keeps a snapshot in the place of the one before. Called in the background: when the status is first `.tracking`,
+    /// Keeps a text in the place of the one before. Never called while nothing was learned from live samples, so neither the
+    /// system's hard iron nor what ``load()`` gave is ever saved as learned. Called in the background: when the status is first `.tracking`,
     /// then when the calibration has changed and 10 s have passed since the save before, and at the end of the
     /// readings; and on the thread that calls ``Compass/save()``. A change of hard iron or soft iron counts. A change
     /// of the field strength alone does not, because it follows the noise of a device at rest. Never called when
     /// ``load()`` or the save before has kept the same, nor twice at once. Readings wait for it, and it must not call
     /// the compass.
-    func save(_ snapshot: String)
+    func save(_ text: String)
 
     /// Keeps nothing from now on, until it is told to save: called by ``Compass/reset()``.
     func clear()
@@ -35,7 +37,7 @@ public struct UserDefaultsStore: CalibrationStore {
 
     public func load() -> String? { defaults.string(forKey: key) }
 
-    public func save(_ snapshot: String) { defaults.set(snapshot, forKey: key) }
+    public func save(_ text: String) { defaults.set(text, forKey: key) }
 
     public func clear() { defaults.removeObject(forKey: key) }
 }

@@ -14,14 +14,25 @@ public final class Compass: Sendable {
     ///     iOS's own hard iron the first calibration where there is no other and the source delivers iOS's field, so
     ///     that the first reading has a heading, with a wide sigma
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
-    public init(source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil) {
+    public convenience init(
+        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil
+    ) {
+        self.init(source: source, config: config, store: store, unixTimeS: systemUnixTimeS)
+    }
+
+    /// With another wall clock, seconds since 1970.
+    init(
+        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil,
+        unixTimeS: @escaping @Sendable () -> Int64
+    ) {
         let frames = Locked(
             HeadingFrame(
                 axis: config.heading?.axis ?? .auto,
                 screenRotation: config.heading?.screenRotation ?? .deg0,
                 declinationDeg: config.heading?.declinationDeg))
         self.frames = frames
-        estimation = Estimation(config, store: store) { frames.value }
+        estimation = Estimation(
+            config, store: store, hiddenS: { source.hiddenS }, unixTimeS: unixTimeS, frame: { frames.value })
         readers = Readers(of: { source.samples() }, by: estimation)
     }
 

@@ -11,16 +11,19 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// Where the field has not pointed yet, unit vectors in the device frame: an app may ask for the phone to be turned so
     /// that it does. Renewed several times a second.
     public var unseenDirections: [Vector3]
+    /// `MagcompError.keptDamaged` or `MagcompError.keptNewer` for the text that the calibration store gave, until something was
+    /// learned and saved; else nil.
+    public var storeError: MagcompError?
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore: Int
 
     /// For previews and tests: an app gets its readings by iterating.
     public init(
         reading: Reading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
-        unseenDirections: [Vector3] = [], droppedBefore: Int = 0
+        unseenDirections: [Vector3] = [], storeError: MagcompError? = nil, droppedBefore: Int = 0
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
-        (self.unseenDirections, self.droppedBefore) = (unseenDirections, droppedBefore)
+        (self.unseenDirections, self.storeError, self.droppedBefore) = (unseenDirections, storeError, droppedBefore)
     }
 
     /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`. Core Motion counts its times from the

@@ -82,6 +82,35 @@ public final class Compensator: Sendable {
         try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)
     }
 
+    /// The calibration in force with what is known of it, as JSON, for ``adoptKept(_:unixTimeS:)`` at the next launch. Nil while
+    /// nothing was learned from live samples: what was adopted is kept where it came from.
+    ///
+    /// - Parameter unixTimeS: now, seconds since 1970
+    public func keep(unixTimeS: Int64) throws -> String? { try native.keep(unixTimeS: unixTimeS) }
+
+    /// From now on the calibration of a text of ``keep(unixTimeS:)`` is in force, until something better is learned. The stream, the
+    /// config and the heading frame stay. It is as sure as it was, less what its age costs; the first live samples are judged
+    /// by: what disagrees widens or replaces it.
+    ///
+    /// - Parameters:
+    ///   - text: what was kept
+    ///   - unixTimeS: now, seconds since 1970, by the clock that ``keep(unixTimeS:)`` was told; nil: not known, so as good as
+    ///     nothing is believed beforehand
+    /// - Throws: `MagcompError.keptDamaged` or `MagcompError.keptNewer`; nothing has changed then
+    public func adoptKept(_ text: String, unixTimeS: Int64?) throws {
+        try native.adoptKept(text: text, unixTimeS: unixTimeS)
+    }
+
+    /// Time passed that the clock of the samples does not show: the phone slept. The calibration is as unsure from here on as one
+    /// that was kept for so long, and where the field points is found anew. The samples' time goes on.
+    ///
+    /// - Parameter hiddenS: about how long, seconds, 0 to 1e9
+    /// - Throws: `MagcompError.config` when that is out of range; nothing has changed then
+    public func pushGap(hiddenS: Double) throws { try native.pushGap(hiddenS: hiddenS) }
+
+    /// Gaps so far: of the gyroscope while it was in use, of samples, and those told by ``pushGap(hiddenS:)``.
+    public func gaps() throws -> Int64 { try native.gaps() }
+
     /// Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
     /// nil when it is not known.
     public func covariance() throws -> [Double]? { try native.covariance() }
@@ -95,26 +124,6 @@ public final class Compensator: Sendable {
     /// Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
     /// compensator usable again after `MagcompError.panicked`.
     public func reset() throws { try native.reset() }
-
-    /// The whole state as text with a version and a checksum, to be kept and restored.
-    public func snapshot() throws -> String { try native.snapshot() }
-
-    /// The calibration in force alone, as a text of a few hundred characters with a version and a checksum, for
-    /// ``restoreCalibration(_:)``. Nil without a calibration.
-    public func snapshotCalibration() throws -> String? { try native.snapshotCalibration() }
-
-    /// Takes over a snapshot: all of it when the same build of the library made it with the same config (the heading's
-    /// frame may differ), else its calibration alone.
-    ///
-    /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
-    @discardableResult
-    public func restore(_ snapshot: String) throws -> Restored { try native.restore(snapshot: snapshot) }
-
-    /// Takes over a snapshot's calibration, if it has one, and begins anew with everything else, the clock too. For the
-    /// next launch of an app, or for a phone that was restarted and whose sensor clock begins at 0 again.
-    ///
-    /// - Throws: `MagcompError.snapshotDamaged` or `MagcompError.snapshotNewer`; nothing has changed then
-    public func restoreCalibration(_ snapshot: String) throws { try native.restoreCalibration(snapshot: snapshot) }
 
     /// Frees the native state now. May be called twice, and while another thread pushes.
     public func close() { native.shutDown() }

@@ -33,15 +33,26 @@ import Foundation
 /// earlier; ``lagS`` says by how much. Updates start with the first iterator of ``samples()`` and stop with the last; each
 /// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
 /// `MagcompError.config` for options out of range.
+///
+/// Core Motion tells no range of the magnetometer; where an app knows it, `Config.railUt` takes it. Core Motion's times leave out
+/// the device's sleep, which ``hiddenS`` counts beside a clock that goes on.
 public final class CoreMotionSource: MagneticFieldSource {
     private let updates: Updates
 
     /// - Parameters:
     ///   - options: which sensors, how often
     ///   - manager: an app should have one alone; its magnetometer and device-motion updates are this source's from now on
-    public init(options: SensorOptions = SensorOptions(), manager: CMMotionManager = CMMotionManager()) {
-        updates = Updates(manager, options)
+    public convenience init(options: SensorOptions = SensorOptions(), manager: CMMotionManager = CMMotionManager()) {
+        self.init(options: options, manager: manager, continuousNs: systemContinuousNs)
     }
+
+    /// With another clock that counts sleep, nanoseconds.
+    init(options: SensorOptions, manager: CMMotionManager, continuousNs: @escaping @Sendable () -> Int64) {
+        updates = Updates(manager, options, continuousNs)
+    }
+
+    /// Seconds that the device slept while this source was there and that its events' times do not show.
+    public var hiddenS: Double { updates.hiddenS }
 
     public func samples() -> SensorSamples {
         SensorSamples { [updates] in updates.events() }
@@ -69,9 +80,11 @@ private final class Updates: @unchecked Sendable {
     private var number = 0
     private var queued: EventQueue
     private var lag = Lag()
+    private var sleep = Sleep()
+    private let continuousNs: @Sendable () -> Int64
 
-    init(_ manager: CMMotionManager, _ options: SensorOptions) {
-        (self.manager, self.options) = (manager, options)
+    init(_ manager: CMMotionManager, _ options: SensorOptions, _ continuousNs: @escaping @Sendable () -> Int64) {
+        (self.manager, self.options, self.continuousNs) = (manager, options, continuousNs)
         queued = EventQueue(holdS: 0)
         queue.name = "org.magcomp.sensors"
         // events stay in order
@@ -169,7 +182,11 @@ private final class Updates: @unchecked Sendable {
 
     private func take(_ data: CMMagnetometerData) {
         guard let timeNs = nanoseconds(data.timestamp) else { return }
-        lock.withLock { lag.magnetic(data.timestamp) }
+        let nowS = Double(continuousNs()) * 1e-9
+        lock.withLock {
+            lag.magnetic(data.timestamp)
+            sleep.see(data.timestamp, nowS: nowS)
+        }
         deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))])
     }
 
@@ -214,6 +231,8 @@ private final class Updates: @unchecked Sendable {
 
     var lagS: Double? { lock.withLock { lag.seconds } }
 
+    var hiddenS: Double { lock.withLock { sleep.hiddenS } }
+
     private func fail(_ sensor: String, _ error: any Error) {
         let reason = error as NSError
         let code = reason.domain == CMErrorDomain ? UInt32(exactly: reason.code) : nil
@@ -252,6 +271,51 @@ private struct Lag {
         guard let newestS else { return }
         if begunS.map({ abs(timeS - $0) >= 1 }) ?? true { (begunS, before, now) = (timeS, now, nil) }
         now = max(now ?? -.infinity, newestS - timeS)
+    }
+}
+
+/// A clock that counts sleep, nanoseconds: on Apple's systems that of `mach_continuous_time`.
+@Sendable private func systemContinuousNs() -> Int64 {
+    var now = timespec()
+    clock_gettime(CLOCK_MONOTONIC_RAW, &now)
+    return Int64(now.tv_sec) * 1_000_000_000 + Int64(now.tv_nsec)
+}
+
+/// How much time a sensor's clock did not show beside one that never stops. An event is delivered later than it happened, by any
+/// time, so only the smallest lag of half a second of events counts.
+private struct Sleep {
+    /// Shorter sleep is as good as none.
+    private static let leastSleepS = 1.0
+    /// What the compensator takes; longer than any phone runs.
+    private static let longestS = 1e9
+    /// Events that waited have all been delivered by then.
+    private static let otherForS = 0.5
+
+    /// So far.
+    private(set) var hiddenS = 0.0
+    /// The smallest lag of the two clocks.
+    private var leastS: Double?
+    /// The smallest lag since all have been others, and since when.
+    private var other: (lagS: Double, sinceS: Double)?
+    private var latestS = 0.0
+
+    /// An event of this time was delivered now.
+    mutating func see(_ timeS: Double, nowS: Double) {
+        let lagS = nowS - timeS
+        // what came before a pause tells nothing of a batch after it
+        if nowS - latestS > Self.otherForS { other = nil }
+        latestS = nowS
+        guard let least = leastS, abs(lagS - least) > Self.leastSleepS else {
+            leastS = min(lagS, leastS ?? lagS)
+            other = nil
+            return
+        }
+        let new = (lagS: min(lagS, other?.lagS ?? lagS), sinceS: other?.sinceS ?? nowS)
+        other = new
+        if nowS - new.sinceS < Self.otherForS { return }
+        // less: the first events were delivered late
+        hiddenS += min(max(new.lagS - least, 0), Self.longestS)
+        (leastS, other) = (new.lagS, nil)
     }
 }
 

@@ -15,14 +15,25 @@ final class Estimation: @unchecked Sendable {
     private let config: Config
     private let store: (any CalibrationStore)?
     private let frame: (@Sendable () -> HeadingFrame)?
+    private let sleptS: @Sendable () -> Double
+    private let unixTimeS: @Sendable () -> Int64
     // what follows is used inside `lock` alone
     private let lock = NSLock()
     /// Nil before it is first used, and after a defect.
     private var compensator: Compensator?
     private var currentFrame: HeadingFrame?
     private var systemField: SystemFieldSample?
-    /// Whether the system's hard iron would be better than what is known: nothing.
+    /// Whether the system's hard iron would tell something: it was not told, and nothing was learned.
     private var wantsSystems = true
+    /// Whether there is a calibration.
+    private var isInForce = false
+    /// What was taken over last.
+    private var text: String?
+    private var storeError: MagcompError?
+    /// When it was looked last, seconds since 1970.
+    private var lookedS: Int64?
+    /// What was told of sleep.
+    private var hiddenS: Double
     private var latestNs: Int64?
     /// Whether the next event is a run's first.
     private var begins = true
@@ -32,8 +43,12 @@ final class Estimation: @unchecked Sendable {
     private var unseen: [Vector3] = []
     private var lookedNs: Int64?
 
-    init(_ config: Config, store: (any CalibrationStore)?, frame: (@Sendable () -> HeadingFrame)?) {
+    init(
+        _ config: Config, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
+        unixTimeS: @escaping @Sendable () -> Int64 = systemUnixTimeS, frame: (@Sendable () -> HeadingFrame)?
+    ) {
         (self.config, self.store, self.frame) = (config, store, frame)
+        (sleptS, self.unixTimeS, self.hiddenS) = (hiddenS, unixTimeS, hiddenS())
     }
 
     /// A run of events begins: the first with what the store keeps, a later one with all that the one before has learned.
@@ -45,13 +60,17 @@ final class Estimation: @unchecked Sendable {
             let made = try Compensator(config: config)
             do {
                 if let kept = store?.load() {
-                    try made.restoreCalibration(kept)
+                    try adopt(kept, made)
                     saved = try Self.correction(of: made)
                 }
-                wantsSystems = try made.calibration() == nil
-            } catch MagcompError.snapshotDamaged, MagcompError.snapshotNewer {
+            } catch let error as MagcompError {
+                switch error {
                 // as at the first launch
+                case .keptDamaged, .keptNewer: storeError = error
+                default: throw error
+                }
             }
+            isInForce = try made.calibration() != nil
             compensator = made
         }
     }
@@ -85,7 +104,21 @@ final class Estimation: @unchecked Sendable {
 
     private func forget() {
         (currentFrame, latestNs, saved, savedNs, lookedNs) = (nil, nil, nil, nil, nil)
-        (unseen, wantsSystems) = ([], true)
+        (unseen, wantsSystems, isInForce) = ([], true, false)
+        (text, storeError, lookedS) = (nil, nil, nil)
+    }
+
+    private func adopt(_ kept: String, _ compensator: Compensator) throws {
+        try compensator.adoptKept(kept, unixTimeS: unixTimeS())
+        text = kept
+    }
+
+    /// The phone slept, and the events' times do not show it.
+    private func noteSleep(_ compensator: Compensator) throws {
+        let now = sleptS()
+        guard now != hiddenS else { return }
+        try compensator.pushGap(hiddenS: now - hiddenS)
+        hiddenS = now
     }
 
     private func push(_ event: SensorSample, to compensator: Compensator) throws -> CompensatedReading? {
@@ -99,21 +132,25 @@ final class Estimation: @unchecked Sendable {
             try compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
+        try noteSleep(compensator)
         let told = wantsSystems ? withSystemsHardIron(sample) : sample
         let reading = try compensator.push(told)
         // of a sample that is refused nothing was taken, and its time may be any
         if case .rejected = reading.status {
         } else {
-            if told != sample { wantsSystems = false }
+            isInForce = reading.fieldUt != nil
+            if told != sample || reading.status == .tracking { wantsSystems = false }
             try nowAndThen(sample.timeNs, reading.status, compensator)
         }
         return CompensatedReading(
-            reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen)
+            reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen,
+            storeError: storeError)
     }
 
-    /// The system's hard iron, raw less calibrated field, is better than none: a heading at once.
+    /// The system's hard iron, raw less calibrated field, is better than none: a heading at once. Beside a calibration it is listened
+    /// to only where the system itself is sure of it.
     private func withSystemsHardIron(_ sample: MagneticSample) -> MagneticSample {
-        guard let systemField, systemField.accuracy != .uncalibrated,
+        guard let systemField, systemField.accuracy != .uncalibrated, systemField.accuracy == .high || !isInForce,
             Self.apart(systemField.timeNs, sample.timeNs) <= Self.besideNs
         else { return sample }
         let (raw, field) = (sample.fieldUt, systemField.fieldUt)
@@ -122,12 +159,12 @@ final class Estimation: @unchecked Sendable {
         return told
     }
 
-    /// The calibration stays, all else begins anew.
+    /// The calibration stays, as old as the time since the latest run makes it; all else begins anew.
     private func startClock(_ compensator: Compensator) throws {
-        let kept = try compensator.snapshotCalibration()
+        let kept = try compensator.keep(unixTimeS: lookedS ?? unixTimeS()) ?? text
         try compensator.reset()
-        if let kept { try compensator.restoreCalibration(kept) }
-        (currentFrame, lookedNs) = (nil, nil)
+        if let kept { try adopt(kept, compensator) }
+        (currentFrame, lookedNs, wantsSystems) = (nil, nil, true)
         savedNs = savedNs.map { _ in .min }
     }
 
@@ -139,7 +176,7 @@ final class Estimation: @unchecked Sendable {
             savedNs = timeNs
         }
         if lookedNs.map({ Self.apart(timeNs, $0) >= Self.lookEveryNs }) ?? true {
-            lookedNs = timeNs
+            (lookedNs, lookedS) = (timeNs, unixTimeS())
             unseen = try compensator.coverage().unseenDirections
             if let since, Self.apart(timeNs, since) >= Self.saveEveryNs, saveChanged() { savedNs = timeNs }
         }
@@ -148,14 +185,14 @@ final class Estimation: @unchecked Sendable {
     /// Nanoseconds between two times; the clock may have begun anew between them, so either may be the later.
     private static func apart(_ oneNs: Int64, _ otherNs: Int64) -> Double { abs(Double(oneNs) - Double(otherNs)) }
 
-    /// Whether there was anything to save that the store does not keep already.
+    /// Whether there was anything to save that was learned and that the store does not keep already.
     private func saveChanged() -> Bool {
         // after a defect there is nothing to keep
         guard let store, let compensator, let found = try? Self.correction(of: compensator), found != saved,
-            let snapshot = try? compensator.snapshotCalibration()
+            let kept = try? compensator.keep(unixTimeS: unixTimeS())
         else { return false }
-        store.save(snapshot)
-        saved = found
+        store.save(kept)
+        (saved, storeError) = (found, nil)
         return true
     }
 
@@ -169,3 +206,6 @@ final class Estimation: @unchecked Sendable {
         var hardIronUt: Vector3
     }
 }
+
+/// Seconds since 1970.
+@Sendable func systemUnixTimeS() -> Int64 { Int64(Date().timeIntervalSince1970) }

@@ -134,12 +134,32 @@ extension RejectReason {
             switch c.reason {
             case 0: .notFinite
             case 1: .outOfRange(valueUt: a, limitUt: b)
-            case 2: .saturated(valueUt: a, railUt: b)
+            case 2: .saturated(axis: Axis(c.whole.0), valueUt: a, railUt: b)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
             case 5: .stuck(repeats: Int32(c.whole.0))
             default: unknown("reject reason", c.reason)
             }
+    }
+}
+
+extension Axis {
+    fileprivate init(_ number: Int64) {
+        self =
+            switch number {
+            case 0: .x
+            case 1: .y
+            case 2: .z
+            default: unknown("axis", Int32(truncatingIfNeeded: number))
+            }
+    }
+
+    var name: String {
+        switch self {
+        case .x: "x"
+        case .y: "y"
+        case .z: "z"
+        }
     }
 }
 

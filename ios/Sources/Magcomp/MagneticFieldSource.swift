@@ -3,6 +3,14 @@ public protocol MagneticFieldSource: Sendable {
     /// The events, each sensor's in the order of their times. Cold: every iterator starts its own, and ends it when it is
     /// freed or its task is cancelled, which must not take long. No event may be dropped on the way.
     func samples() -> SensorSamples
+
+    /// Seconds that have passed so far and that the events' times do not show, because the phone slept; never less than before.
+    /// Read with every magnetometer sample; what it grew by goes to ``Compensator/pushGap(hiddenS:)``. By default 0.
+    var hiddenS: Double { get }
+}
+
+extension MagneticFieldSource {
+    public var hiddenS: Double { 0 }
 }
 
 /// One event of one of the sensors, with its own time.

@@ -78,7 +78,7 @@ extension RejectReason {
         switch self {
         case .notFinite: say("rejected_not_finite")
         case .outOfRange(let valueUt, let limitUt): say("rejected_out_of_range", valueUt, limitUt)
-        case .saturated(let valueUt, let railUt): say("rejected_saturated", valueUt, railUt)
+        case .saturated(let axis, let valueUt, let railUt): say("rejected_saturated", axis.name, valueUt, railUt)
         case .timeNotAfter(let timeNs, let latestNs): say("rejected_time_not_after", timeNs, latestNs)
         case .timeJump(let gapS, let limitS): say("rejected_time_jump", gapS, limitS)
         case .stuck(let repeats): say("rejected_stuck", Int64(repeats))

@@ -45,7 +45,7 @@ import Testing
             .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
         ]
         let rejected: [RejectReason] = [
-            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(valueUt: 1300, railUt: 1299.5),
+            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .z, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
             .stuck(repeats: 50),
         ]
@@ -73,13 +73,13 @@ import Testing
     @Test func theDefaultsAreTheCores() throws {
         let (plain, spelled) = (try Compensator(), try Compensator(config: .defaults))
         #expect(try plain.pushAll(events) == spelled.pushAll(events))
-        #expect(try plain.snapshot() == spelled.snapshot())
+        #expect(try plain.keep(unixTimeS: nowS) == spelled.keep(unixTimeS: nowS))
     }
 
     @Test func aBadSampleIsRejectedAndChangesNothing() throws {
         let compensator = try Compensator()
         _ = try compensator.pushAll(events)
-        let before = try compensator.snapshot()
+        let before = try #require(try compensator.keep(unixTimeS: nowS))
         let bad = Vector3(x: .nan, y: 0, z: 0)
         #expect(try compensator.push(MagneticSample(timeNs: .max, fieldUt: bad)).status == .rejected(reason: .notFinite))
         let late = try compensator.push(MagneticSample(timeNs: 5, fieldUt: Vector3(x: 1, y: 2, z: 3)))
@@ -87,7 +87,7 @@ import Testing
         #expect(late.timeNs == 5)
         #expect(try !compensator.pushUp(UpSample(timeNs: 5, upMS2: Vector3(x: 0, y: 0, z: 9.8))), "too late")
         #expect(try !compensator.pushRotationRate(RotationRateSample(timeNs: 5, rateRadS: bad)))
-        #expect(try compensator.snapshot() == before)
+        #expect(try compensator.keep(unixTimeS: nowS) == before)
     }
 
     @Test func theSystemsHardIronCanBeTheFirstCalibration() throws {
@@ -129,7 +129,9 @@ import Testing
             { try compensator.pushUp(UpSample(timeNs: 1, upMS2: v)) },
             { try compensator.pushRotationRate(RotationRateSample(timeNs: 1, rateRadS: v)) },
             { _ = try compensator.calibration() },
-            { _ = try compensator.snapshot() },
+            { _ = try compensator.keep(unixTimeS: nowS) },
+            { try compensator.adoptKept("", unixTimeS: nil) },
+            { try compensator.pushGap(hiddenS: 1) },
             { try compensator.reset() },
         ]
         for use in uses {
@@ -162,14 +164,72 @@ import Testing
         #expect(try compensator.push(sample).status.label() == "collecting")
     }
 
-    @Test func aSnapshotTakesEverythingAlong() throws {
-        let half = events.count / 2
-        let (whole, first, second) = (try Compensator(), try Compensator(), try Compensator())
-        let readings = try whole.pushAll(events)
-        _ = try first.pushAll(Array(events[..<half]))
-        #expect(try second.restore(first.snapshot()) == .everything)
-        #expect(try second.pushAll(Array(events[half...])) == Array(readings[(half / 2)...]))
-        #expect(throws: MagcompError.snapshotDamaged) { try second.restore(first.snapshot() + "x") }
+    @Test func aKeptCalibrationIsInForceAgainLessSureWithItsAgeInAStreamThatGoesOn() throws {
+        let first = try Compensator()
+        #expect(try first.keep(unixTimeS: nowS) == nil, "nothing was learned")
+        _ = try first.pushAll(events)
+        let text = try #require(try first.keep(unixTimeS: nowS))
+        let astray = MagneticSample(timeNs: stepNs, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        func sigmaUt(_ ageS: Int64?) throws -> Double {
+            let second = try Compensator()
+            try second.setHeadingFrame(HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3))
+            _ = try second.push(astray)
+            try second.adoptKept(text, unixTimeS: ageS.map { nowS + $0 })
+            #expect(try second.calibration()?.hardIronUt == first.calibration()?.hardIronUt)
+            #expect(try second.keep(unixTimeS: nowS) == nil, "nothing was learned since")
+            #expect(try second.push(astray).status.label() == "rejected", "the clock goes on")
+            let reading = try #require(try second.pushAll(flat(10)).last)
+            #expect(reading.status != .tracking)
+            #expect(reading.heading == nil || reading.heading?.trueHeadingDeg != nil, "the frame stays")
+            return reading.fieldSigmaUt ?? 1e9
+        }
+        let sigmas = try [60, 3600, 86_400, nil].map(sigmaUt)
+        #expect(sigmas == sigmas.sorted() && sigmas[0] < 10 && sigmas[3] > 2 * sigmas[0], "\(sigmas)")
+    }
+
+    @Test func aTextThatIsDamagedOrNewerIsATypedErrorAndChangesNothing() throws {
+        let compensator = try Compensator()
+        _ = try compensator.pushAll(events)
+        let text = try #require(try compensator.keep(unixTimeS: nowS))
+        for damaged in ["", "{}", "nonsense", String(text.dropLast(9))] {
+            do {
+                try compensator.adoptKept(damaged, unixTimeS: nowS)
+                Issue.record("\(damaged) was taken")
+            } catch MagcompError.keptDamaged(let why) {
+                #expect(!why.isEmpty)
+            }
+        }
+        #expect(throws: MagcompError.keptNewer(found: 99)) {
+            try compensator.adoptKept(newer(text), unixTimeS: nowS)
+        }
+        #expect(try compensator.keep(unixTimeS: nowS) == text)
+    }
+
+    @Test func timeThatTheClockDoesNotShowMakesTheCalibrationLessSure() throws {
+        func sigmaUt(hiddenS: Double) throws -> Double {
+            let compensator = try Compensator()
+            _ = try compensator.pushAll(events)
+            let gaps = try compensator.gaps()
+            try compensator.pushGap(hiddenS: hiddenS)
+            #expect(try compensator.gaps() == gaps + 1)
+            return try compensator.pushAll(flat(600)).last?.fieldSigmaUt ?? 1e9
+        }
+        #expect(try sigmaUt(hiddenS: 8 * 3600) > 2 * sigmaUt(hiddenS: 0))
+        let compensator = try Compensator()
+        #expect(throws: MagcompError.self) { try compensator.pushGap(hiddenS: -1) }
+        #expect(try compensator.gaps() == 0)
+    }
+
+    @Test func aSaturatedSampleNamesItsAxis() throws {
+        let compensator = try Compensator(config: Config(railUt: 1200))
+        let at: [(Vector3, Axis, Double)] = [
+            (Vector3(x: 1200, y: 1, z: 2), .x, 1200), (Vector3(x: 1, y: -1201, z: 2), .y, -1201),
+            (Vector3(x: 1, y: 2, z: 1300), .z, 1300),
+        ]
+        for (k, (field, axis, valueUt)) in at.enumerated() {
+            let status = try compensator.push(MagneticSample(timeNs: Int64(k + 1), fieldUt: field)).status
+            #expect(status == .rejected(reason: .saturated(axis: axis, valueUt: valueUt, railUt: 1200)))
+        }
     }
 
     @Test func theHeadingFrameMayChangeInMidStream() throws {

@@ -8,15 +8,15 @@ import Testing
     struct Broken: Error, Equatable {}
 
     final class Kept: CalibrationStore {
-        let snapshot: Shared<String?>
+        let text: Shared<String?>
 
-        init(_ snapshot: String? = nil) { self.snapshot = Shared(snapshot) }
+        init(_ text: String? = nil) { self.text = Shared(text) }
 
-        func load() -> String? { snapshot.value }
+        func load() -> String? { text.value }
 
-        func save(_ snapshot: String) { self.snapshot.change { $0 = snapshot } }
+        func save(_ text: String) { self.text.change { $0 = text } }
 
-        func clear() { snapshot.change { $0 = nil } }
+        func clear() { text.change { $0 = nil } }
     }
 
     @Test func aSlowIteratorLosesTheOldestReadingsCountedAndTheEstimatorNone() async throws {
@@ -134,20 +134,20 @@ import Testing
     @Test func theCalibrationIsKeptFromOneLaunchToTheNext() async throws {
         let store = Kept()
         _ = try await Compass(source: Played(events: events), store: store).readings().collected()
-        #expect(try #require(store.snapshot.value).count < 1000, "no more than the next launch takes over")
+        #expect(try #require(store.text.value).count < 4000, "no more than the next launch takes over")
         let again = try await Compass(source: Played(events: Array(events[..<2])), store: store).readings().collected()
         #expect(again[0].reading.fieldUt != nil, "calibrated from the first sample on, though the clock began anew")
         #expect(again[0].reading.status.label() != "rejected")
     }
 
     @Test func aDamagedStoreAndANewerVersionsAreAsNone() async throws {
-        for snapshot in ["", "{}", "nonsense", #"{"magcomp_snapshot":99,"of":"a newer version"}"#] {
-            let readings = Played(events: Array(events[..<2])).samples().compensated(store: Kept(snapshot))
+        for text in ["", "{}", "nonsense", #"{"magcomp_calibration":99,"of":"a newer version"}"#] {
+            let readings = Played(events: Array(events[..<2])).samples().compensated(store: Kept(text))
             #expect(try await readings.collected().map(\.reading.fieldUt) == [nil])
         }
     }
 
-    @Test func userDefaultsKeepASnapshot() {
+    @Test func userDefaultsKeepAText() {
         let key = "magcomp-test-\(UUID().uuidString)"
         defer { UserDefaults.standard.removeObject(forKey: key) }
         let store = UserDefaultsStore(key: key)

@@ -1,7 +1,7 @@
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-import Magcomp
+@testable import Magcomp
 import Testing
 
 /// ``CoreMotionSource`` over a stand-in of Core Motion that plays what a test scripts.
@@ -94,6 +94,40 @@ import Testing
             }
         }
         #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.80665))))
+    }
+
+    @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
+        let clock = Shared(0.0)
+        let source = CoreMotionSource(
+            options: SensorOptions(gyroscope: false, up: false), manager: manager,
+            continuousNs: { Int64(clock.value * 1e9) })
+        var iterator = source.samples().makeAsyncIterator()
+        var (timeS, sleptS) = (100.0, 50.0)
+        func pass(_ samples: Int, lateS: (Int) -> Double = { _ in 0 }) async throws {
+            for k in 0..<samples {
+                timeS += 0.01
+                clock.change { $0 = timeS + sleptS + lateS(k) }
+                manager.magnetometer(at: timeS, 1, 2, 3)
+                #expect(try await iterator.next() != nil)
+            }
+        }
+        // sleep before it was there, delays of up to 5 s, and an event of an hour ago
+        try await pass(100)
+        try await pass(1000) { k in Double(500 - k % 500) * 0.01 }
+        manager.magnetometer(at: timeS - 3600, 1, 2, 3)
+        #expect(try await iterator.next() != nil)
+        try await pass(1000) { k in Double(500 - k % 500) * 0.01 }
+        #expect(source.hiddenS == 0)
+        // a nap that is as good as none
+        sleptS += 0.9
+        try await pass(200)
+        #expect(source.hiddenS == 0)
+        sleptS += 8 * 3600
+        try await pass(200)
+        #expect(abs(source.hiddenS - 8 * 3600) < 1)
+        let once = source.hiddenS
+        try await pass(200)
+        #expect(source.hiddenS == once)
     }
 
     @Test func theSystemsOwnFieldIsBesideOurs() async throws {

@@ -133,7 +133,7 @@ import Testing
             .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
         ]
         let rejected: [RejectReason] = [
-            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(valueUt: 1300, railUt: 1299.5),
+            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .x, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
         ]
         var ours: [CompensationStatus] = [.collecting(missing: .samples(have: 60, need: 100))]
@@ -163,8 +163,8 @@ import Testing
     func said(_ name: String) -> String? {
         switch name {
         case "Config": failure { _ = try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
-        case "SnapshotDamaged": failure { try Compensator().restore("nonsense") }
-        case "SnapshotNewer": failure { throw MagcompError.snapshotNewer(found: 99) }
+        case "KeptDamaged": failure { try Compensator().adoptKept("nonsense", unixTimeS: nil) }
+        case "KeptNewer": failure { throw MagcompError.keptNewer(found: 99) }
         case "Closed": failure { throw MagcompError.closed }
         case "Panicked": failure { throw MagcompError.panicked(what: "why") }
         default: nil

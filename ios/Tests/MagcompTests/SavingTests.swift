@@ -7,27 +7,27 @@ import Testing
     /// A store that knows at which event it was called.
     final class Kept: CalibrationStore {
         struct State {
-            var snapshot: String?
+            var text: String?
             var nowS = 0.0
             var savedS: [Double] = []
         }
 
         let state: Shared<State>
 
-        init(_ snapshot: String? = nil) { state = Shared(State(snapshot: snapshot)) }
+        init(_ text: String? = nil) { state = Shared(State(text: text)) }
 
         var savedS: [Double] { state.value.savedS }
 
-        func load() -> String? { state.value.snapshot }
+        func load() -> String? { state.value.text }
 
-        func save(_ snapshot: String) {
+        func save(_ text: String) {
             state.change {
                 $0.savedS.append($0.nowS)
-                $0.snapshot = snapshot
+                $0.text = text
             }
         }
 
-        func clear() { state.change { $0.snapshot = nil } }
+        func clear() { state.change { $0.text = nil } }
     }
 
     /// Plays events to a store's compensator; `end` runs after the last, before the sequence ends.
@@ -52,7 +52,7 @@ import Testing
 
     @Test func aSessionOf20SecondsThatACrashEndedIsThereAtTheNextLaunch() async throws {
         let (store, atCrash) = (Kept(), Shared<String?>(nil))
-        _ = try await readings(tumbling(2000), store) { atCrash.change { $0 = store.state.value.snapshot } }
+        _ = try await readings(tumbling(2000), store) { atCrash.change { $0 = store.state.value.text } }
         let next = try await readings(tumbling(1), Kept(atCrash.value))
         #expect(next.count == 1 && next[0].reading.fieldUt != nil, "calibrated from the first sample on")
     }
@@ -96,12 +96,12 @@ import Testing
             _ = try await readings(rested, store)
             #expect(try #require(store.savedS.last) <= changedS + 10.201, "\(store.savedS)")
             let kept = try Compensator()
-            try kept.restoreCalibration(try #require(store.state.value.snapshot))
+            try kept.adoptKept(try #require(store.state.value.text), unixTimeS: nil)
             #expect(
                 try kept.calibration()?.hardIronUt == calibration.hardIronUt,
                 "the last change was saved, though within 10 s of the save before")
             // a next launch that ends before the first magnetometer sample
-            let next = Kept(store.state.value.snapshot)
+            let next = Kept(store.state.value.text)
             _ = try await readings(Array(rested[..<1]), next)
             #expect(next.savedS == [])
         }
@@ -170,7 +170,7 @@ import Testing
         let store = Kept()
         _ = try await readings(tumbling(1500), store)
         let rest = still(0..<6000)
-        let next = try await readings(rest, Kept(store.state.value.snapshot))
+        let next = try await readings(rest, Kept(store.state.value.text))
         let labels = next.map { $0.reading.status.label() }
         let suspect = labels.filter { $0 == "suspect" }.count
         #expect(labels.count == 6000 && suspect == 0, "suspect in \(suspect) of 6000 samples at rest")

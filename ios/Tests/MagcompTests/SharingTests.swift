@@ -103,10 +103,10 @@ import Testing
             return kept.value
         }
 
-        func save(_ snapshot: String) {
+        func save(_ text: String) {
             calls.change { $0.append("save") }
             Thread.sleep(forTimeInterval: 0.05)
-            kept.change { $0 = snapshot }
+            kept.change { $0 = text }
             calls.change { $0.append("saved") }
         }
 

@@ -26,6 +26,14 @@ extension Vector3 {
     }
 }
 
+/// A time of the wall clock, seconds since 1970.
+let nowS: Int64 = 1_795_000_000
+
+/// A kept calibration as if a newer version of the library had written it.
+func newer(_ text: String) -> String {
+    text.replacingOccurrences(of: #""magcomp_calibration":1,"#, with: #""magcomp_calibration":99,"#)
+}
+
 /// 100 Hz.
 let stepNs: Int64 = 10_000_000
 let hardIronUt = Vector3(x: 120, y: -80, z: 300)

@@ -24,7 +24,8 @@ struct TextsTests {
         ]
         let held: [HoldReason] = [.lowUniformity, .constant, .atRest, .tooLittleRotation, .noGyroscope]
         let rejected: [RejectReason] = [
-            .notFinite, .outOfRange(valueUt: real(), limitUt: real()), .saturated(valueUt: real(), railUt: real()),
+            .notFinite, .outOfRange(valueUt: real(), limitUt: real()),
+            .saturated(axis: [.x, .y, .z].randomElement(using: &random)!, valueUt: real(), railUt: real()),
             .timeNotAfter(timeNs: .random(in: .min ... .max), latestNs: .random(in: .min ... .max)),
             .timeJump(gapS: real(), limitS: 604_800), .stuck(repeats: whole()),
         ]

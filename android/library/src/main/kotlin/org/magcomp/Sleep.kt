@@ -4,7 +4,7 @@ import kotlin.math.abs
 
 /**
  * How much time a sensor's clock did not show beside one that never stops. An event is delivered later than it happened, by any time
- * where events come in batches, so only the smallest lag of half a second counts.
+ * where events come in batches, so only the smallest lag of half a second of events counts.
  */
 internal class Sleep {
     /** Seconds so far. */
@@ -18,12 +18,16 @@ internal class Sleep {
     /** The smallest lag since all have been others, s, and since when, ns. */
     private var otherS: Double? = null
     private var otherSinceNs = 0L
+    private var latestNs = 0L
 
     /** An event of this time was delivered now. */
     @Synchronized
     fun see(timeNs: Long, nowNs: Long) {
         // any two times may be subtracted
         val lagS = (nowNs.toDouble() - timeNs.toDouble()) * 1e-9
+        // what came before a pause tells nothing of a batch after it
+        if (nowNs - latestNs > OTHER_FOR_NS) otherS = null
+        latestNs = nowNs
         val least = leastS
         if (least == null || abs(lagS - least) <= LEAST_S) {
             leastS = minOf(lagS, least ?: lagS)

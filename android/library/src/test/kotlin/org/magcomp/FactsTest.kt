@@ -120,7 +120,7 @@ class FactsTest {
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(Axis.Z, 1300.0, 1299.5),
+            RejectReason.Saturated(Axis.X, 1300.0, 1299.5),
             RejectReason.TimeNotAfter(7, 8),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
