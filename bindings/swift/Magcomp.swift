@@ -1425,7 +1425,7 @@ public struct Config: Equatable, Hashable, Codable {
      */
     public var method: CompensationMethod?
     /**
-     * A calibration to begin with, for instance that of the last launch. Default none.
+     * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
      */
     public var initial: Calibration?
     /**
@@ -1470,7 +1470,7 @@ public struct Config: Equatable, Hashable, Codable {
          * How the hard and soft iron are estimated. Default `Auto`.
          */method: CompensationMethod? = nil,
         /**
-         * A calibration to begin with, for instance that of the last launch. Default none.
+         * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
          */initial: Calibration? = nil,
         /**
          * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the

@@ -25,7 +25,7 @@ pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
     #[uniffi(default = None)]
     pub method: Option<Method>,
-    /// A calibration to begin with, for instance that of the last launch. Default none.
+    /// A calibration to begin with, from elsewhere; that of the last launch is for `adopt_kept`. Default none.
     #[uniffi(default = None)]
     pub initial: Option<Calibration>,
     /// One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the

@@ -2526,7 +2526,7 @@ data class Config (
     val `method`: Method? = null
     ,
     /**
-     * A calibration to begin with, for instance that of the last launch. Default none.
+     * A calibration to begin with, from elsewhere; that of the last launch is for `adopt_kept`. Default none.
      */
     val `initial`: Calibration? = null
     ,

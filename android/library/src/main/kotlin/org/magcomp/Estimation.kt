@@ -16,9 +16,11 @@ internal class Estimation(
     private val configFrame = config.headingFrame()
     private var currentFrame = configFrame
 
-    /** What was taken over last, and whether live samples have not confirmed it yet. */
+    /** What was taken over last. */
     private var text: String? = null
-    private var unconfirmed = false
+
+    /** Whether what was kept or given was not confirmed by live samples yet, and whether there is a calibration. */
+    private var unconfirmed = config.initial != null
     private var isInForce = true
 
     /** When the latest run ended, seconds since 1970. */
@@ -113,7 +115,7 @@ internal class Estimation(
         return CompensatedReading(reading, sample, unseen, sensors = source?.sensors?.value, storeError = storeError)
     }
 
-    /** Beside a kept calibration the system's hard iron is listened to only where the system itself is sure of it. */
+    /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */
     private fun isBelieved(): Boolean {
         val accuracy = source?.sensors?.value?.magnetometer?.accuracy
         return !(unconfirmed && isInForce) || accuracy == null || accuracy == SensorAccuracy.HIGH
