@@ -141,12 +141,12 @@ copy() { # COMMAND...: with the libraries they load
         done
     done
 }
-mkdir -p "$root"/{usr/{bin,sbin,lib,lib64},tmp,dev,work,given}
+mkdir -p "$root"/{usr/{bin,sbin,lib,lib64},tmp,dev,project,given}
 for folder in bin sbin lib lib64; do ln -s "usr/$folder" "$root/$folder"; done
 touch "$root/dev/null"
 copy true bash sh env dirname basename realpath id sed grep tr mkdir rm rmdir mktemp cat sort tail uname chroot mount unshare
-cp -r --parents tests/*.sh bindings/*.sh ios/*.sh "$root/work/"
-ln -sf /bin/true "$root/work/tests/need-test.sh" # not this script in itself
+cp -r --parents tests/*.sh bindings/*.sh ios/*.sh "$root/project/"
+ln -sf /bin/true "$root/project/tests/need-test.sh" # not this script in itself
 within() { # COMMAND...: in that root
     chroot "$root" env -i HOME=/root PATH=/given:/usr/bin:/usr/sbin "$@" >"$work/out" 2>&1
 }
@@ -154,10 +154,10 @@ within() { # COMMAND...: in that root
 # Swift where nothing may be mounted, for real
 ! swift setpriv --bounding-set -sys_admin --inh-caps -sys_admin || fail "mounts without CAP_SYS_ADMIN"
 grep -q 'missing: Swift 6.*may not mount.*CAP_SYS_ADMIN' "$work/out" || fail "does not say that it may not mount"
-! within bash /work/tests/swift.sh || fail "goes on without cargo"
+! within bash /project/tests/swift.sh || fail "goes on without cargo"
 for tool in cargo cc; do printf '#!/bin/sh\n' >"$root/given/$tool" && chmod +x "$root/given/$tool"; done
 install -D /dev/null "$root/usr/include/stdio.h"
-! within bash /work/tests/swift.sh || fail "mounts in a chroot"
+! within bash /project/tests/swift.sh || fail "mounts in a chroot"
 if unshare -m true 2>/dev/null; then
     grep -q 'missing: Swift 6.*is a chroot.*mount --bind' "$work/out" || fail "does not say what a chroot needs"
 fi
@@ -192,7 +192,7 @@ for call in 'tests/run.sh rust' bindings/generate.sh tests/kotlin.sh tests/swift
     give unshare # mounts are not what is tried here
     pairs=()
     while :; do # a script may ask more than once
-        ! within bash /work/$call || [ ${#pairs[@]} -gt 0 ] || fail "$call needs nothing"
+        ! within bash /project/$call || [ ${#pairs[@]} -gt 0 ] || fail "$call needs nothing"
         mapfile -t more < <(asked)
         [ ${#more[@]} -gt 0 ] || break
         for pair in "${more[@]}"; do give "${pair%%:*}"; done
@@ -205,7 +205,7 @@ for call in 'tests/run.sh rust' bindings/generate.sh tests/kotlin.sh tests/swift
             rm "$(file_of "${pair%%:*}")"
             rm -f "$root/log" "$root/given/apt-get"
             if [ -n "$apt" ]; then printf '#!/bin/sh\n%s\n' "$apt" >"$root/given/apt-get" && chmod +x "$root/given/apt-get"; fi
-            ! within bash /work/$call || fail "$call goes on without ${pair%%:*}"
+            ! within bash /project/$call || fail "$call goes on without ${pair%%:*}"
             [ "$(asked)" = "$pair" ] || fail "$call names '$(asked)' where $pair is missing"
             [ -z "$apt" ] || [ "$pair" = cargo: ] || grep -q " ${pair#*:}\$" "$root/log" || fail "$call does not install ${pair#*:}"
             give "${pair%%:*}"
