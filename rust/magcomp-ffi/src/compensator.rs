@@ -245,12 +245,13 @@ mod tests {
         let compensator = Compensator::new(default_config()).unwrap();
         let sample = |time_ns: i64, x: f64, reported: f64| MagneticSample {
             time_ns,
-            field_ut: Vector3 { x, y: 1.0, z: 2.0 },
+            // of the strength that is assumed beside the system's hard iron
+            field_ut: Vector3 { x, y: 27.0, z: -36.0 },
             reported_hard_iron_ut: Some(Vector3 { x: reported, y: 0.0, z: 0.0 }),
         };
         assert_eq!(compensator.push(sample(1, f64::NAN, 70.0)).unwrap().reported_hard_iron_jump_ut, None);
         assert_eq!(compensator.calibration().unwrap(), None);
-        assert_eq!(compensator.push(sample(2, 3.0, 100.0)).unwrap().reported_hard_iron_jump_ut, None);
+        assert_eq!(compensator.push(sample(2, 100.0, 100.0)).unwrap().reported_hard_iron_jump_ut, None);
         assert!((compensator.calibration().unwrap().unwrap().hard_iron_ut.x - 100.0).abs() < 1e-9);
         let jump_ut =
             |time_ns, x, reported| compensator.push(sample(time_ns, x, reported)).unwrap().reported_hard_iron_jump_ut;
