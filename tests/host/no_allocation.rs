@@ -99,6 +99,7 @@ fn push_takes_no_memory() {
             let turned = if gone { Ok(()) } else { compensator.push_rotation_rate(rate) };
             let up = compensator.push_up(UpSample { time_ns, up_m_s2: Vector3::new(0.0, 1.0, 9.7) });
             let reading = compensator.push(MagneticSample { time_ns, field_ut });
+            std::hint::black_box(compensator.explain());
             assert_eq!(taken() - start, 0, "{method:?}, sample {k}: {}", reading.status);
             assert!(k >= 12_500 || turned.is_ok() && up.is_ok());
             another_clock |= k > 12_600 && !matches!(reading.status, Status::Rejected(_));

@@ -269,6 +269,7 @@ fn no_output_goes_into_the_session_or_onto_another_output() {
         for input in ["F", "link", "other/../F"] {
             refuse(&["import", input, "-o", output], "in the input");
             refuse(&["replay", input, "--output", output], "in the input");
+            refuse(&["replay", input, "--explain", output], "in the input");
         }
         refuse(&["replay", "F", "--calibration", output], "--calibration");
     }
@@ -279,6 +280,7 @@ fn no_output_goes_into_the_session_or_onto_another_output() {
     refuse(&["import", "F", "-o", "out.csv", "--report", "F"], "--report F lies in the input F");
     // two outputs
     refuse(&["replay", "r.csv", "--output", "x.csv", "--calibration", "other/../x.csv"], "is --output too");
+    refuse(&["replay", "r.csv", "--output", "x.csv", "--explain", "other/../x.csv"], "is --output too");
     for output in ["pages/index.html", "pages/replay_sphere.svg"] {
         refuse(&["replay", "r.csv", "--output", output, "--report", "pages"], "may be a page of --report");
         refuse(&["simulate", output, "--seconds", "1", "--report", "pages"], "may be a page of --report");

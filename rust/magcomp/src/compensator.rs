@@ -13,6 +13,7 @@ use crate::coverage::Coverage;
 use crate::estimator::Tunings;
 use crate::estimator::answer::Answer;
 use crate::estimator::paper::Clerk;
+use crate::explanation::Explanation;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, USUAL_SIGMA_UT};
 use crate::quadric::EllipsoidFit;
@@ -401,6 +402,20 @@ impl Compensator {
     #[must_use]
     pub fn fit(&self) -> Option<&EllipsoidFit> {
         if let Active::Windowed(windowed) = &*self.active { windowed.fit.as_ref() } else { None }
+    }
+
+    /// Why the latest reading says what it says: innovation, hypotheses and noise levels after the latest sample that was not rejected. It only looks:
+    /// no allocation, and whether it is asked changes no reading. For a log of a whole recording: `magcomp replay --explain`.
+    ///
+    /// ```
+    /// # use magcomp::{Compensator, Config, EstimatorPhase};
+    /// let explanation = Compensator::new(Config::default())?.explain();
+    /// assert_eq!((explanation.phase, explanation.sample), (EstimatorPhase::Starting, None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn explain(&self) -> Explanation {
+        self.active.explain(&self.clerk)
     }
 
     /// Which directions the window has seen, for guidance.

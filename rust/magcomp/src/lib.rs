@@ -34,6 +34,7 @@
 //! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
 //! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
+//! | why a reading says what it says | [`Compensator::explain`], [`Explanation`] | `explanation.rs`, `estimator/aided/explain.rs` |
 //! | the settings | [`Config`] | `config.rs` |
 //! | a calibration kept from one launch to the next; what live samples say of it | [`KeptCalibration`], [`Compensator::adopt`] | `kept.rs`, `compensator/adopted.rs` |
 //!
@@ -50,6 +51,7 @@ mod compensator;
 mod config;
 mod coverage;
 mod estimator;
+mod explanation;
 mod heading;
 mod kept;
 mod quadric;
@@ -67,6 +69,10 @@ pub use coverage::{CELLS, Coverage};
 #[doc(hidden)]
 pub use estimator::Tunings;
 pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
+pub use explanation::{
+    ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,
+    NoiseLevels, SampleUse,
+};
 pub use heading::{
     Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
 };

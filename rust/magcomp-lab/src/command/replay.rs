@@ -8,8 +8,8 @@ use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, name_of};
 use crate::replay::{
-    Figures, Ignore, Judge, Judgement, Legs, Output, Player, Step, read_waypoints, table as summary, usual_part,
-    write_calibration,
+    ExplainOutput, Figures, Ignore, Judge, Judgement, Legs, Output, Player, read_waypoints, table as summary,
+    usual_part, write_calibration,
 };
 use crate::report::Report;
 use crate::table::Table;
@@ -56,6 +56,10 @@ pub(super) struct Replay {
     /// Where one row for every input row is written; without it only the summary is printed
     #[arg(long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
+    /// Where it is told for every input row why the reading says what it says: estimator and phase, innovation against its expected size,
+    /// hypotheses with onset and log odds, noise levels
+    #[arg(long, value_name = "OUT.csv")]
+    explain: Option<PathBuf>,
     /// Where the last calibration is written: JSON with M, b, field strength and covariance, which `Calibration` reads
     #[arg(long, value_name = "OUT.json")]
     calibration: Option<PathBuf>,
@@ -140,7 +144,7 @@ impl Replay {
     pub fn run(self) -> Result<(), LabError> {
         let method = self.method.method();
         let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
-        let outputs = [("--output", &self.output), ("--calibration", &self.calibration)];
+        let outputs = [("--output", &self.output), ("--explain", &self.explain), ("--calibration", &self.calibration)];
         let outputs: Vec<_> = outputs.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?))).collect();
         refuse_outputs(&inputs, &outputs, self.common.report.as_deref())?;
 
@@ -188,6 +192,8 @@ impl Replay {
 
         let mut output =
             self.output.as_deref().map(|path| Output::create(path, declination_deg.is_some())).transpose()?;
+        let mut explained = self.explain.as_deref().map(ExplainOutput::create).transpose()?;
+        let mut explanations = Vec::new();
         let mut judge = Judge::new(&extent, part, axis);
         let mut legs = Legs::new(&waypoints.unwrap_or_default());
         let mut figures = self.common.report.is_some().then(|| Figures::new(&extent));
@@ -197,7 +203,13 @@ impl Replay {
         while rows.peek().is_some() {
             let chunk = rows.by_ref().take(CHUNK).collect::<Result<Vec<Row>, _>>()?;
             let (first, others) = players.split_first_mut().expect("there is at least one pass");
-            let mut steps: Vec<Step> = chunk.iter().map(|row| first.play(row)).collect();
+            let mut steps = Vec::with_capacity(chunk.len());
+            for row in &chunk {
+                steps.push(first.play(row));
+                if explained.is_some() {
+                    explanations.push(first.compensator().explain());
+                }
+            }
             for player in others {
                 for (step, row) in steps.iter_mut().zip(&chunk) {
                     step.push_ns = step.push_ns.min(player.play(row).push_ns);
@@ -209,11 +221,17 @@ impl Replay {
                 legs.add(row, step);
                 figures.iter_mut().for_each(|figures| figures.add(row, step));
             }
+            if let Some(explained) = &mut explained {
+                for ((row, step), explanation) in chunk.iter().zip(&steps).zip(explanations.drain(..)) {
+                    explained.add(row, &step.reading, &explanation)?;
+                }
+            }
             last = steps.pop();
             bar.inc(chunk.len() as u64);
         }
         bar.finish_and_clear();
         output.map_or(Ok(()), Output::finish)?;
+        explained.map_or(Ok(()), ExplainOutput::finish)?;
         if let Some(path) = &self.calibration {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }

@@ -2,6 +2,7 @@
 
 mod changes;
 mod circle;
+mod explain;
 mod export;
 mod figures;
 mod judge;
@@ -19,6 +20,7 @@ mod view;
 
 pub use changes::{DeviceChange, PlaceDiffered};
 pub use circle::HeadingError;
+pub use explain::ExplainOutput;
 pub use export::write_calibration;
 pub use figures::{Figures, figures};
 pub use judge::{Declared, Disturbance, Judge, Judgement, MeanSpread, Vectors, VectorsJudge, judge, usual_part};

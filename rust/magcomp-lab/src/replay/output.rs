@@ -74,12 +74,12 @@ fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
     write!(out, ",{push_ns}")
 }
 
-fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io::Result<()> {
+pub(super) fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io::Result<()> {
     (0..3).try_for_each(|i| cell(out, value.map(|v| v[i]), digits))
 }
 
 /// A number, or an empty cell where it is not known.
-fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
+pub(super) fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
     match value {
         Some(v) => write!(out, ",{v:.digits$}"),
         None => write!(out, ","),

@@ -7,6 +7,7 @@ use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::Aided;
 use crate::estimator::answer::Answer;
 use crate::estimator::paper::{Clerk, Noted, Windowed};
+use crate::explanation::Explanation;
 use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
 use crate::quadric::direction_sigma_deg;
 use crate::reading::{SensorMode, Status};
@@ -161,6 +162,19 @@ impl Active {
             Self::Starting(aided, adaptive) if knows_more(aided, adaptive) => aided.covariance(),
             Self::Starting(_, adaptive) => adaptive.covariance(),
             Self::Windowed(windowed) => windowed.fit.map(|fit| fit.covariance),
+        }
+    }
+
+    /// The inside of the estimator that speaks.
+    pub fn explain(&self, clerk: &Clerk) -> Explanation {
+        match self {
+            Self::Aided(aided) => aided.explain(),
+            Self::Adaptive(adaptive) => adaptive.explain(),
+            Self::Starting(aided, adaptive) => {
+                let it = if knows_more(aided, adaptive) { aided.explain() } else { adaptive.explain() };
+                Explanation { tries_both: true, ..it }
+            }
+            Self::Windowed(windowed) => windowed.explain(clerk),
         }
     }
 

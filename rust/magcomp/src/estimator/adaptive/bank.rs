@@ -54,7 +54,8 @@ impl Bank {
         self.all.iter().all(Option::is_none)
     }
 
-    fn each(&self) -> impl Iterator<Item = &Hypothesis> {
+    /// All hypotheses, in no order.
+    pub fn each(&self) -> impl Iterator<Item = &Hypothesis> {
         self.all.iter().flatten()
     }
 

@@ -5,11 +5,12 @@
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
 //! `hypothesis` (prior, fit, evidence) · `motion` (b that moves) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
 //! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `decision` (what is
-//! told of changes) · `published` (what is in force).
+//! told of changes) · `published` (what is in force) · `explain` (for people).
 //! The derivation is in docs/METHOD.md.
 
 mod bank;
 mod decision;
+mod explain;
 mod grouping;
 mod hypothesis;
 mod likelihood;
@@ -23,6 +24,7 @@ mod vertical;
 
 use crate::calibration::{Calibration, Given, UNEVEN_UT, typical_field_ut};
 use crate::estimator::answer::Answer;
+use crate::explanation::SampleUse;
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::tilt::GRAVITY_M_S2;
 use bank::Bank;
@@ -68,6 +70,8 @@ pub(crate) struct Adaptive {
     /// Sum of the corrected directions, and of how many groups.
     seen: Vector3<f64>,
     groups: u64,
+    /// What became of the latest complete group: only told.
+    usage: Option<SampleUse>,
 }
 
 impl Adaptive {
@@ -91,6 +95,7 @@ impl Adaptive {
             count: 0,
             seen: Vector3::zeros(),
             groups: 0,
+            usage: None,
         }
     }
 
@@ -136,6 +141,11 @@ impl Adaptive {
         let stale = self.stays(&u, count as f64, &at.level);
         let sample = Sample { u, raw_ut: u * self.unit_ut, up: group.up(), count, stale };
         let surprise = self.bank.surprise(&sample, &at);
+        self.usage = Some(match surprise {
+            _ if stale => SampleUse::AtRest,
+            Some(_) => SampleUse::Gated,
+            None => SampleUse::Used,
+        });
         if !stale {
             self.learn_noise(group, surprise.is_some(), &at.level);
         }

@@ -138,11 +138,12 @@ impl Adaptation {
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
-        let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / innovation.trace).min(1.0);
+        let trace_ut2 = innovation.variance_ut2.sum();
+        let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
         let quick = gain(dt_s, tuning.quick_s);
         self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * quick;
-        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - quick) / (quick * innovation.trace);
+        let slow = self.slow_innovation_ut.norm_squared() * (2.0 - quick) / (quick * trace_ut2);
         let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));

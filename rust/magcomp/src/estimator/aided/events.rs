@@ -14,6 +14,7 @@ use super::state::{FIELD, Gaussian, OFFSET};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
+use crate::explanation::{ChangeHypothesis, ChangeKind};
 
 /// A hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;
@@ -138,6 +139,24 @@ impl Trial {
             };
             Verdict::Open
         })
+    }
+
+    /// The hypotheses, the likelier first.
+    pub(crate) fn explain(&self) -> [ChangeHypothesis; 2] {
+        let of = |kind, log_odds: f64, gated_share| {
+            let gated_share = Some(gated_share);
+            ChangeHypothesis { kind, onset_ns: self.onset_ns, log_odds: log_odds.min(0.0), gated_share }
+        };
+        let device = if self.recalled { ChangeKind::DeviceBack } else { ChangeKind::Device };
+        let place = if self.blind { ChangeKind::Unchanged } else { ChangeKind::Place };
+        let device = of(device, self.log_ratio, self.device_misfit);
+        let place = of(place, -self.log_ratio, self.place_misfit);
+        if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
+    }
+
+    /// How far the device was turned while they were compared.
+    pub(crate) fn compared_turn_rad(&self) -> f64 {
+        self.rotation_rad
     }
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {

@@ -117,6 +117,11 @@ impl FirstFit {
         self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.scale))
     }
 
+    /// How well rest has shown the bias of the gyroscope, per axis, rad/s.
+    pub(super) fn rest_bias_sigma_rad_s(&self) -> f64 {
+        self.bias_variance.sqrt()
+    }
+
     /// At rest the rate is the bias.
     pub(super) fn rest(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
         let gain = self.bias_variance / (self.bias_variance + variance);

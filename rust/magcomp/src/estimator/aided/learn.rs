@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use super::earth::Earth;
 use super::events::{Trial, Verdict};
-use super::measure::NONE;
+use super::measure::{Judged, NONE};
 use super::phase::{Phase, Running};
 use super::propagate::ProcessNoise;
 use super::start::drift;
@@ -21,6 +21,7 @@ use super::step::{Known, Step};
 use super::watch::Former;
 use super::{Aided, propagate};
 use crate::estimator::answer::Answer;
+use crate::explanation::SampleUse;
 use crate::reading::{Event, EventKind, Status};
 use crate::sensing::pairing::Rotation;
 
@@ -98,9 +99,11 @@ impl Aided {
         if let Some(variance) = step.bias_variance {
             first.rest(step.rate_rad_s, variance);
         }
-        if !step.resting || (first.given.is_some() && first.is_blind()) {
+        let is_pooled = !step.resting || (first.given.is_some() && first.is_blind());
+        if is_pooled {
             first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
+        self.judged = Some(Judged::alone(if is_pooled { SampleUse::Pooled } else { SampleUse::AtRest }));
         if let Some(filter) = first.take() {
             self.phase = Phase::Running(Running::of(filter));
         }
@@ -119,6 +122,7 @@ impl Aided {
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
         let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
+            self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         };
         // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
@@ -137,6 +141,16 @@ impl Aided {
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
         let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        let usage = if step.resting {
+            SampleUse::AtRest
+        } else if is_open || is_blind {
+            SampleUse::Compared
+        } else if gated {
+            SampleUse::Gated
+        } else {
+            SampleUse::Used
+        };
+        self.judged = Some(Judged::by(&innovation, usage));
         if is_blind && !is_open {
             running.watch.since_ns = step.time_ns;
             running.watch.misfit_ut = innovation.v.norm();

@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, STATES, covariance};
+use crate::explanation::SampleUse;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -24,12 +25,39 @@ pub(crate) struct Innovation {
     pub(crate) nis: f64,
     /// ln det S.
     pub(crate) ln_det: f64,
-    /// tr S, uT^2.
-    pub(crate) trace: f64,
+    /// The diagonal of S, uT^2.
+    pub(crate) variance_ut2: Vector3<f64>,
     /// V.
     gain: SMatrix<f64, STATES, 3>,
     /// z.
     whitened: Vector3<f64>,
+}
+
+/// What became of a sample: only told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Judged {
+    pub(crate) usage: SampleUse,
+    pub(crate) innovation: Option<Summary>,
+}
+
+/// What is kept of an innovation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Summary {
+    pub(crate) v: Vector3<f64>,
+    pub(crate) variance_ut2: Vector3<f64>,
+    pub(crate) nis: f64,
+}
+
+impl Judged {
+    pub(crate) fn by(innovation: &Innovation, usage: SampleUse) -> Self {
+        let Innovation { v, variance_ut2, nis, .. } = *innovation;
+        Self { usage, innovation: Some(Summary { v, variance_ut2, nis }) }
+    }
+
+    /// Without an innovation.
+    pub(crate) fn alone(usage: SampleUse) -> Self {
+        Self { usage, innovation: None }
+    }
 }
 
 /// Which states an update holds, from and to.
@@ -111,7 +139,7 @@ impl Gaussian {
             v,
             nis,
             ln_det,
-            trace: s.trace(),
+            variance_ut2: s.diagonal(),
             gain: ph * l_inverse.transpose(),
             whitened,
         })

@@ -2,12 +2,13 @@
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · `step`, `learn` (one sample) ·
-//! `publish`. The derivation is in docs/METHOD-AIDED.md.
+//! `publish` · `explain` (for people). The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
 mod earth;
 mod events;
+mod explain;
 mod first_fit;
 mod groups;
 mod learn;
@@ -29,10 +30,12 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::calibration::Calibration;
 use crate::estimator::answer::Answer;
+use crate::explanation::SampleUse;
 use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use first_fit::FirstFit;
+use measure::Judged;
 use motion::Motion;
 use phase::{Phase, Running};
 use state::{FIELD, Gaussian, OFFSET};
@@ -57,6 +60,8 @@ pub(crate) struct Aided {
     /// Seconds since the chain of rotations began, and whether there was one before.
     chain_s: f64,
     was_broken: bool,
+    /// What became of the latest sample: only told.
+    judged: Option<Judged>,
 }
 
 impl Aided {
@@ -72,6 +77,7 @@ impl Aided {
             event: None,
             chain_s: 0.0,
             was_broken: false,
+            judged: None,
             tuning,
         }
     }
@@ -165,6 +171,7 @@ impl Aided {
             None => {
                 self.was_broken |= self.chain_s > 0.0;
                 self.chain_s = 0.0;
+                self.judged = Some(Judged::alone(SampleUse::NoRotation));
                 self.without_rotation(&raw_ut, up, dt_s)
             }
         };

@@ -14,6 +14,7 @@ mod tests;
 
 use super::clerk::Clerk;
 use super::config::WindowedConfig;
+use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
 use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
 use nalgebra::Vector3;
@@ -117,6 +118,26 @@ impl Windowed {
             (None, _) => self.collecting(clerk),
             (_, None) => Status::Tracking,
             (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
+        }
+    }
+
+    pub fn explain(&self, clerk: &Clerk) -> Explanation {
+        let is_kept = self.constant && clerk.noted.calibration.is_some();
+        let usage = if is_kept { SampleUse::Unused } else { SampleUse::Pooled };
+        Explanation {
+            estimator: Estimator::Windowed,
+            phase: match (self.fit, self.suspect_since_ns) {
+                (None, _) => EstimatorPhase::Starting,
+                (Some(_), None) => EstimatorPhase::Running,
+                (Some(_), Some(_)) => EstimatorPhase::Undecided,
+            },
+            tries_both: false,
+            sample: (clerk.len() > 0).then_some(usage),
+            innovation: None,
+            gated_share: None,
+            compared_turn_deg: None,
+            hypotheses: [None; EXPLAINED_HYPOTHESES],
+            noise: NoiseLevels { white_ut: self.fit.map(|fit| fit.residual_rms_ut), ..NoiseLevels::default() },
         }
     }
 

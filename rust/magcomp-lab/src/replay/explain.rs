@@ -1,0 +1,146 @@
+//! `replay --explain`: why each reading said what it said, one row for every input row, in order.
+
+use super::output::{cell, vector};
+use crate::error::LabError;
+use crate::recording::{AtomicFile, Row};
+use magcomp::{
+    ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, EventKind, Explanation, Reading,
+    SampleUse, Status,
+};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// The columns before those of the hypotheses.
+const BEFORE: &str = "t_s,status,event,event_onset_s,estimator,phase,tries_both,sample,\
+                      innovation_x_ut,innovation_y_ut,innovation_z_ut,expected_x_ut,expected_y_ut,expected_z_ut,\
+                      test_ratio,gated_share,compared_turn_deg";
+/// Those of a hypothesis; each begins with `hypothesis_` and its number.
+const HYPOTHESIS: [&str; 4] = ["kind", "onset_s", "log_odds", "gated_share"];
+/// Those after the hypotheses.
+const AFTER: &str = "white_ut,local_ut,hard_iron_walk_ut_per_sqrt_s,delay_s,delay_sigma_s,\
+                     gyroscope_bias_x_rad_s,gyroscope_bias_y_rad_s,gyroscope_bias_z_rad_s,\
+                     gyroscope_bias_sigma_x_rad_s,gyroscope_bias_sigma_y_rad_s,gyroscope_bias_sigma_z_rad_s";
+
+/// The explanations of a replay in the making; the file appears under its name when it is finished.
+pub struct ExplainOutput {
+    file: AtomicFile,
+}
+
+impl ExplainOutput {
+    /// Begins to write `path`.
+    ///
+    /// # Errors
+    /// [`LabError::Write`]; a file that was at `path` before is untouched then.
+    pub fn create(path: &Path) -> Result<Self, LabError> {
+        let mut file = AtomicFile::create(path)?;
+        file.write(|out| {
+            write!(out, "{BEFORE}")?;
+            for k in 1..=EXPLAINED_HYPOTHESES {
+                HYPOTHESIS.iter().try_for_each(|column| write!(out, ",hypothesis_{k}_{column}"))?;
+            }
+            writeln!(out, ",{AFTER}")
+        })?;
+        Ok(Self { file })
+    }
+
+    /// The next row, its reading and the inside of the compensator after it.
+    ///
+    /// # Errors
+    /// As of [`ExplainOutput::create`].
+    pub fn add(&mut self, row: &Row, reading: &Reading, explanation: &Explanation) -> Result<(), LabError> {
+        self.file.write(|out| line(out, row, reading, explanation))
+    }
+
+    /// Moves it into place.
+    ///
+    /// # Errors
+    /// As of [`ExplainOutput::create`].
+    pub fn finish(self) -> Result<(), LabError> {
+        self.file.finish()
+    }
+}
+
+fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explanation) -> io::Result<()> {
+    let seconds = |time_ns: i64| row.time_s + time_ns.saturating_sub(row.time_ns) as f64 * 1e-9;
+    // a rejected sample changed nothing: what is told of a sample is of one before it
+    let is_rejected = matches!(reading.status, Status::Rejected(_));
+    // in the row of its decision alone
+    let event = reading.event.filter(|event| !is_rejected && event.decided_ns == row.time_ns);
+    write!(out, "{},{},{}", row.time_s, reading.status.label(), event.map_or("", |event| event_word(event.kind)))?;
+    cell(out, event.map(|event| seconds(event.since_ns)), 3)?;
+    let Explanation { estimator, phase, tries_both, sample, innovation, hypotheses, noise, .. } = explanation;
+    let sample = if is_rejected { "rejected" } else { sample.map_or("", sample_word) };
+    write!(out, ",{},{},{tries_both},{sample}", estimator_word(*estimator), phase_word(*phase))?;
+    let innovation = innovation.filter(|_| !is_rejected);
+    vector(out, innovation.map(|it| it.innovation_ut), 4)?;
+    vector(out, innovation.map(|it| it.expected_ut), 4)?;
+    cell(out, innovation.map(|it| it.ratio), 4)?;
+    cell(out, explanation.gated_share, 4)?;
+    cell(out, explanation.compared_turn_deg, 2)?;
+    for hypothesis in hypotheses {
+        let ChangeHypothesis { kind, onset_ns, log_odds, gated_share, .. } = match hypothesis {
+            Some(hypothesis) => hypothesis,
+            None => {
+                write!(out, "{}", ",".repeat(HYPOTHESIS.len()))?;
+                continue;
+            }
+        };
+        write!(out, ",{},{:.3},{log_odds:.2}", kind_word(*kind), seconds(*onset_ns))?;
+        cell(out, *gated_share, 4)?;
+    }
+    cell(out, noise.white_ut, 4)?;
+    cell(out, noise.local_ut, 4)?;
+    cell(out, noise.hard_iron_walk_ut, 4)?;
+    cell(out, noise.delay_s, 6)?;
+    cell(out, noise.delay_sigma_s, 6)?;
+    vector(out, noise.gyroscope_bias_rad_s, 6)?;
+    vector(out, noise.gyroscope_bias_sigma_rad_s, 6)?;
+    writeln!(out)
+}
+
+fn event_word(kind: EventKind) -> &'static str {
+    match kind {
+        EventKind::DeviceStep => "device_step",
+        EventKind::DeviceStepBack => "device_step_back",
+        EventKind::PlaceChanged => "place_changed",
+    }
+}
+
+fn estimator_word(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::Aided => "aided",
+        Estimator::Adaptive => "adaptive",
+        Estimator::Windowed => "windowed",
+    }
+}
+
+fn phase_word(phase: EstimatorPhase) -> &'static str {
+    match phase {
+        EstimatorPhase::Starting => "starting",
+        EstimatorPhase::Running => "running",
+        EstimatorPhase::Undecided => "undecided",
+    }
+}
+
+fn sample_word(usage: SampleUse) -> &'static str {
+    match usage {
+        SampleUse::Used => "used",
+        SampleUse::Gated => "gated",
+        SampleUse::Compared => "compared",
+        SampleUse::Pooled => "pooled",
+        SampleUse::AtRest => "at_rest",
+        SampleUse::NoRotation => "no_rotation",
+        SampleUse::Unused => "unused",
+    }
+}
+
+fn kind_word(kind: ChangeKind) -> &'static str {
+    match kind {
+        ChangeKind::FromNothing => "from_nothing",
+        ChangeKind::Unchanged => "unchanged",
+        ChangeKind::Device => "device",
+        ChangeKind::HardIron => "hard_iron",
+        ChangeKind::DeviceBack => "device_back",
+        ChangeKind::Place => "place",
+    }
+}
