@@ -98,8 +98,8 @@ pub struct InnovationTest {
 pub struct ChangeHypothesis {
     /// What changed.
     pub kind: ChangeKind,
-    /// Since when, nanoseconds: time of the first sample after the change; of the aided estimator of a gated one of the first 0.06 s, the one before
-    /// `gated_share` of the explanation passed 0.1 or just after.
+    /// Since when, nanoseconds: time of the first sample after the change; of the aided estimator that of the gated sample by which `gated_share` of
+    /// the explanation passed 0.1, some 0.05 s after the first.
     pub onset_ns: i64,
     /// Natural logarithm of its odds against the likeliest: 0 for the likeliest itself, else below. Aided estimator: a hypothesis wins once the
     /// other is below -30 (samples count as if 100 came a second), it fits, and the device was turned. Adaptive estimator: joint
