@@ -122,7 +122,7 @@ fn a_replay_explains_every_row() {
     assert_eq!((cell(1999, "phase"), cell(1999, "sample"), cell(2000, "sample")), ("running", "used", "gated"));
     assert!(number(1999, "test_ratio") < 1.0 && number(2000, "test_ratio") > 1.0);
     // its story ends in the row of the decision
-    let decided = (0..rows.len()).find(|row| cell(*row, "event") != "").unwrap();
+    let decided = (0..rows.len()).find(|row| !cell(*row, "event").is_empty()).unwrap();
     assert_eq!((cell(decided, "event"), cell(decided, "phase")), ("device_step", "running"));
     assert!((number(decided, "event_onset_s") - 20.0).abs() < 0.1);
     let before = decided - 1;
@@ -130,7 +130,7 @@ fn a_replay_explains_every_row() {
     assert_eq!((cell(before, "hypothesis_1_kind"), cell(before, "hypothesis_2_kind")), ("device", "place"));
     assert_eq!(cell(before, "hypothesis_1_onset_s"), cell(decided, "event_onset_s"));
     assert!(number(before, "hypothesis_2_log_odds") < -20.0);
-    assert_eq!((decided + 1..rows.len()).find(|row| cell(*row, "event") != ""), None);
+    assert_eq!((decided + 1..rows.len()).find(|row| !cell(*row, "event").is_empty()), None);
 }
 
 #[test]
