@@ -326,7 +326,7 @@ impl Compensator {
         if let (Status::Tracking, Some(heading)) = (status, reading.heading) {
             let seconds = previous.map_or(0.0, |previous| (sample.time_ns - previous.time_ns) as f64 * 1e-9);
             let dip_deg = self.inputs.inclination_deg.get_or_insert(heading.inclination_deg);
-            *dip_deg += (heading.inclination_deg - *dip_deg) * -(-seconds / DIP_S).exp_m1();
+            *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - (-seconds / DIP_S).exp());
         }
         reading
     }
