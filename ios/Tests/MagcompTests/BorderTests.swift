@@ -111,7 +111,8 @@ import Testing
             return try compensator.push(MagneticSample(timeNs: 1, fieldUt: Vector3(x: 120, y: -35, z: 300))).fieldSigmaUt
         }
         #expect((3.0...6.0).contains(try #require(try first(3))))
-        #expect((30.0...60.0).contains(try #require(try first(30))))
+        // the sample's own strength tells one of three axes
+        #expect((20.0...60.0).contains(try #require(try first(30))))
         let compensator = try Compensator()
         #expect(throws: MagcompError.config(field: "hard_iron_sigma_ut", value: "0.0", expected: "0.01 to 1000.0 uT")) {
             try compensator.adopt(calibration, hardIronSigmaUt: 0)

@@ -345,7 +345,8 @@ class BorderTest {
                 it.push(first).fieldSigmaUt!!
             }
         }
-        assertTrue(sigmas[0] in 3.0..6.0 && sigmas[1] in 30.0..60.0, "$sigmas")
+        // the sample's own strength tells one of three axes
+        assertTrue(sigmas[0] in 3.0..6.0 && sigmas[1] in 20.0..60.0, "$sigmas")
         Compensator().use {
             val error = assertThrows(MagcompException.Config::class.java) { it.adopt(calibration, 0.0) }
             assertEquals("hard_iron_sigma_ut", error.field)
