@@ -54,7 +54,8 @@ const DIP_S: f64 = 5.0;
 ///     compensator.push_up(UpSample { time_ns, up_m_s2 })?;
 ///     let reading = compensator.push(MagneticSample { time_ns, field_ut: field + Vector3::new(120.0, -80.0, 300.0) });
 ///     if let (Status::Tracking, Some(corrected), Some(sigma)) = (reading.status, reading.field_ut, reading.field_sigma_ut) {
-///         assert!((corrected - field).norm() < 3.0 * sigma);
+///         // the length of three components is beyond four standard deviations once in a thousand
+///         assert!((corrected - field).norm() < 4.0 * sigma);
 ///     }
 /// }
 /// assert!(compensator.calibration().is_some());
