@@ -94,11 +94,11 @@ import Testing
         let compensator = try Compensator()
         func push(_ timeNs: Int64, reported: Double) throws -> Reading {
             let sample = MagneticSample(
-                timeNs: timeNs, fieldUt: Vector3(x: 110, y: 20, z: 0),
+                timeNs: timeNs, fieldUt: Vector3(x: 127, y: 36, z: 0),
                 reportedHardIronUt: Vector3(x: reported, y: 0, z: 0))
             return try compensator.push(sample)
         }
-        #expect(try push(1, reported: 100).fieldUt?.isClose(to: [10, 20, 0], within: 1e-9) == true)
+        #expect(try push(1, reported: 100).fieldUt?.isClose(to: [27, 36, 0], within: 1e-9) == true)
         #expect(try push(2, reported: 97).reportedHardIronJumpUt == 3)
     }
 
