@@ -1,10 +1,10 @@
 //! What can be chosen, checked once. Every field: unit, effect, default and where the default comes from.
 
 use crate::calibration::Calibration;
+use crate::ellipsoid::SMALLEST_SAMPLE_COUNT;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
 use crate::kept::{SIGMAS_UT, USUAL_SIGMA_UT};
-use crate::quadric::SMALLEST_SAMPLE_COUNT;
 use crate::range::{ConfigError, in_range};
 
 /// How M and b are estimated.

@@ -16,10 +16,10 @@
 //! |---|---|---|
 //! | (1) to (8) factory errors and disturbance: M = S C A, b = S C b_m + b_0 | [`FactoryErrors::compose`] | `calibration.rs` |
 //! | h_m = M h + b | [`Calibration::distort`] | `calibration.rs` |
-//! | (9), (10) the least-squares ellipsoid | [`fit_ellipsoid`], [`FitOptions`] | `quadric/iteration.rs` |
-//! | its sums, exact, of constant cost | [`Moments`] | `quadric/moments.rs` |
-//! | its closed-form start | [`Moments::fit`] | `quadric/start.rs` |
-//! | its covariance; what is refused | [`EllipsoidFit`], [`direction_sigma_deg`] | `quadric/report.rs` |
+//! | (9), (10) the least-squares ellipsoid | [`fit_ellipsoid`], [`FitOptions`] | `ellipsoid/cost.rs`, `math/descend.rs` |
+//! | its sums, exact, of constant cost | [`Moments`] | `ellipsoid/moments.rs` |
+//! | its closed-form start | [`Moments::fit`] | `ellipsoid/start.rs` |
+//! | its covariance; what is refused | [`EllipsoidFit`], [`direction_sigma_deg`] | `ellipsoid/report.rs` |
 //! | (11) h = M^-1 (h_m - b) | [`Calibration::correct`] | `calibration.rs` |
 //! | (12) to (15) sigma_T | [`uniformity`] | `estimator/paper/uniformity.rs` |
 //! | (16) the window N | [`window_length`] | `estimator/paper/windowed.rs` |
@@ -50,11 +50,12 @@ mod calibration;
 mod compensator;
 mod config;
 mod coverage;
+mod ellipsoid;
 mod estimator;
 mod explanation;
 mod heading;
 mod kept;
-mod quadric;
+mod math;
 mod range;
 mod reading;
 mod sample;
@@ -66,6 +67,10 @@ pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors}
 pub use compensator::Compensator;
 pub use config::{Config, Method};
 pub use coverage::{CELLS, Coverage};
+pub use ellipsoid::{
+    EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
+    fit_ellipsoid,
+};
 #[doc(hidden)]
 pub use estimator::Tunings;
 pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
@@ -77,10 +82,6 @@ pub use heading::{
     Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
 };
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
-pub use quadric::{
-    EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
-    fit_ellipsoid,
-};
 pub use range::ConfigError;
 pub use reading::{Axis, Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
 pub use sample::{MagneticSample, RotationRateSample, UpSample};

@@ -1,8 +1,8 @@
 //! What one `push` answers: the corrected sample, the heading, and in `status` what the compensator is doing.
 
 use crate::attitude::Attitude;
+use crate::ellipsoid::FitError;
 use crate::heading::Heading;
-use crate::quadric::FitError;
 use nalgebra::Vector3;
 
 /// The answer to one magnetometer sample. What is not known is None, never NaN.

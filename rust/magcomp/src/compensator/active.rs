@@ -2,6 +2,7 @@
 
 use crate::calibration::{Calibration, Given, UNEVEN_UT, calibration_covariance, independent};
 use crate::config::{Config, Method};
+use crate::ellipsoid::direction_sigma_deg;
 use crate::estimator::Tunings;
 use crate::estimator::adaptive::Adaptive;
 use crate::estimator::aided::Aided;
@@ -9,7 +10,6 @@ use crate::estimator::answer::Answer;
 use crate::estimator::paper::{Clerk, Noted, Windowed};
 use crate::explanation::Explanation;
 use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
-use crate::quadric::direction_sigma_deg;
 use crate::reading::{SensorMode, Status};
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;

@@ -10,7 +10,7 @@ use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
 use super::setting::{Sample, Setting};
 use super::tuning::Tuning;
 use crate::calibration::Given;
-use crate::quadric::symmetric::{basis, six};
+use crate::math::symmetric::{basis, six};
 use nalgebra::{SMatrix, Vector3};
 use std::f64::consts::LN_2;
 use std::ops::Range;

@@ -16,8 +16,8 @@ use super::noise::Level;
 use super::parameters::{COUNT, Gaussian, Tau, TauMatrix, distance, is_bounded};
 use super::setting::{Sample, Setting};
 use super::vertical::{VerticalLikelihood, VerticalMoments, miss};
-use crate::quadric::Moments;
-use crate::quadric::ldl::{self, Ldl};
+use crate::ellipsoid::Moments;
+use crate::math::ldl::{self, Ldl};
 use nalgebra::Vector3;
 
 /// What a hypothesis says has changed at its onset.

@@ -1,14 +1,14 @@
 //! The likelihood of a set of samples, from their moments alone, in constant time:
 //!     L(tau) = w C / D,   C = p^T S p,  D = p^T N p  (means over the samples),   w = n / (kappa v)
 //! twice the negative logarithm, up to a constant, for white noise of variance v of which kappa samples are worth one. C / D
-//! is the mean square of the residual over its own gradient: a distance, free of the noise's bias (`quadric/fit`).
+//! is the mean square of the residual over its own gradient: a distance, free of the noise's bias (`ellipsoid/fit`).
 //! N = G + (d c^T + c d^T), G from the gradients alone (Taubin 1991). N is not positive well inside the ellipsoid, so that D is
 //! at least half of p^T G p.
 //! Half gradient w/D J^T (S - C/D N) p; Gauss-Newton Hessian w/D J^T S J.
 
 use super::parameters::{Jacobian, Matrix10, Tau, TauMatrix, Vector10, is_bounded, jacobian, quadric};
-use crate::quadric::Moments;
-use crate::quadric::ldl::{add, times};
+use crate::ellipsoid::Moments;
+use crate::math::ldl::{add, times};
 use nalgebra::Vector3;
 
 /// Smallest D: a tau whose quadric is flat at the samples is none of theirs.

@@ -4,7 +4,7 @@
 
 use super::parameters::{COUNT, Gaussian, Tau, TauMatrix};
 use super::setting::Setting;
-use crate::quadric::ldl::Ldl;
+use crate::math::ldl::Ldl;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// See the module.

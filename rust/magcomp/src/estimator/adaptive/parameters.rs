@@ -2,13 +2,13 @@
 //!     r = |T (u - beta)| = 1,   T = M^-1 unit / |h|, symmetric: an ellipsoid, and with gravity
 //!     up.T (u - beta) = s,      s = -sin(dip): what the field has along the vertical.
 //! Its quadric is d.p(tau) = r^2 - 1 with p = [A11 A22 A33 A12 A13 A23, -2 A beta, beta.A beta - 1], A = T^2, and d as in
-//! `quadric/moments`. Derivatives: dA = T dT + dT T.
+//! `ellipsoid/moments`. Derivatives: dA = T dT + dT T.
 
 #[cfg(test)]
 mod tests;
 
-use crate::quadric::mean_square_angle;
-use crate::quadric::symmetric::{PLACES, basis, six, symmetric};
+use crate::ellipsoid::mean_square_angle;
+use crate::math::symmetric::{PLACES, basis, six, symmetric};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Parameters of a hypothesis.

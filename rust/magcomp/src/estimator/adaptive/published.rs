@@ -5,7 +5,7 @@
 use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use super::setting::Setting;
 use crate::calibration::Calibration;
-use crate::quadric::symmetric::{basis, six};
+use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;

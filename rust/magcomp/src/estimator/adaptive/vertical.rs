@@ -9,9 +9,9 @@
 mod tests;
 
 use super::parameters::{COUNT, Tau, TauMatrix, centre, gradient, products, shape, ten};
-use crate::quadric::ExactSums;
-use crate::quadric::ldl::{add, times};
-use crate::quadric::symmetric::PLACES;
+use crate::ellipsoid::ExactSums;
+use crate::math::ldl::{add, times};
+use crate::math::symmetric::PLACES;
 use nalgebra::{Matrix3, Vector3};
 
 const SUMS: usize = COUNT * (COUNT + 1) / 2;

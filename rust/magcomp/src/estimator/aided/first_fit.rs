@@ -16,8 +16,8 @@ use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
+use crate::ellipsoid::FitError;
 use crate::heading::across_ut2;
-use crate::quadric::FitError;
 use crate::reading::Missing;
 
 /// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell

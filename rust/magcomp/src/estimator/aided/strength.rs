@@ -1,7 +1,7 @@
 //! How strong a field can be.
 
 use super::state::{FIELD, Gaussian};
-use crate::quadric::FitError;
+use crate::ellipsoid::FitError;
 
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
 const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);

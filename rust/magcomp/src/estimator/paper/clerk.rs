@@ -6,7 +6,7 @@ use super::config::WindowedConfig;
 use super::uniformity::uniformity;
 use crate::calibration::{Calibration, typical_field_ut};
 use crate::coverage::Coverage;
-use crate::quadric::Moments;
+use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 

@@ -1,7 +1,7 @@
 //! The settings of the paper's method, and what its fits accept.
 
 use super::uniformity::Normalisation;
-use crate::quadric::{FitOptions, Residual};
+use crate::ellipsoid::{FitOptions, Residual};
 
 /// Fits of a stream converge to this, field strengths: a hundredth of what noise at 40 dB leaves in a window of 2000, two
 /// iterations from the fit before.

@@ -2,7 +2,7 @@
 
 use crate::calibration::{Calibration, LARGEST_RAW_UT};
 use crate::coverage::Coverage;
-use crate::quadric::{EllipsoidFit, FitError, FitOptions, Moments, fit_ellipsoid};
+use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments, fit_ellipsoid};
 use crate::reading::RejectReason;
 use nalgebra::Vector3;
 

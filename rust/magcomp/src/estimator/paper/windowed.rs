@@ -14,8 +14,8 @@ mod tests;
 
 use super::clerk::Clerk;
 use super::config::WindowedConfig;
+use crate::ellipsoid::{EllipsoidFit, FitError};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
-use crate::quadric::{EllipsoidFit, FitError};
 use crate::reading::{HoldReason, Missing, Status};
 use nalgebra::Vector3;
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::quadric::{FitError, FitOptions};
+use crate::ellipsoid::{FitError, FitOptions};
 
 #[test]
 fn scatter_is_the_sum_of_outer_products() {

@@ -8,7 +8,7 @@ pub const SMALLEST_SAMPLE_COUNT: usize = 9;
 /// What is squared and summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Residual {
-    /// Eq. (10) as written. Biased in scale by about 3 s^2 (s: noise over field strength), and in everything when the
+    /// Eq. (10) as written. Biased in scale by about 3 nu^2 (nu: noise over field strength), and in everything when the
     /// sphere is only partly covered.
     Algebraic,
     /// Divided by its own gradient: a distance in raw units, free of the noise bias. The default.

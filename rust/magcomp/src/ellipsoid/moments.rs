@@ -1,10 +1,11 @@
 //! Moments of a window of raw samples: everything eq. (10) needs, in constant time per sample.
 //!
-//! In centred and scaled coordinates u = (h_m - c) / s the residual of (10) is linear in the ten monomials
-//!     d = [x^2, y^2, z^2, 2xy, 2xz, 2yz, x, y, z, 1],
-//! so its sum of squares over a window is p^T S p with S = sum d d^T. The 55 entries of S are only 35 distinct
-//! monomials of degree 0 to 4. White noise of standard deviation s on u adds s^2 N to S on average, up to s^4, with
-//!     N = sum (grad d)(grad d)^T + d c^T + c d^T,  c = [1, 1, 1, 0, ...]: half the Laplacian of d,
+//! In centred and scaled coordinates u = (h_m - centre) / scale the residual of (10) is linear in the ten monomials
+//!     z = [x^2, y^2, z^2, 2xy, 2xz, 2yz, x, y, z, 1],
+//! so its sum of squares over a window is p^T S p with S = sum z z^T. The 55 entries of S are only 35 distinct
+//! monomials of degree 0 to 4. White noise of standard deviation nu on u adds nu^2 B to S on average, up to nu^4,
+//! with
+//!     B = sum (grad z)(grad z)^T + z k^T + k z^T,  k = [1, 1, 1, 0, ...]: half the Laplacian of z,
 //! of degree 0 to 2 (K. Kanatani and P. Rangarajan, "Hyper least squares fitting of circles and ellipses", 2011).
 //!
 //! The sums are kept in fixed point, so that they are exact: adding a sample and removing it again leaves every
@@ -16,10 +17,10 @@ mod tests;
 use super::exact::ExactSums;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Exponents of x, y, z for each entry of d.
+/// Exponents of x, y, z for each entry of z.
 const EXPONENTS: [[usize; 3]; 10] =
     [[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [1, 0, 1], [0, 1, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
-/// Factor of each entry of d.
+/// Factor of each entry of z.
 const FACTORS: [f64; 10] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0];
 /// Monomials x^i y^j z^k with 1 <= i + j + k <= 4.
 const MONOMIALS: usize = 34;
@@ -32,7 +33,7 @@ const fn place([i, j, k]: [usize; 3]) -> usize {
     below + rest * (rest + 1) / 2 + k
 }
 
-/// Where an entry of S is found among the monomials (0 is the constant); of (grad d)(grad d)^T the factor and the place of what
+/// Where an entry of S is found among the monomials (0 is the constant); of (grad z)(grad z)^T the factor and the place of what
 /// each axis adds.
 type Entry = (usize, [(f64, usize); 3]);
 
@@ -100,13 +101,13 @@ impl Moments {
         self.count
     }
 
-    /// Centre c of the coordinates, uT.
+    /// Centre of the coordinates, uT.
     #[must_use]
     pub fn centre_ut(&self) -> &Vector3<f64> {
         &self.centre_ut
     }
 
-    /// Scale s of the coordinates, uT.
+    /// Scale of the coordinates, uT.
     #[must_use]
     pub fn scale_ut(&self) -> f64 {
         self.scale_ut
@@ -170,22 +171,22 @@ impl Moments {
         means
     }
 
-    /// S / n and N / n, in centred and scaled coordinates.
+    /// S / n and B / n, in centred and scaled coordinates.
     #[must_use]
     pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
         let means = self.means();
         let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].0] * (FACTORS[i] * FACTORS[j]));
-        // the Laplacian of d is 2 in the squares
+        // the Laplacian of z is 2 in the squares
         let square = |i: usize, j: usize| if i < 3 { s[(j, 9)] } else { 0.0 };
-        let mut n = SMatrix::<f64, 10, 10>::zeros();
+        let mut b = SMatrix::<f64, 10, 10>::zeros();
         for i in 0..10 {
             for j in i..10 {
                 let [x, y, z] = PLACES[i][j].1.map(|(factor, place)| factor * means[place]);
-                n[(i, j)] = x + y + z + square(i, j) + square(j, i);
+                b[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }
-        n.fill_lower_triangle_with_upper_triangle();
-        (s, n)
+        b.fill_lower_triangle_with_upper_triangle();
+        (s, b)
     }
 
     /// Covariance of the samples, uT^2: how thick the cloud is in each direction.

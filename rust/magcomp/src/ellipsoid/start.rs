@@ -1,52 +1,53 @@
-//! Where the iteration of eq. (10) starts: a closed form that always gives an ellipsoid.
+//! Where the descent of eq. (10) starts: a closed form that always gives an ellipsoid.
 //!
-//! First the linear least squares: minimise sum (d.p)^2 over quadrics with trace A = 3, which every ellipsoid can be
+//! First the linear least squares: minimise sum (z.p)^2 over quadrics with trace A = 3, which every ellipsoid can be
 //! scaled to, wherever its centre lies. With good coverage it is an excellent start.
 //! When it is not (few or badly spread samples), the ellipsoid-specific fit of Q. Li and J. G. Griffiths, "Least
 //! squares ellipsoid specific fitting", Geometric Modeling and Processing 2004: minimise p^T S p subject to
 //! 4 J - I^2 = 1, with I = a + b + c and J = ab + bc + ca - f^2 - g^2 - h^2, which only ellipsoids satisfy.
-//! A wrong previous calibration plays no part in either, so it cannot send the iteration away.
+//! A wrong previous calibration plays no part in either, so it cannot send the descent away.
 
-use super::ldl;
-use super::symmetric::{six, symmetric};
+use crate::math::ldl;
+use crate::math::symmetric::{six, symmetric};
 use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
-/// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, g = A beta).
+/// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, a = A beta).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
     pub a: Matrix3<f64>,
-    pub g: Vector3<f64>,
+    /// a = A beta.
+    pub offset: Vector3<f64>,
 }
 
 impl Shape {
-    /// From theta = [A11, A22, A33, A12, A13, A23, g1, g2, g3].
-    pub fn from_theta(t: &SVector<f64, 9>) -> Self {
-        Self { a: symmetric(t), g: Vector3::new(t[6], t[7], t[8]) }
+    /// From y = [A11, A22, A33, A12, A13, A23, a1, a2, a3].
+    pub fn of_unknowns(y: &SVector<f64, 9>) -> Self {
+        Self { a: symmetric(y), offset: Vector3::new(y[6], y[7], y[8]) }
     }
 
-    /// theta, the nine numbers.
-    pub fn theta(&self) -> SVector<f64, 9> {
-        let (a, g) = (six(&self.a), &self.g);
-        SVector::from([a[0], a[1], a[2], a[3], a[4], a[5], g.x, g.y, g.z])
+    /// y, the nine numbers.
+    pub fn unknowns(&self) -> SVector<f64, 9> {
+        let (a, offset) = (six(&self.a), &self.offset);
+        SVector::from([a[0], a[1], a[2], a[3], a[4], a[5], offset.x, offset.y, offset.z])
     }
 
-    /// beta = A^-1 g, the centre; None unless A is positive definite.
+    /// beta = A^-1 a, the centre; None unless A is positive definite.
     pub fn centre(&self) -> Option<Vector3<f64>> {
-        ldl::solve(&self.a, &self.g)
+        ldl::solve(&self.a, &self.offset)
     }
 
-    /// The shape of a quadric p with d.p = 0, None when it is no ellipsoid.
+    /// The shape of a quadric p with z.p = 0, None when it is no ellipsoid.
     fn from_quadric(p: &SVector<f64, 10>) -> Option<Self> {
         let sign = if p[0] + p[1] + p[2] < 0.0 { -1.0 } else { 1.0 };
         let a = symmetric(p) * sign;
-        let g = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
-        let beta = ldl::solve(&a, &g)?;
-        let k = beta.dot(&g) - p[9] * sign;
-        if !(k > 0.0 && k.is_finite()) {
+        let offset = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
+        let beta = ldl::solve(&a, &offset)?;
+        let radius_squared = beta.dot(&offset) - p[9] * sign;
+        if !(radius_squared > 0.0 && radius_squared.is_finite()) {
             return None;
         }
-        let shape = Self { a: a / k, g: g / k };
-        shape.theta().iter().all(|v| v.is_finite()).then_some(shape)
+        let shape = Self { a: a / radius_squared, offset: offset / radius_squared };
+        shape.unknowns().iter().all(|v| v.is_finite()).then_some(shape)
     }
 }
 

@@ -1,6 +1,6 @@
-//! The least-squares ellipsoid (eq. 9, 10) of a set of samples or of the window of a stream: start, iteration (`iteration`), report.
+//! The least-squares ellipsoid (eq. 9, 10) of a set of samples or of the window of a stream: start, descent (`cost`), report.
 
-use super::iteration::{Problem, Solution};
+use super::cost::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::report::EllipsoidFit;
@@ -56,8 +56,8 @@ impl Moments {
         if self.count() < SMALLEST_SAMPLE_COUNT {
             return Err(FitError::TooFewSamples { have: self.count() });
         }
-        let (s, n) = self.scatter();
-        let problem = Problem { s, n, residual: options.residual };
+        let (s, b) = self.scatter();
+        let problem = Problem { s, b, residual: options.residual };
         let solution = problem.solve(previous.map(|calibration| self.shape_of(calibration)), options);
         Ok((problem, solution.ok_or_else(|| self.why_no_ellipsoid(0.0))?))
     }
@@ -74,6 +74,6 @@ impl Moments {
         let t = calibration.soft_iron_inverse() * (self.scale_ut() / calibration.field_strength_ut());
         let a = t * t;
         let beta = (calibration.hard_iron_ut() - self.centre_ut()) / self.scale_ut();
-        Shape { a: a.symmetric_part(), g: a * beta }
+        Shape { a: a.symmetric_part(), offset: a * beta }
     }
 }

@@ -1,14 +1,15 @@
 //! From the minimum of eq. (10) to a calibration with its covariance, and the checks a fit must pass.
 //!
-//! For white noise of standard deviation s (distances), theta has the information n J^T (S - s^2 N) J / (s^2 D); the
-//! parameters x = [b, M] follow with dx/dtheta: M = T^-1 in units of the field, A = T^2, b = centre + beta, where
-//!     d beta = A^-1 (dg - dA beta),  T dT + dT T = dA,  dM = -T^-1 dT T^-1.
+//! For white noise of standard deviation nu (distances), y has the information n J^T (S - nu^2 B) J / (nu^2 slope); the
+//! parameters x = [b, M] follow with dx/dy: M = T^-1 in units of the field, A = T^2, b = centre + beta, where
+//!     d beta = A^-1 (da - dA beta),  T dT + dT T = dA,  dM = -T^-1 dT T^-1.
 
-use super::iteration::{Problem, Solution, Termination};
+use super::cost::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
-use super::symmetric::{basis, six};
 use crate::calibration::Calibration;
+use crate::math::descend::Termination;
+use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -158,7 +159,7 @@ impl Roots {
         })
     }
 
-    /// d[b, M]/d theta, with b = scale * beta and M = ratio * T^-1, for unit determinant of M where that is the gauge.
+    /// d[b, M]/dy, with b = scale * beta and M = ratio * T^-1, for unit determinant of M where that is the gauge.
     fn parameter_jacobian(&self, beta: &Vector3<f64>, scale: f64, ratio: f64, unit_determinant: bool) -> Matrix9 {
         let a_inverse = self.t_inverse * self.t_inverse;
         let mut jacobian = Matrix9::zeros();

@@ -1,4 +1,4 @@
-use super::{Ldl, solve};
+use super::{Ldl, add, solve, times};
 use nalgebra::{SMatrix, SVector};
 
 #[test]
@@ -29,4 +29,37 @@ fn refuses_what_is_not_positive_definite() {
     assert_eq!(solve(&h, &SVector::repeat(1.0)), None);
     h[(2, 2)] = f64::NAN;
     assert_eq!(solve(&h, &SVector::repeat(1.0)), None);
+    h[(2, 2)] = f64::INFINITY;
+    assert_eq!(solve(&h, &SVector::repeat(1.0)), None);
+}
+
+#[test]
+fn the_border_of_positive_definite_is_where_the_determinant_changes_sign() {
+    // [[1, c], [c, 1]] is positive definite where |c| < 1, exactly
+    let with = |c: f64| Ldl::new(&SMatrix::<f64, 2, 2>::new(1.0, c, c, 1.0)).is_some();
+    for c in [0.0, 0.5, 1.0 - 1e-12] {
+        assert!(with(c) && with(-c), "{c}");
+    }
+    for c in [1.0, 1.0 + 1e-12, 3.0] {
+        assert!(!with(c) && !with(-c), "{c}");
+    }
+}
+
+#[test]
+fn only_the_lower_triangle_is_read() {
+    let h = SMatrix::<f64, 3, 3>::new(4.0, 1.0, 0.5, 1.0, 3.0, -1.0, 0.5, -1.0, 2.0);
+    let mut lower = h;
+    lower.fill_upper_triangle(f64::NAN, 1);
+    let g = SVector::from([1.0, -2.0, 3.0]);
+    assert_eq!(solve(&lower, &g), solve(&h, &g));
+}
+
+#[test]
+fn products_are_those_of_nalgebra() {
+    let a = SMatrix::<f64, 4, 4>::from_fn(|i, j| ((i * 5 + j * 3) as f64 * 0.3).cos());
+    let (h, g) = (a + a.transpose(), SVector::<f64, 4>::from_fn(|i, _| i as f64 - 1.5));
+    assert!((times(&h, &g) - h * g).amax() < 1e-14);
+    let mut sum = [1.0, 2.0, 3.0];
+    add(&mut sum, -2.0, &[0.5, 1.0, 0.0]);
+    assert_eq!(sum, [0.0, 0.0, 3.0]);
 }

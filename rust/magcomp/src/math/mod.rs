@@ -1,0 +1,5 @@
+//! Plain mathematics, which knows nothing of magnetometers.
+
+pub(crate) mod descend;
+pub(crate) mod ldl;
+pub(crate) mod symmetric;
