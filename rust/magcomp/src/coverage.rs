@@ -1,29 +1,49 @@
-//! Which directions of the sphere have been seen: 48 cells of equal area, for guidance while calibrating.
+//! When each direction of the sphere was last seen: 48 cells of equal area, for guidance while calibrating. `guidance` keeps that for a
+//! stream.
 
+mod guidance;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
-use nalgebra::{SVector, Vector3};
+pub(crate) use guidance::{ANEW_SAMPLES, Guidance};
+use nalgebra::Vector3;
 
-/// Cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
+/// Mathematics: cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
 const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
-/// Cells on the whole sphere, each about 30 degrees across.
+/// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
 pub const CELLS: usize = 48;
 
-/// The first cell of each band, and how many it has.
-fn bands() -> impl Iterator<Item = (usize, usize)> {
-    (0..BANDS.len()).map(|band| (BANDS[..band].iter().sum(), BANDS[band]))
+/// A band of cells.
+#[derive(Clone, Copy)]
+struct Band {
+    first: usize,
+    cells: usize,
 }
 
-/// Counts of samples per cell.
+/// North to south.
+fn bands() -> impl Iterator<Item = Band> {
+    (0..BANDS.len()).map(|band| Band { first: BANDS[..band].iter().sum(), cells: BANDS[band] })
+}
+
+/// The southernmost.
+const LAST: Band = Band { first: CELLS - BANDS[5], cells: BANDS[5] };
+
+/// Which of the latest samples was seen in each cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Coverage {
-    counts: SVector<u32, CELLS>,
+    /// Number of the sample that was last seen in each cell, the first is 1; 0: none was.
+    last_seen: [u64; CELLS],
+    /// Number of the latest sample.
+    latest: u64,
+    /// So many of the latest samples count.
+    window: u64,
 }
 
 impl Default for Coverage {
+    /// Nothing was seen, and every sample will count.
     fn default() -> Self {
-        Self { counts: SVector::zeros() }
+        Self { last_seen: [0; CELLS], latest: 0, window: u64::MAX }
     }
 }
 
@@ -35,35 +55,46 @@ impl Coverage {
         let z = if length > 0.0 { direction.z / length } else { 1.0 };
         let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU + 0.5;
         let is_above = |last: usize| z > 1.0 - 2.0 * last as f64 / CELLS as f64;
-        let (first, cells) = bands().find(|(first, cells)| is_above(first + cells)).unwrap_or((CELLS - 4, 4));
+        let Band { first, cells } = bands().find(|band| is_above(band.first + band.cells)).unwrap_or(LAST);
         first + ((turn * cells as f64) as usize).min(cells - 1)
     }
 
     /// Unit vector to the middle of a cell.
     fn middle(cell: usize) -> Vector3<f64> {
-        let (first, cells) = bands().find(|(first, cells)| cell < first + cells).unwrap_or((CELLS - 4, 4));
+        let Band { first, cells } = bands().find(|band| cell < band.first + band.cells).unwrap_or(LAST);
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
         let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
         let flat = (1.0 - z * z).sqrt();
         Vector3::new(flat * phi.cos(), flat * phi.sin(), z)
     }
 
-    /// So many samples more in a cell, or fewer; in none, nothing changes.
-    pub(crate) fn add(&mut self, cell: Option<u8>, samples: i32) {
-        if let Some(count) = cell.and_then(|cell| self.counts.get_mut(usize::from(cell))) {
-            *count = count.saturating_add_signed(samples);
+    /// The next sample, whose direction (any length) may not be known.
+    pub(crate) fn see(&mut self, direction: Option<&Vector3<f64>>) {
+        self.latest += 1;
+        if let Some(direction) = direction {
+            self.last_seen[Self::cell(direction)] = self.latest;
         }
+    }
+
+    /// From now on only so many of the latest samples count.
+    pub(crate) fn count_latest(&mut self, samples: usize) {
+        self.window = samples as u64;
+    }
+
+    fn is_seen(&self, cell: usize) -> bool {
+        let number = self.last_seen[cell];
+        number > 0 && self.latest - number < self.window
     }
 
     /// Share of the cells with at least one sample, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        self.counts.iter().filter(|count| **count > 0).count() as f64 / CELLS as f64
+        (0..CELLS).filter(|cell| self.is_seen(*cell)).count() as f64 / CELLS as f64
     }
 
     /// Middles of the cells without a sample, unit vectors in the device frame: point the field there next.
     #[must_use]
     pub fn unseen_directions(&self) -> Vec<Vector3<f64>> {
-        (0..CELLS).filter(|cell| self.counts[*cell] == 0).map(Self::middle).collect()
+        (0..CELLS).filter(|cell| !self.is_seen(*cell)).map(Self::middle).collect()
     }
 }

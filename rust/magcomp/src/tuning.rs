@@ -28,7 +28,11 @@ macro_rules! choices {
         }
 
         impl $name {
+            /// What phones get.
+            pub const USED: Self = Self { $($field: $value,)+ };
+
             /// Every choice.
+            #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
             pub const LIST: &[$crate::tuning::Choice] = &[$($crate::tuning::Choice {
                 name: stringify!($field),
                 unit: $unit,
@@ -38,6 +42,7 @@ macro_rules! choices {
             }),+];
 
             /// Sets a choice by its name; whether there is one.
+            #[allow(dead_code, reason = "as of `LIST`")]
             pub fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
                     $(stringify!($field) => self.$field = value,)+
@@ -47,10 +52,9 @@ macro_rules! choices {
             }
         }
 
-        /// What phones get.
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $value,)+ }
+                Self::USED
             }
         }
     };

@@ -13,27 +13,16 @@
 //! with. So a total field or a dip that disagrees widens or moves the hard iron, and an offset that neither can show stays as likely as its age
 //! makes it. Source: ours; the same phones differ from day to day by 3 to 50 uT, and by less than 3 within a day's hours.
 
+use super::tuning::Tuning;
 use crate::calibration::{Calibration, Given, independent, iron_rows};
 use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, UNSEEN_IRON};
+use crate::math::symmetric::symmetric;
 use crate::sample::MagneticSample;
-use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
-/// Time in which all but one device in e have changed: a cover, a charger, a car, s.
-const CHANGES_S: f64 = 6.0 * 3600.0;
-/// Share of launches before which the device was changed, however short the pause: it was laid down, a cover was put on.
-const CHANGED_BETWEEN: f64 = 0.1;
-/// Share of given calibrations that never held: taken beside a magnet, or of another phone.
-const NEVER_HELD: f64 = 0.0025;
-/// How far b walks where nothing changed, with temperature and currents, uT.
-const WALK_UT: f64 = 2.0;
-/// Sizes of changes: this, and twice as large each, uT.
-const LEAST_CHANGE_UT: f64 = 4.0;
+/// Choice: sizes of changes: from a current, 4 uT, to a cover with a magnet, 512 uT (docs/METHOD.md).
 const SIZES: usize = 8;
-/// Standard deviation of the field from one room to the next, an axis, uT.
-const ROOMS_UT: f64 = 3.0;
-/// A vertical that has not come by then is not waited for, ns.
-const UP_LATE_NS: i64 = 1_000_000_000;
-/// A hard iron that is known no better than the strongest field of the Earth, 67 uT, an axis, tells no direction.
+/// Physics: a hard iron that is known no better than the strongest field of the Earth, an axis, tells no direction, uT.
 const LOST_UT: f64 = 39.0;
 
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -74,13 +63,13 @@ fn age_s(kept: &KeptCalibration, unix_time_s: Option<i64>) -> f64 {
 impl Adopted {
     pub fn new(kept: &KeptCalibration, unix_time_s: Option<i64>) -> Self {
         let is_learned = kept.source() == CalibrationSource::Learned;
-        let at_once = if is_learned { CHANGED_BETWEEN } else { NEVER_HELD };
-        let holds = (1.0 - at_once) * (-age_s(kept, unix_time_s) / CHANGES_S).exp();
+        let at_once = if is_learned { Tuning::USED.changed_between } else { Tuning::USED.never_held };
+        let holds = (1.0 - at_once) * (-age_s(kept, unix_time_s) / Tuning::USED.changes_s).exp();
         let summands = std::array::from_fn(|k| {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
-                0 => (if is_learned { WALK_UT } else { 0.0 }, holds),
-                _ => (LEAST_CHANGE_UT * f64::from(1 << (k - 1)), (1.0 - holds) / SIZES as f64),
+                0 => (if is_learned { Tuning::USED.walk_ut } else { 0.0 }, holds),
+                _ => (Tuning::USED.least_change_ut * f64::from(1 << (k - 1)), (1.0 - holds) / SIZES as f64),
             };
             let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
@@ -101,8 +90,8 @@ impl Adopted {
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
     pub fn see(&mut self, sample: &MagneticSample, up: Option<&Vector3<f64>>) -> bool {
         let since_ns = *self.since_ns.get_or_insert(sample.time_ns);
-        let waits =
-            up.is_none() && self.inclination_deg.is_some() && sample.time_ns.saturating_sub(since_ns) < UP_LATE_NS;
+        let is_late = sample.time_ns.saturating_sub(since_ns) >= (Tuning::USED.up_late_s * 1e9) as i64;
+        let waits = up.is_none() && self.inclination_deg.is_some() && !is_late;
         if self.is_seen || waits {
             return false;
         }
@@ -119,13 +108,14 @@ impl Adopted {
             Some((dip_deg, up)) => {
                 let (sin, cos) = dip_deg.to_radians().sin_cos();
                 let vertical = up * up.dot(&c);
-                [(-vertical.dot(up), *up * -1.0, strength_ut * sin), along(c - vertical, strength_ut * cos)]
+                let down = Part { found_ut: -vertical.dot(up), direction: *up * -1.0, expected_ut: strength_ut * sin };
+                [down, Part::along(c - vertical, strength_ut * cos)]
             }
-            None => [along(c, strength_ut), (0.0, Vector3::zeros(), 0.0)],
+            None => [Part::along(c, strength_ut), Part::default()],
         };
-        let r = Vector2::from(parts.map(|(found_ut, _, expected_ut)| expected_ut - found_ut));
-        let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|(_, direction, _)| direction.transpose() * by));
-        let noise = Matrix2::from_diagonal_element(ROOMS_UT.powi(2));
+        let r = Vector2::from(parts.map(|part| part.expected_ut - part.found_ut));
+        let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|part| part.direction.transpose() * by));
+        let noise = Matrix2::from_diagonal_element(Tuning::USED.rooms_ut.powi(2));
         self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
         true
     }
@@ -159,28 +149,37 @@ impl Adopted {
         if variance_ut2.is_nan() || variance_ut2 >= LOST_UT * LOST_UT {
             return None;
         }
-        let [xx, yy, zz, xy, xz, yz] = mean.fixed_rows::<6>(3).into_owned().data.0[0];
-        let soft_iron = self.kept.soft_iron() + Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let soft_iron = self.kept.soft_iron() + symmetric(&mean.fixed_rows::<6>(3).into_owned());
         let hard_iron_ut = self.kept.hard_iron_ut() + mean.fixed_rows::<3>(0);
         let calibration = Calibration::new(soft_iron, hard_iron_ut, self.kept.field_strength_ut()).ok()?;
         Some(Given { calibration, covariance: covariance.symmetric_part() })
     }
 }
 
-/// The length of a vector, its direction (none of the vector 0), and what it is expected to be.
-fn along(v: Vector3<f64>, expected_ut: f64) -> (f64, Vector3<f64>, f64) {
-    (v.norm(), v.try_normalize(1e-6).unwrap_or_default(), expected_ut)
+/// A part of the field that was found, and how large it is expected to be.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    found_ut: f64,
+    direction: Vector3<f64>,
+    expected_ut: f64,
+}
+
+impl Part {
+    /// The length of a vector; one of no length has no direction.
+    fn along(v: Vector3<f64>, expected_ut: f64) -> Self {
+        Self { found_ut: v.norm(), direction: v.try_normalize(1e-6).unwrap_or_default(), expected_ut }
+    }
 }
 
 impl Summand {
     /// r = H x + noise.
     fn measure<const N: usize>(&mut self, h: &SMatrix<f64, N, 9>, r: &SVector<f64, N>, noise: &SMatrix<f64, N, N>) {
         let v = r - h * self.mean;
-        let s = h * self.covariance * h.transpose() + noise;
-        let Some(cholesky) = s.cholesky() else { return };
+        let variance = h * self.covariance * h.transpose() + noise;
+        let Some(cholesky) = variance.cholesky() else { return };
         let gain = cholesky.solve(&(h * self.covariance)).transpose();
         self.log_weight -= 0.5 * (v.dot(&cholesky.solve(&v)) + cholesky.determinant().ln());
         self.mean += gain * v;
-        self.covariance -= gain * s * gain.transpose();
+        self.covariance -= gain * variance * gain.transpose();
     }
 }

@@ -1,33 +1,57 @@
 //! Whether a sample can be used, and what rejected samples tell together.
 
 use super::Compensator;
+use super::tuning::Tuning;
 use crate::config::Config;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
 
-/// So many samples in a row whose time follows that of one another, but not that of the latest: the clock is another one.
-const ANOTHER_CLOCK: u32 = 50;
-/// So many equal samples in a row mean that the sensor hangs: half a second at 100 Hz. The noise of every phone magnetometer
-/// changes the last digit sooner.
-const STUCK_SAMPLES: usize = 50;
-/// Largest step ahead in time, s: a week, longer pauses than any app's, shorter than the jump of a time in the wrong unit.
-const MAX_GAP_S: f64 = 604_800.0;
+/// The samples so far, as the checks of the next one look at them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stream {
+    latest: Option<MagneticSample>,
+    /// How many equal samples came in a row before the latest.
+    repeats: usize,
+    /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
+    astray: u32,
+    astray_ns: i64,
+}
+
+/// Whether two will judge alike, but for samples of another clock that were refused so far.
+impl PartialEq for Stream {
+    fn eq(&self, other: &Self) -> bool {
+        (self.latest, self.repeats) == (other.latest, other.repeats)
+    }
+}
+
+impl Stream {
+    /// A sample is used; the time of the one before, ns.
+    pub fn accept(&mut self, sample: MagneticSample) -> Option<i64> {
+        (self.astray, self.astray_ns) = (0, 0);
+        let previous = self.latest.replace(sample);
+        let is_same = previous.is_some_and(|previous| previous.field_ut == sample.field_ut);
+        self.repeats = if is_same { self.repeats.saturating_add(1) } else { 0 };
+        previous.map(|previous| previous.time_ns)
+    }
+
+    /// A sample was rejected for its time: whether there were so many in a row that the clock is another one.
+    fn stray(&mut self, time_ns: i64) -> bool {
+        let step_s = seconds(self.astray_ns, time_ns);
+        let follows = self.astray > 0 && step_s > 0.0 && step_s <= Tuning::USED.longest_gap_s;
+        (self.astray, self.astray_ns) = (if follows { self.astray + 1 } else { 1 }, time_ns);
+        f64::from(self.astray) >= Tuning::USED.another_clock_samples
+    }
+}
 
 impl Compensator {
     /// Whether a sample rejected for `reason` is the first of another clock; all but the calibration begins anew then.
     pub(super) fn begins_another_clock(&mut self, time_ns: i64, reason: RejectReason) -> bool {
-        if !matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. }) {
-            return false;
+        let is_astray = matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. });
+        let begins = is_astray && self.stream.stray(time_ns);
+        if begins {
+            self.begin_another_clock();
         }
-        let inputs = &mut self.inputs;
-        let step_s = (i128::from(time_ns) - i128::from(inputs.astray_ns)) as f64 * 1e-9;
-        let follows = inputs.astray > 0 && step_s > 0.0 && step_s <= MAX_GAP_S;
-        (inputs.astray, inputs.astray_ns) = (if follows { inputs.astray + 1 } else { 1 }, time_ns);
-        if inputs.astray < ANOTHER_CLOCK {
-            return false;
-        }
-        self.begin_another_clock();
-        true
+        begins
     }
 
     /// Whether [`Self::push`] would use this sample now.
@@ -48,18 +72,23 @@ impl Compensator {
         if value_ut.abs() > range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: range_ut });
         }
-        let Some(latest) = self.inputs.latest else { return Ok(()) };
+        let Some(latest) = self.stream.latest else { return Ok(()) };
         if sample.time_ns <= latest.time_ns {
             return Err(RejectReason::TimeNotAfter { time_ns: sample.time_ns, latest_ns: latest.time_ns });
         }
-        let gap_s = (i128::from(sample.time_ns) - i128::from(latest.time_ns)) as f64 * 1e-9;
-        if gap_s > MAX_GAP_S {
-            return Err(RejectReason::TimeJump { gap_s, limit_s: MAX_GAP_S });
+        let (gap_s, limit_s) = (seconds(latest.time_ns, sample.time_ns), Tuning::USED.longest_gap_s);
+        if gap_s > limit_s {
+            return Err(RejectReason::TimeJump { gap_s, limit_s });
         }
-        let repeats = self.inputs.repeats.saturating_add(1);
-        if latest.field_ut == *field && repeats >= STUCK_SAMPLES {
+        let repeats = self.stream.repeats.saturating_add(1);
+        if latest.field_ut == *field && repeats as f64 >= Tuning::USED.stuck_samples {
             return Err(RejectReason::Stuck { repeats });
         }
         Ok(())
     }
+}
+
+/// From one time to another, s.
+fn seconds(from_ns: i64, to_ns: i64) -> f64 {
+    (i128::from(to_ns) - i128::from(from_ns)) as f64 * 1e-9
 }

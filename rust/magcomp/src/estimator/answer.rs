@@ -1,5 +1,6 @@
-//! What an estimator says of a sample.
+//! What an estimator says of a sample. It is finished: the compensator adds heading and attitude, and changes nothing.
 
+use crate::calibration::Calibration;
 use crate::reading::{Event, ModelOrder, SensorMode};
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,4 +20,24 @@ pub(crate) struct Answer {
     pub model_order: Option<ModelOrder>,
     pub mode: SensorMode,
     pub event: Option<Event>,
+    /// Samples that the estimator looks at.
+    pub window: usize,
+    pub counted: Counted,
+}
+
+/// What the directions that were seen are counted over.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Counted {
+    /// They are seen through this, once there is one.
+    pub through: Option<Calibration>,
+    /// Over so many of the latest samples.
+    pub samples: usize,
+}
+
+impl Answer {
+    /// Of an estimator that has no gyroscope: `up` is the accelerometer's.
+    pub fn without_gyroscope(self, up: Option<Vector3<f64>>) -> Self {
+        let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };
+        Self { up, mode, ..self }
+    }
 }

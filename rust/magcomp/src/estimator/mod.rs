@@ -1,32 +1,152 @@
-//! The estimators behind one `push`.
+//! The estimators behind one `push`: the paper's, or ours.
 
 pub(crate) mod adaptive;
 pub(crate) mod aided;
 pub(crate) mod answer;
+mod figures;
+mod ours;
 pub(crate) mod paper;
+mod tunings;
 
-use crate::tuning::Choice;
+use crate::calibration::{Calibration, Given, independent};
+use crate::config::{Config, Method};
+use crate::ellipsoid::EllipsoidFit;
+use crate::explanation::Explanation;
+use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
+use crate::reading::Status;
+use crate::sample::MagneticSample;
+use crate::sensing::pairing::PairedInertial;
+use answer::{Answer, Counted};
+use nalgebra::SMatrix;
+use ours::{GyroscopeErrors, Ours};
+use paper::Windowed;
+pub use tunings::Tunings;
 
-/// The choices of every estimator.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tunings {
-    pub(crate) adaptive: adaptive::Tuning,
-    pub(crate) aided: aided::Tuning,
+/// The estimator that a config asks for.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one, and it stands in a box")]
+pub(crate) enum Estimator {
+    Ours(Ours),
+    Windowed(Windowed),
 }
 
-impl Tunings {
-    /// Every choice, with the estimator that makes it.
-    pub fn list() -> impl Iterator<Item = (&'static str, &'static Choice)> {
-        let adaptive = adaptive::Tuning::LIST.iter().map(|choice| ("adaptive", choice));
-        adaptive.chain(aided::Tuning::LIST.iter().map(|choice| ("aided", choice)))
-    }
-
-    /// Sets a choice; whether there is one of that name.
-    pub fn set(&mut self, estimator: &str, name: &str, value: f64) -> bool {
-        match estimator {
-            "adaptive" => self.adaptive.set(name, value),
-            "aided" => self.aided.set(name, value),
-            _ => false,
+impl Estimator {
+    /// For a validated config. All memory is taken here.
+    pub fn new(config: &Config, tunings: &Tunings) -> Self {
+        let strength_ut = config.field_strength_ut;
+        match config.method {
+            Method::Auto | Method::Aided | Method::Adaptive => {
+                Self::Ours(Ours::new(*tunings, strength_ut, config.windowed))
+            }
+            Method::Windowed => Self::Windowed(Windowed::new(false, config.windowed, strength_ut)),
+            Method::Constant => Self::Windowed(Windowed::new(true, config.windowed, strength_ut)),
         }
     }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self) {
+        match self {
+            Self::Ours(ours) => ours.restart(),
+            Self::Windowed(windowed) => windowed.restart(),
+        }
+    }
+
+    /// Begins anew with what is given; the paper's estimator goes on from it.
+    pub fn begin_from(&mut self, given: Option<Given>) {
+        match self {
+            Self::Ours(ours) => ours.begin_from(given),
+            Self::Windowed(windowed) => windowed.begin_from(given.map(|given| given.calibration)),
+        }
+    }
+
+    /// The gyroscope is usable now (or no longer): whether it is another estimator's turn. One that comes begins from what is in force, as
+    /// `given` makes it.
+    pub fn follow_gyroscope(&mut self, is_usable: bool, given: impl FnOnce(Given) -> Given) -> bool {
+        match self {
+            Self::Ours(ours) => ours.follow_gyroscope(is_usable, |ours| {
+                in_force(ours.untouched(), ours.calibration(), ours.covariance()).map(given)
+            }),
+            Self::Windowed(_) => false,
+        }
+    }
+
+    /// One sample that was checked, with what the other sensors said.
+    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
+        match self {
+            Self::Ours(ours) => ours.push(sample, paired),
+            Self::Windowed(windowed) => windowed.push(sample, paired.up_m_s2),
+        }
+    }
+
+    pub fn calibration(&self) -> Option<Calibration> {
+        match self {
+            Self::Ours(ours) => ours.calibration(),
+            Self::Windowed(windowed) => windowed.calibration(),
+        }
+    }
+
+    pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
+        match self {
+            Self::Ours(ours) => ours.covariance(),
+            Self::Windowed(windowed) => windowed.fit().map(|fit| fit.covariance),
+        }
+    }
+
+    /// The calibration in force, and how well it is known.
+    pub fn in_force(&self) -> Option<Given> {
+        let untouched = if let Self::Ours(ours) = self { ours.untouched() } else { None };
+        in_force(untouched, self.calibration(), self.covariance())
+    }
+
+    /// Whether the calibration in force was learned from live samples.
+    pub fn has_learned(&self) -> bool {
+        match self {
+            Self::Ours(ours) => ours.has_learned(),
+            Self::Windowed(windowed) => windowed.fit().is_some(),
+        }
+    }
+
+    /// The latest ellipsoid fit that was accepted.
+    pub fn fit(&self) -> Option<&EllipsoidFit> {
+        if let Self::Windowed(windowed) = self { windowed.fit() } else { None }
+    }
+
+    /// The inside of the estimator that answers.
+    pub fn explain(&self) -> Explanation {
+        match self {
+            Self::Ours(ours) => ours.explain(),
+            Self::Windowed(windowed) => windowed.explain(),
+        }
+    }
+
+    /// What is known of the gyroscope, while it is in use.
+    pub fn gyroscope(&self) -> Option<GyroscopeErrors> {
+        if let Self::Ours(ours) = self { ours.gyroscope() } else { None }
+    }
+
+    /// Samples that it looks at.
+    pub fn window(&self) -> usize {
+        match self {
+            Self::Ours(ours) => ours.window(),
+            Self::Windowed(windowed) => windowed.counted().samples,
+        }
+    }
+
+    /// What directions are counted over.
+    pub fn counted(&self) -> Counted {
+        match self {
+            Self::Ours(ours) => ours.counted(),
+            Self::Windowed(windowed) => windowed.counted(),
+        }
+    }
+}
+
+/// What was given and not touched; else the calibration, as sure as its covariance says, or as usual.
+fn in_force(
+    untouched: Option<Given>,
+    calibration: Option<Calibration>,
+    covariance: Option<SMatrix<f64, 9, 9>>,
+) -> Option<Given> {
+    let usual = || independent(USUAL_SIGMA_UT.powi(2), (IRON_PER_UT * USUAL_SIGMA_UT).powi(2));
+    untouched.or_else(|| Some(Given { calibration: calibration?, covariance: covariance.unwrap_or_else(usual) }))
 }

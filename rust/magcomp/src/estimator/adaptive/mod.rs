@@ -116,7 +116,7 @@ impl Adaptive {
         for group in self.grouping.push((time_ns, u, up), radius, longest).into_iter().flatten() {
             self.take(&group);
         }
-        (self.status(), self.answer(&u))
+        (self.status(), self.answer(&u).without_gyroscope(up_m_s2))
     }
 
     fn setting<'a>(&self, tuning: &'a Tuning) -> Setting<'a> {

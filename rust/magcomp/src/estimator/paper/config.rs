@@ -1,11 +1,8 @@
 //! The settings of the paper's method, and what its fits accept.
 
+use super::tuning::Tuning;
 use super::uniformity::Normalisation;
 use crate::ellipsoid::{FitOptions, Residual};
-
-/// Fits of a stream converge to this, field strengths: a hundredth of what noise at 40 dB leaves in a window of 2000, two
-/// iterations from the fit before.
-const STREAM_TOLERANCE: f64 = 1e-6;
 
 /// The paper's method (section IV, fig. 3).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -15,7 +12,7 @@ pub struct WindowedConfig {
     /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100 (the paper's). Smaller follows
     /// changes sooner with more noise.
     pub n_min: usize,
-    /// N_max, samples, at most 100 000 (32 bytes each): the longest window. Default 2000 (the paper's). Larger is steadier under
+    /// N_max, samples, at most 100 000 (24 bytes each): the longest window. Default 2000 (the paper's). Larger is steadier under
     /// poor motion and slower to forget.
     pub n_max: usize,
     /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1. It stops updates at rest (not near azimuth
@@ -57,7 +54,7 @@ impl WindowedConfig {
             field_strength_ut,
             noise_floor_ut: self.noise_floor_ut,
             max_residual_share,
-            tolerance: STREAM_TOLERANCE,
+            tolerance: Tuning::USED.tolerance,
             ..usual
         }
     }

@@ -64,7 +64,7 @@ impl ConstantField {
         let through = Calibration::about(centre, 1.0);
         let mut coverage = Coverage::default();
         for orientation in &self.orientations_ut {
-            coverage.add(Some(Coverage::cell(&through.correct(orientation)) as u8), 1);
+            coverage.see(Some(&through.correct(orientation)));
         }
         coverage
     }

@@ -1,15 +1,16 @@
-//! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) and fig. 3 in `windowed`;
-//! section III, a constant external field, in `constant`. The samples it looks at are kept by a clerk, who counts for all methods: `clerk`.
+//! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) in `window`; fig. 3 in `windowed`; section III, a
+//! constant external field, in `constant`. `config` has the paper's own numbers, `tuning` those that it leaves open.
 
-mod clerk;
 mod config;
 mod constant;
+mod tuning;
 mod uniformity;
+mod window;
 mod windowed;
 
-pub(crate) use clerk::{Clerk, Noted};
 pub use config::WindowedConfig;
 pub use constant::ConstantField;
+pub(crate) use uniformity::evenness;
 pub use uniformity::{Normalisation, uniformity};
+pub use window::window_length;
 pub(crate) use windowed::Windowed;
-pub use windowed::window_length;

@@ -5,6 +5,7 @@
 //! are normalised; both readings are offered. sigma_T uses angles about z only, so it misses uneven sets such as a cone about z
 //! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
+use crate::calibration::Calibration;
 use nalgebra::Vector3;
 use std::f64::consts::SQRT_2;
 
@@ -19,9 +20,9 @@ pub enum Normalisation {
     EvenSphere,
 }
 
-/// Standard deviation of phi on an even sphere, 180 / sqrt(3) deg, times sqrt(2).
+/// Mathematics: standard deviation of phi on an even sphere, 180 / sqrt(3) deg, times sqrt(2).
 const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64 * SQRT_2;
-/// The same of theta: its variance is pi^2 / 4 - 2 rad^2.
+/// Mathematics: the same of theta: its variance is pi^2 / 4 - 2 rad^2.
 const EVEN_THETA_DEG: f64 = 39.171_256_042_875_52 * SQRT_2;
 
 /// (15) sigma_T of a set of corrected vectors (any unit): 0 when all are equal, 0.723 (`HalfRange`) or 1 (`EvenSphere`) when
@@ -41,6 +42,32 @@ pub fn uniformity(corrected: impl IntoIterator<Item = Vector3<f64>>, normalisati
         phi.add(h.y.atan2(h.x).to_degrees() / phi_unit);
     }
     (phi.variance() + theta.variance()).sqrt()
+}
+
+/// How the latest samples look through a calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Evenness {
+    /// (15).
+    pub sigma_t: f64,
+    /// Rms deviation of |h| from the calibration's strength, relative.
+    pub spread: f64,
+}
+
+/// (11) to (15) of raw samples, uT.
+pub(crate) fn evenness<'a>(
+    raw_ut: impl Iterator<Item = &'a Vector3<f64>>,
+    calibration: &Calibration,
+    normalisation: Normalisation,
+) -> Evenness {
+    let (mut squares, mut count) = (0.0, 0_usize);
+    let corrected = raw_ut.map(|raw_ut| {
+        let h = calibration.correct(raw_ut);
+        squares += (h.norm() / calibration.field_strength_ut() - 1.0).powi(2);
+        count += 1;
+        h
+    });
+    let sigma_t = uniformity(corrected, normalisation);
+    Evenness { sigma_t, spread: (squares / count as f64).sqrt() }
 }
 
 /// Running variance (Welford).

@@ -9,41 +9,37 @@
 //! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
 //! the latest N_min and grows from there.
 
-#[cfg(test)]
-mod tests;
-
-use super::clerk::Clerk;
 use super::config::WindowedConfig;
+use super::tuning::Tuning;
+use super::uniformity::{Evenness, evenness};
+use super::window::{Window, window_length};
+use crate::calibration::{Calibration, UNEVEN_UT, calibration_covariance};
 use crate::ellipsoid::{EllipsoidFit, FitError};
+use crate::estimator::answer::{Answer, Counted};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
 use crate::reading::{HoldReason, Missing, Status};
-use nalgebra::Vector3;
+use crate::sample::MagneticSample;
+use nalgebra::{Matrix3, Vector3};
 
-/// The constant method keeps its first fit that predicts direction errors below this, degrees: an even sphere of 100
-/// samples at 30 dB reaches 0.7.
-const CONSTANT_SIGMA_DEG: f64 = 1.0;
-/// Rms deviation of |h| over the latest N_min samples, as a share of the field strength, that is suspect: rooms stay
-/// below 5 %, a magnet of 13 uT on the phone gives 20 %.
-const SUSPECT_SPREAD: f64 = 0.1;
-
-/// Samples from a refused fit to the next try.
-const RETRY_SAMPLES: usize = 10;
-
-/// (16) N = N_max - (N_max - N_min) sigma_T, kept in [N_min, N_max]: how many of the latest samples a fit uses, rounded to a whole
-/// number. Even orientations need few samples, poor ones many.
-#[must_use]
-pub fn window_length(sigma_t: f64, n_min: usize, n_max: usize) -> usize {
-    let n = n_max as f64 - (n_max as f64 - n_min as f64) * sigma_t;
-    if n.is_nan() { n_max } else { (n.round() as usize).clamp(n_min, n_max.max(n_min)) }
+/// The paper's estimator.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Windowed {
+    config: WindowedConfig,
+    /// |h|, uT, where it is known.
+    strength_ut: Option<f64>,
+    /// The first good fit is kept.
+    is_constant: bool,
+    window: Window,
+    state: State,
 }
 
-/// The paper's estimator, over the samples of a clerk, who has the calibration in force too.
+/// What is carried from sample to sample beside the samples themselves.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Windowed {
-    /// The first good fit is kept.
-    pub constant: bool,
-    /// The latest that was accepted.
-    pub fit: Option<EllipsoidFit>,
+struct State {
+    /// M_k, b_k.
+    calibration: Option<Calibration>,
+    /// The latest fit that was accepted.
+    fit: Option<EllipsoidFit>,
     since_fit: usize,
     /// Samples since the last change that was noticed: older ones are not used.
     since_change: usize,
@@ -52,99 +48,174 @@ pub(crate) struct Windowed {
 }
 
 impl Windowed {
-    /// `constant`: the first good fit is kept.
-    pub fn new(constant: bool) -> Self {
-        Self { constant, ..Self::default() }
+    /// For a validated config and a field strength (uT) where it is known. All memory is taken here.
+    pub fn new(is_constant: bool, config: WindowedConfig, strength_ut: Option<f64>) -> Self {
+        let window = Window::new(config.n_max, strength_ut);
+        Self { config, strength_ut, is_constant, window, state: State::default() }
     }
 
-    /// One step of fig. 3; (15) is the clerk's then.
-    pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, clerk: &mut Clerk) -> Status {
-        let WindowedConfig { n_min, n_max, sigma_th, .. } = clerk.config;
-        clerk.enter(raw_ut);
-        self.since_change = self.since_change.saturating_add(1);
-        self.since_fit = self.since_fit.saturating_add(1);
-        let spread = clerk.measure();
-        let status = match clerk.noted.sigma_t {
-            _ if self.constant && clerk.noted.calibration.is_some() => {
-                clerk.resize(clerk.window.min(n_min));
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self) {
+        self.window.restart();
+        self.state = State::default();
+    }
+
+    /// From now on this calibration is in force, where there is one, until the next fit.
+    pub fn begin_from(&mut self, calibration: Option<Calibration>) {
+        self.state.fit = None;
+        self.state.calibration = calibration.or(self.state.calibration);
+    }
+
+    pub fn calibration(&self) -> Option<Calibration> {
+        self.state.calibration
+    }
+
+    /// The latest fit that was accepted.
+    pub fn fit(&self) -> Option<&EllipsoidFit> {
+        self.state.fit.as_ref()
+    }
+
+    /// The window.
+    pub fn counted(&self) -> Counted {
+        Counted { through: self.state.calibration, samples: self.window.length() }
+    }
+
+    /// One sample, and what gravity says with it, m/s^2.
+    pub fn push(&mut self, sample: &MagneticSample, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
+        let evenness = self.enter(&sample.field_ut);
+        let status = self.update(evenness.map(|it| it.sigma_t));
+        let is_suspect = evenness.is_some_and(|it| it.spread > Tuning::USED.suspect_spread);
+        let suspect_since_ns = is_suspect.then(|| self.state.suspect_since_ns.unwrap_or(sample.time_ns));
+        self.state.suspect_since_ns = suspect_since_ns;
+        let status = suspect_since_ns.map_or(status, |since_ns| Status::Suspect { since_ns });
+        let sigma_t = evenness.map(|it| it.sigma_t);
+        (status, Answer { sigma_t, ..self.answer(&sample.field_ut) }.without_gyroscope(up_m_s2))
+    }
+
+    /// The sample enters the window. 1. (11) to (15), once there are N_min samples and a calibration.
+    fn enter(&mut self, raw_ut: &Vector3<f64>) -> Option<Evenness> {
+        if self.state.calibration.is_none() {
+            self.window.begin_about(raw_ut);
+        }
+        self.window.enter(raw_ut);
+        self.state.since_change = self.state.since_change.saturating_add(1);
+        self.state.since_fit = self.state.since_fit.saturating_add(1);
+        let n_min = self.config.n_min;
+        let calibration = self.state.calibration.filter(|_| self.window.kept() >= n_min)?;
+        Some(evenness(self.window.latest(n_min), &calibration, self.config.normalisation))
+    }
+
+    /// 2. to 4.
+    fn update(&mut self, sigma_t: Option<f64>) -> Status {
+        let WindowedConfig { n_min, n_max, sigma_th, .. } = self.config;
+        match sigma_t {
+            _ if self.is_kept() => {
+                self.window.resize(self.window.length().min(n_min));
                 Status::Held(HoldReason::Constant)
             }
             Some(sigma_t) if sigma_t < sigma_th => {
-                clerk.resize(clerk.window - 1);
+                self.window.resize(self.window.length() - 1);
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
                 let length = window_length(sigma_t, n_min, n_max);
-                clerk.resize(length.min(self.since_change));
-                self.refit(clerk)
+                self.window.resize(length.min(self.state.since_change));
+                self.refit()
             }
-            None if clerk.len() >= n_min => self.refit(clerk),
-            None => self.collecting(clerk),
-        };
-        clerk.recount();
-        if spread <= SUSPECT_SPREAD {
-            self.suspect_since_ns = None;
-            return status;
+            None if self.window.kept() >= n_min => self.refit(),
+            None => self.collecting(),
         }
-        Status::Suspect { since_ns: *self.suspect_since_ns.get_or_insert(time_ns) }
+    }
+
+    /// Whether the calibration in force is the constant method's last.
+    fn is_kept(&self) -> bool {
+        self.is_constant && self.state.calibration.is_some()
     }
 
     /// 4. (10) on the window.
-    fn refit(&mut self, clerk: &mut Clerk) -> Status {
-        // a window that does not fit now will hardly fit one sample later
-        let wait = if self.refused.is_some() { RETRY_SAMPLES } else { 1 };
-        if self.since_fit >= wait {
-            self.since_fit = 0;
-            let WindowedConfig { n_min, n_max, .. } = clerk.config;
-            let options = clerk.config.fit_options(clerk.field_strength_ut);
-            match clerk.moments.fit_from(clerk.noted.calibration.as_ref(), &options) {
-                // a better one may come while the window grows
-                Ok(fit) if self.constant && fit.direction_sigma_deg > CONSTANT_SIGMA_DEG && clerk.window < n_max => {}
-                Ok(fit) => {
-                    (clerk.noted.calibration, self.fit, self.refused) = (Some(fit.calibration), Some(fit), None);
-                    clerk.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut());
-                }
-                Err(error) => {
-                    self.refused = Some(error);
-                    if matches!(error, FitError::Inconsistent { .. }) {
-                        // something changed inside the window: only its latest samples may still agree
-                        self.since_change = n_min;
-                        clerk.resize(n_min);
-                    }
-                }
-            }
+    fn refit(&mut self) -> Status {
+        let wait = if self.state.refused.is_some() { Tuning::USED.retry_samples as usize } else { 1 };
+        if self.state.since_fit >= wait {
+            self.state.since_fit = 0;
+            self.fit_window();
         }
-        match (clerk.noted.calibration, self.refused) {
-            (None, _) => self.collecting(clerk),
+        match (self.state.calibration, self.state.refused) {
+            (None, _) => self.collecting(),
             (_, None) => Status::Tracking,
             (_, Some(error)) => Status::Held(HoldReason::FitRefused(error)),
         }
     }
 
-    pub fn explain(&self, clerk: &Clerk) -> Explanation {
-        let is_kept = self.constant && clerk.noted.calibration.is_some();
-        let usage = if is_kept { SampleUse::Unused } else { SampleUse::Pooled };
+    fn fit_window(&mut self) {
+        let WindowedConfig { n_min, n_max, .. } = self.config;
+        let options = self.config.fit_options(self.strength_ut);
+        match self.window.moments().fit_from(self.state.calibration.as_ref(), &options) {
+            Ok(fit) => {
+                let may_improve = self.is_constant && self.window.length() < n_max;
+                if may_improve && fit.direction_sigma_deg > Tuning::USED.constant_sigma_deg {
+                    return;
+                }
+                let State { calibration, fit: latest, refused, .. } = &mut self.state;
+                (*calibration, *latest, *refused) = (Some(fit.calibration), Some(fit), None);
+                self.window.recentre(fit.calibration.hard_iron_ut(), fit.calibration.field_strength_ut(), n_min);
+            }
+            Err(error) => {
+                self.state.refused = Some(error);
+                if matches!(error, FitError::Inconsistent { .. }) {
+                    // something changed inside the window: only its latest samples may still agree
+                    self.state.since_change = n_min;
+                    self.window.resize(n_min);
+                }
+            }
+        }
+    }
+
+    /// The sample, corrected, with all that is told beside it; sigma_T is that of before the fit.
+    fn answer(&self, raw_ut: &Vector3<f64>) -> Answer {
+        let State { calibration, fit, .. } = &self.state;
+        let field_ut = calibration.map(|calibration| calibration.correct(raw_ut));
+        let field_ut = field_ut.filter(|field| field.norm().is_finite());
+        let field_covariance_ut2 = fit.zip(field_ut).map(|(fit, field)| {
+            let w = fit.calibration.soft_iron_inverse();
+            let noise = w * w.transpose() * fit.residual_rms_ut.powi(2);
+            // what this method does not learn: rooms are not uniform
+            let uneven = Matrix3::from_diagonal_element(UNEVEN_UT.powi(2));
+            calibration_covariance(&fit.covariance, w, &field) + noise + uneven
+        });
+        Answer {
+            field_ut,
+            field_covariance_ut2,
+            direction_sigma_deg: fit.map(|fit| fit.direction_sigma_deg),
+            window: self.window.length(),
+            counted: self.counted(),
+            ..Answer::default()
+        }
+    }
+
+    fn collecting(&self) -> Status {
+        Status::Collecting(match self.state.refused {
+            Some(error) => Missing::Fit(error),
+            None => Missing::Samples { have: self.window.kept(), need: self.config.n_min },
+        })
+    }
+
+    /// The inside, for people.
+    pub fn explain(&self) -> Explanation {
+        let usage = if self.is_kept() { SampleUse::Unused } else { SampleUse::Pooled };
         Explanation {
             estimator: Estimator::Windowed,
-            phase: match (self.fit, self.suspect_since_ns) {
+            phase: match (&self.state.fit, self.state.suspect_since_ns) {
                 (None, _) => EstimatorPhase::Starting,
                 (Some(_), None) => EstimatorPhase::Running,
                 (Some(_), Some(_)) => EstimatorPhase::Undecided,
             },
             tries_both: false,
-            sample: (clerk.len() > 0).then_some(usage),
+            sample: (self.window.kept() > 0).then_some(usage),
             innovation: None,
             gated_share: None,
             compared_turn_deg: None,
             hypotheses: [None; EXPLAINED_HYPOTHESES],
-            noise: NoiseLevels { white_ut: self.fit.map(|fit| fit.residual_rms_ut), ..NoiseLevels::default() },
+            noise: NoiseLevels { white_ut: self.state.fit.map(|fit| fit.residual_rms_ut), ..NoiseLevels::default() },
         }
-    }
-
-    fn collecting(&self, clerk: &Clerk) -> Status {
-        Status::Collecting(match self.refused {
-            Some(error) => Missing::Fit(error),
-            None => Missing::Samples { have: clerk.len(), need: clerk.config.n_min },
-        })
     }
 }

@@ -1,0 +1,70 @@
+//! From an estimator's answer to a reading: heading and attitude with their uncertainties, and what goes on from sample to sample.
+
+use super::Compensator;
+use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
+use crate::estimator::answer::Answer;
+use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
+use crate::reading::{Reading, Status};
+use nalgebra::{Matrix3, Vector3};
+
+/// What heading and attitude are formed from.
+struct Pointing {
+    /// The estimator's own estimate where it has one, else the corrected sample, uT.
+    field_ut: Vector3<f64>,
+    covariance_ut2: Option<Matrix3<f64>>,
+    up: Vector3<f64>,
+    tilt_sigma_deg: f64,
+}
+
+impl Pointing {
+    fn of(answer: &Answer, tilt_sigma_deg: f64) -> Option<Self> {
+        let (field_ut, up) = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up)?;
+        let covariance_ut2 = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
+        Some(Self { field_ut, covariance_ut2, up, tilt_sigma_deg })
+    }
+
+    fn heading(&self, config: &HeadingConfig) -> Option<Heading> {
+        let HeadingConfig { axis, screen_rotation, declination_deg, .. } = *config;
+        let found = heading(&self.field_ut, &self.up, axis, screen_rotation)?;
+        let sigma = |covariance_ut2| {
+            heading_sigma_deg(&self.field_ut, &self.up, axis, screen_rotation, &covariance_ut2, self.tilt_sigma_deg)
+        };
+        Some(Heading {
+            heading_sigma_deg: self.covariance_ut2.and_then(sigma),
+            true_heading_deg: declination_deg.map(|it| true_heading_deg(found.heading_deg, it)),
+            ..found
+        })
+    }
+
+    fn attitude(&self) -> Option<Attitude> {
+        let sigma = |covariance_ut2| attitude_sigma_deg(&self.field_ut, &self.up, &covariance_ut2, self.tilt_sigma_deg);
+        Some(Attitude { sigma_deg: self.covariance_ut2.and_then(sigma), ..attitude(&self.field_ut, &self.up)? })
+    }
+}
+
+impl Compensator {
+    /// The reading of a sample.
+    pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
+        let motion_rad2 = answer.tilt_rad2.unwrap_or(self.tilt.variance_rad2);
+        let tilt_sigma_deg = self.config.heading.tilt_sigma_deg.hypot(motion_rad2.sqrt().to_degrees());
+        let pointing = Pointing::of(&answer, tilt_sigma_deg);
+        Reading {
+            time_ns,
+            field_ut: answer.field_ut,
+            field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
+            filtered_field_ut: answer.filtered_field_ut,
+            total_field_ut: answer.field_ut.map(|field| field.norm()),
+            heading: pointing.as_ref().and_then(|it| it.heading(&self.config.heading)),
+            attitude: pointing.as_ref().and_then(Pointing::attitude),
+            sigma_t: answer.sigma_t,
+            direction_sigma_deg: answer.direction_sigma_deg,
+            worst_sigma_deg: answer.worst_sigma_deg,
+            model_order: answer.model_order,
+            window: answer.window,
+            coverage: self.guidance.coverage().share(),
+            mode: answer.mode,
+            event: self.event,
+            status,
+        }
+    }
+}

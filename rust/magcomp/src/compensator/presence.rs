@@ -1,0 +1,100 @@
+//! Whether the gyroscope is there and of use, and how often the chain of its rotations broke.
+
+use super::tuning::Tuning;
+
+/// See the module.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Presence {
+    /// Time of the latest sample with a rotation, ns.
+    rotated_ns: Option<i64>,
+    /// It was found to read nonsense. It is tried again once it has been gone.
+    is_useless: bool,
+    gaps: u64,
+}
+
+impl Presence {
+    /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told.
+    pub fn gaps(&self) -> u64 {
+        self.gaps
+    }
+
+    /// Time passed that no sample shows.
+    pub fn pause(&mut self) {
+        self.gaps = self.gaps.saturating_add(1);
+        self.rotated_ns = None;
+    }
+
+    /// A sample came, with a rotation since the one before or without.
+    pub fn see(&mut self, time_ns: i64, previous_ns: Option<i64>, has_rotation: bool) {
+        if has_rotation {
+            self.rotated_ns = Some(time_ns);
+        } else if previous_ns.is_some() && previous_ns == self.rotated_ns {
+            // the chain of rotations breaks here, by the gyroscope's silence or that of all sensors
+            self.gaps = self.gaps.saturating_add(1);
+        }
+    }
+
+    /// Whether the estimator finds it useless.
+    pub fn judge(&mut self, is_useless: bool) {
+        self.is_useless = is_useless;
+    }
+
+    /// Whether it is usable for the sample at this time; `None` where it has never been there.
+    pub fn is_usable(&mut self, time_ns: i64, previous_ns: Option<i64>) -> Option<bool> {
+        let rotated_ns = self.rotated_ns?;
+        let is_gone = time_ns.saturating_sub(rotated_ns) > (Tuning::USED.gyroscope_gone_s * 1e9) as i64;
+        if is_gone {
+            self.is_useless = false;
+        }
+        // a pause of all sensors is no loss of the gyroscope
+        Some(!self.is_useless && (!is_gone || Some(rotated_ns) == previous_ns))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD_NS: i64 = 10_000_000;
+
+    /// Samples with a rotation up to that of the time 0.
+    fn present() -> Presence {
+        let mut presence = Presence::default();
+        (-9..=0).for_each(|k| presence.see(k * PERIOD_NS, Some((k - 1) * PERIOD_NS), true));
+        presence
+    }
+
+    #[test]
+    fn one_that_never_came_is_not_asked_for() {
+        let mut presence = Presence::default();
+        presence.see(0, None, false);
+        assert_eq!(presence.is_usable(0, None), None);
+    }
+
+    #[test]
+    fn it_is_gone_after_a_second_of_samples_without_a_rotation() {
+        let mut presence = present();
+        for k in 1..=102 {
+            presence.see(k * PERIOD_NS, Some((k - 1) * PERIOD_NS), false);
+            assert_eq!(presence.is_usable(k * PERIOD_NS, Some((k - 1) * PERIOD_NS)), Some(k <= 100), "{k}");
+        }
+        assert_eq!(presence.gaps(), 1);
+    }
+
+    #[test]
+    fn a_pause_of_all_sensors_is_no_loss_but_a_gap() {
+        let mut presence = present();
+        presence.see(5_000_000_000, Some(0), false);
+        assert_eq!((presence.is_usable(5_000_000_000, Some(0)), presence.gaps()), (Some(true), 1));
+    }
+
+    #[test]
+    fn a_useless_one_is_tried_again_once_it_has_been_gone() {
+        let mut presence = present();
+        presence.judge(true);
+        assert_eq!(presence.is_usable(PERIOD_NS, Some(0)), Some(false));
+        assert_eq!(presence.is_usable(2_000_000_000, Some(1_990_000_000)), Some(false));
+        presence.see(2_010_000_000, Some(2_000_000_000), true);
+        assert_eq!(presence.is_usable(2_010_000_000, Some(2_000_000_000)), Some(true));
+    }
+}

@@ -1,0 +1,108 @@
+//! The directions of a stream of samples, as the calibration in force shows them; before there is one, as seen from where the centre of the
+//! samples seems to be.
+
+use super::Coverage;
+use super::tuning::Tuning;
+use crate::calibration::{Calibration, typical_field_ut};
+use crate::ellipsoid::Moments;
+use nalgebra::Vector3;
+use std::collections::VecDeque;
+
+/// Choice: samples from one look for what is too dear for every sample to the next: 0.25 s at 100 Hz, which nobody sees on a screen
+/// (`tests/instructions.sh`).
+pub(crate) const ANEW_SAMPLES: usize = 25;
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Guidance {
+    coverage: Coverage,
+    /// Directions are counted as seen through this.
+    through: Option<Calibration>,
+    /// The latest N_max samples at the most, oldest first.
+    latest: VecDeque<Vector3<f64>>,
+    samples: usize,
+    longest: usize,
+    /// Of the latest samples that count, while there is no calibration.
+    moments: Moments,
+    typical_ut: f64,
+}
+
+impl Guidance {
+    /// For windows of N_max samples at most, in a field of this strength (uT) where it is known. All memory is taken here.
+    pub fn new(longest: usize, strength_ut: Option<f64>) -> Self {
+        let typical_ut = typical_field_ut(strength_ut);
+        Self {
+            coverage: Coverage::default(),
+            through: None,
+            latest: VecDeque::with_capacity(longest),
+            samples: 0,
+            longest,
+            moments: Moments::new(Vector3::zeros(), typical_ut),
+            typical_ut,
+        }
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self) {
+        self.coverage = Coverage::default();
+        self.through = None;
+        self.latest.clear();
+        self.samples = 0;
+        self.moments = Moments::new(Vector3::zeros(), self.typical_ut);
+    }
+
+    /// Which directions were seen.
+    pub fn coverage(&self) -> &Coverage {
+        &self.coverage
+    }
+
+    /// A sample; the calibration that is in force now, and how many of the latest samples count.
+    pub fn see(&mut self, raw_ut: &Vector3<f64>, calibration: Option<&Calibration>, window: usize) {
+        let direction = self.through.map(|through| through.correct(raw_ut));
+        self.coverage.see(direction.as_ref());
+        self.samples = self.samples.saturating_add(1);
+        if calibration.is_none() {
+            self.follow(raw_ut, window);
+        }
+        if self.latest.len() == self.longest {
+            self.latest.pop_front();
+        }
+        self.latest.push_back(*raw_ut);
+        self.look_through(calibration, window);
+    }
+
+    /// Directions are found anew where the calibration they are seen through is no longer right.
+    pub fn look_through(&mut self, calibration: Option<&Calibration>, window: usize) {
+        self.coverage.count_latest(window);
+        let is_near = |now: &Calibration, then: &Calibration| {
+            let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
+            shift <= Tuning::USED.anew_shift * then.field_strength_ut()
+        };
+        let through = match (calibration, &self.through) {
+            (Some(now), Some(then)) if is_near(now, then) => return,
+            (Some(now), _) => *now,
+            (None, _) if self.samples.is_multiple_of(ANEW_SAMPLES) => {
+                Calibration::about(self.moments.provisional_centre_ut(), self.typical_ut)
+            }
+            (None, _) => return,
+        };
+        self.through = Some(through);
+        self.coverage = Coverage::default();
+        let old = self.latest.len() - self.latest.len().min(window).min(Tuning::USED.anew_span as usize);
+        for raw_ut in self.latest.iter().skip(old) {
+            self.coverage.see(Some(&through.correct(raw_ut)));
+        }
+        self.coverage.count_latest(window);
+    }
+
+    /// The sample enters the moments, and those that count no longer leave.
+    fn follow(&mut self, raw_ut: &Vector3<f64>, window: usize) {
+        if self.latest.is_empty() {
+            self.moments = Moments::new(*raw_ut, self.typical_ut);
+        }
+        while self.moments.count() >= window.max(1) {
+            self.moments.remove(&self.latest[self.latest.len() - self.moments.count()]);
+        }
+        self.moments.add(raw_ut);
+    }
+}

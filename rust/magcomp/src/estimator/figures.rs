@@ -1,0 +1,76 @@
+//! Figures of our estimators that are formed anew every 25 samples, since they cost more than a sample may: (15) sigma_T over the latest
+//! N_min samples, and the predicted error of a corrected direction. Both are of the calibration that is in force then.
+
+use super::answer::{Answer, Counted};
+use super::paper::{WindowedConfig, evenness};
+use crate::calibration::Calibration;
+use crate::coverage::ANEW_SAMPLES;
+use crate::ellipsoid::direction_sigma_deg;
+use nalgebra::{SMatrix, Vector3};
+use std::collections::VecDeque;
+
+/// A calibration, and its covariance where that is known.
+pub(super) struct InForce {
+    pub calibration: Option<Calibration>,
+    pub covariance: Option<SMatrix<f64, 9, 9>>,
+}
+
+/// See the module.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Figures {
+    config: WindowedConfig,
+    /// The latest N_min samples, oldest first.
+    latest: VecDeque<Vector3<f64>>,
+    /// Samples so far.
+    samples: usize,
+    /// In force the last time that it was asked for, or given since.
+    calibration: Option<Calibration>,
+    sigma_t: Option<f64>,
+    direction_sigma_deg: Option<f64>,
+}
+
+impl Figures {
+    /// All memory is taken here.
+    pub fn new(config: WindowedConfig) -> Self {
+        let latest = VecDeque::with_capacity(config.n_min);
+        Self { config, latest, samples: 0, calibration: None, sigma_t: None, direction_sigma_deg: None }
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self) {
+        self.latest.clear();
+        (self.samples, self.calibration) = (0, None);
+        (self.sigma_t, self.direction_sigma_deg) = (None, None);
+    }
+
+    /// A calibration was given.
+    pub fn look_through(&mut self, calibration: Option<Calibration>) {
+        self.calibration = calibration.or(self.calibration);
+    }
+
+    /// What directions are counted over.
+    pub fn counted(&self) -> Counted {
+        Counted { through: self.calibration, samples: self.samples.min(self.config.n_max) }
+    }
+
+    /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
+    pub fn finish(&mut self, answer: Answer, raw_ut: &Vector3<f64>, in_force: impl FnOnce() -> InForce) -> Answer {
+        let is_due = self.samples.is_multiple_of(ANEW_SAMPLES);
+        self.samples = self.samples.saturating_add(1);
+        if self.latest.len() == self.config.n_min {
+            self.latest.pop_front();
+        }
+        self.latest.push_back(*raw_ut);
+        if is_due {
+            let InForce { calibration, covariance } = in_force();
+            self.look_through(calibration);
+            let enough = self.calibration.filter(|_| self.latest.len() == self.config.n_min);
+            self.sigma_t = enough.map(|it| evenness(self.latest.iter().rev(), &it, self.config.normalisation).sigma_t);
+            let known = calibration.zip(covariance);
+            self.direction_sigma_deg =
+                known.map(|(calibration, covariance)| direction_sigma_deg(&calibration, &covariance).min(180.0));
+        }
+        let (sigma_t, direction_sigma_deg) = (self.sigma_t, self.direction_sigma_deg);
+        Answer { sigma_t, direction_sigma_deg, counted: self.counted(), ..answer }
+    }
+}
