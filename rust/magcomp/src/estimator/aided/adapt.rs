@@ -119,7 +119,7 @@ impl Adaptation {
         dt_s: f64,
         tuning: &Tuning,
     ) {
-        let (offset_ut, soft_iron) = (known.x.offset, known.x.soft_iron());
+        let (offset_ut, soft_iron) = (known.x.hard_iron, known.x.soft_iron());
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();

@@ -11,11 +11,11 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::groups::{Group, Groups};
 use super::measure::Model;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, IRON, LOCAL, OFFSET, Parts, SCALE as S};
+use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
-pub(super) const UNKNOWNS: usize = LOCAL;
+pub(super) const UNKNOWNS: usize = LOCAL.start();
 /// Steps of a fit at most; one that has not converged then goes on with the next group.
 const STEPS: usize = 8;
 /// A step that lowers the cost by less than this is the last.
@@ -64,11 +64,11 @@ pub(super) fn descend(groups: &Groups, prior: &Prior, from: Vector) -> Option<(V
     let mut normal = normal(groups, prior, &x);
     let mut damping = 1e-4;
     for _ in 0..STEPS {
-        let l = normal.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
-        let cross = normal.curvature.fixed_rows::<9>(OFFSET).into_owned();
+        let l = CALIBRATION.block(&normal.curvature).cholesky()?;
+        let cross = normal.curvature.fixed_rows::<9>(CALIBRATION.start()).into_owned();
         let adapted = l.solve(&cross);
         let mut damped = normal.curvature;
-        for k in (FIELD..OFFSET).chain(G..UNKNOWNS) {
+        for k in FIELD.range().chain(BIAS.start()..UNKNOWNS) {
             let reduced = normal.curvature[(k, k)] - cross.column(k).dot(&adapted.column(k));
             damped[(k, k)] += damping * reduced.max(0.0);
         }
@@ -90,10 +90,10 @@ pub(super) fn descend(groups: &Groups, prior: &Prior, from: Vector) -> Option<(V
 
 /// x with b and e at their best for its (h, g, tau, s).
 fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> {
-    x.fixed_rows_mut::<9>(OFFSET).fill(0.0);
+    CALIBRATION.set(&mut x, &SVector::zeros());
     let at = normal(groups, prior, &x);
-    let linear = at.curvature.fixed_view::<9, 9>(OFFSET, OFFSET).into_owned().cholesky()?;
-    x.fixed_rows_mut::<9>(OFFSET).copy_from(&linear.solve(&at.slope.fixed_rows::<9>(OFFSET).into_owned()));
+    let linear = CALIBRATION.block(&at.curvature).cholesky()?;
+    CALIBRATION.set(&mut x, &linear.solve(&CALIBRATION.of(&at.slope)));
     Some(x)
 }
 
@@ -130,11 +130,11 @@ pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vect
     let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s);
     let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-    j.fixed_columns_mut::<3>(FIELD).copy_from(&(model.by_field * mean.back));
-    j.fixed_columns_mut::<3>(OFFSET).copy_from(&Matrix3::identity());
-    j.fixed_columns_mut::<6>(IRON).copy_from(&iron_rows(&model.seen));
-    j.fixed_columns_mut::<3>(G).copy_from(&by_gyroscope.fixed_columns::<3>(0));
-    j.fixed_columns_mut::<9>(S).copy_from(&by_gyroscope.fixed_columns::<9>(3));
-    j.set_column(TAU, &model.by_delay);
+    j.fixed_columns_mut::<3>(FIELD.start()).copy_from(&(model.by_field * mean.back));
+    j.fixed_columns_mut::<3>(HARD_IRON.start()).copy_from(&Matrix3::identity());
+    j.fixed_columns_mut::<6>(SOFT_IRON.start()).copy_from(&iron_rows(&model.seen));
+    j.fixed_columns_mut::<3>(BIAS.start()).copy_from(&by_gyroscope.fixed_columns::<3>(0));
+    j.fixed_columns_mut::<9>(AXES.start()).copy_from(&by_gyroscope.fixed_columns::<9>(3));
+    j.set_column(DELAY.start(), &model.by_delay);
     (j, mean.raw_ut - model.raw_ut)
 }

@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::state::{BIAS, FIELD, Gaussian};
+use super::state::{BIAS, FIELD, Filter};
 use super::step::Step;
 use super::tuning::Tuning;
 
@@ -29,17 +29,17 @@ pub(crate) struct Earth {
 
 impl Earth {
     /// As `carried` has it, which went by what `before` knew.
-    pub(crate) fn of(carried: &Gaussian, before: Option<&Self>, since_ns: i64) -> Self {
-        let m = carried.vector(FIELD);
+    pub(crate) fn of(carried: &Filter, before: Option<&Self>, since_ns: i64) -> Self {
+        let m = carried.part(FIELD);
         let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
-        let variance_ut2 = carried.block(FIELD, FIELD).trace() / 2.0 + covariance.trace() / 3.0;
+        let variance_ut2 = carried.own(FIELD).trace() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
         Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0 }
     }
 
     /// One sample; `filter` is as it was before it.
-    pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Gaussian, tuning: &Tuning) {
-        let bias_rad_s = filter.block(BIAS, BIAS).diagonal().max().sqrt();
+    pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Filter, tuning: &Tuning) {
+        let bias_rad_s = filter.own(BIAS).diagonal().max().sqrt();
         let size_ut = self.field_ut.norm();
         let drifted_ut = self.sd_ut + size_ut * bias_rad_s * step.dt_s;
         self.sd_ut = drifted_ut.hypot(size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
@@ -67,8 +67,8 @@ impl Earth {
     }
 
     /// Whether the field of `found` is it again, where that of `carried` was not.
-    pub(crate) fn is_that_of(&self, found: &Gaussian, carried: &Gaussian, tuning: &Tuning) -> bool {
-        let off_ut = |it: &Gaussian| (it.vector(FIELD) - self.field_ut).norm();
+    pub(crate) fn is_that_of(&self, found: &Filter, carried: &Filter, tuning: &Tuning) -> bool {
+        let off_ut = |it: &Filter| (it.part(FIELD) - self.field_ut).norm();
         off_ut(found) < tuning.smallest_step_ut.min(0.5 * off_ut(carried))
     }
 }

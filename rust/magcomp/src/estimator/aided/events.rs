@@ -10,7 +10,7 @@
 //! the recall of a former calibration are new.
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
-use super::state::{FIELD, Gaussian, OFFSET};
+use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
@@ -41,8 +41,8 @@ pub(crate) struct Trial {
     pub(crate) is_place: bool,
     pub(crate) was_place: bool,
     pub(crate) onset_ns: i64,
-    pub(crate) device: Gaussian,
-    pub(crate) place: Gaussian,
+    pub(crate) device: Filter,
+    pub(crate) place: Filter,
     pub(crate) recalled: bool,
     /// Began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
     pub(crate) blind: bool,
@@ -62,24 +62,24 @@ pub(crate) struct Trial {
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
-    pub(crate) fn start(filter: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
+    pub(crate) fn start(filter: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         Self::start_in(filter, filter, watch, former, tuning)
     }
 
     /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
-    fn start_in(filter: &Gaussian, there: &Gaussian, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
+    fn start_in(filter: &Filter, there: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
         if let Some(former) = recall {
             former.put_into(&mut device, tuning);
         } else {
-            device.add_variance(OFFSET, step_ut * step_ut);
+            device.add_variance(HARD_IRON, step_ut * step_ut);
             let iron = (tuning.iron_sd * (step_ut / tuning.far_sd_ut).min(1.0)).powi(2);
-            device.add_iron_variance(iron);
+            device.add_soft_iron_variance(iron);
             // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
-            let m = device.vector(FIELD);
-            device.add_block(FIELD, &(m * m.transpose() * (iron / 3.0)));
+            let m = device.part(FIELD);
+            device.add(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
         place.add_variance(FIELD, step_ut * step_ut);
         Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
@@ -89,7 +89,7 @@ impl Trial {
     pub(crate) fn step(
         &mut self,
         step: &Step<'_>,
-        filter: &Gaussian,
+        filter: &Filter,
         watch: &Watch,
         former: Option<&Former>,
         tuning: &Tuning,
@@ -98,11 +98,11 @@ impl Trial {
         self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
         if self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
-            self.device.add_variance(OFFSET, variance);
+            self.device.add_variance(HARD_IRON, variance);
             self.place.add_variance(FIELD, variance);
         }
         if !step.resting {
-            let seen = |it: &Gaussian| it.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
+            let seen = |it: &Filter| it.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
             if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
                 self.judge(&device, &place, step, tuning);
                 if device.nis < tuning.gate {

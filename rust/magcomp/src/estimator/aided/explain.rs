@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::Aided;
 use super::phase::Phase;
-use super::state::{BIAS, DELAY, Gaussian};
+use super::state::{BIAS, Filter};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest, NoiseLevels};
 
 impl Aided {
@@ -39,7 +39,7 @@ impl Aided {
 
     fn noise_levels(&self) -> NoiseLevels {
         let filter = self.phase.known();
-        let sigma_rad_s = |filter: &Gaussian| Vector3::from_fn(|i, _| filter.p[(BIAS + i, BIAS + i)].sqrt());
+        let sigma_rad_s = |filter: &Filter| filter.own(BIAS).diagonal().map(f64::sqrt);
         let at_rest_rad_s = match &self.phase {
             Phase::Starting(first) => Some(first.rest_bias_sigma_rad_s()),
             Phase::Running(_) | Phase::Undecided(..) => None,
@@ -48,8 +48,8 @@ impl Aided {
             white_ut: Some(self.adaptation.sigma_ut()),
             local_ut: Some(self.adaptation.local_ut),
             hard_iron_walk_ut: Some(self.adaptation.walk_ut),
-            delay_s: filter.map(|filter| filter.x[DELAY]),
-            delay_sigma_s: filter.map(|filter| filter.p[(DELAY, DELAY)].sqrt()),
+            delay_s: filter.map(Filter::delay_s),
+            delay_sigma_s: filter.map(|filter| filter.delay_s2().sqrt()),
             gyroscope_bias_rad_s: Some(self.gyroscope().0),
             gyroscope_bias_sigma_rad_s: filter.map(sigma_rad_s).or(at_rest_rad_s.map(Vector3::repeat)),
         }

@@ -12,12 +12,16 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
 use super::groups::Groups;
-use super::state::{BIAS as G, DELAY as TAU, FIELD, Gaussian, IRON, LOCAL, OFFSET, OFFSET_SD_UT, Parts, SCALE as S};
+use super::state::{
+    AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, OFFSET_SD_UT, Parts, SOFT_IRON,
+    SOFT_IRON_ALONE,
+};
 use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
 use crate::heading::across_ut2;
+use crate::math::gaussian::Gaussian;
 use crate::reading::Missing;
 
 /// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
@@ -43,7 +47,7 @@ pub(super) struct FirstFit {
     /// The latest fit.
     x: Vector,
     /// The same as a filter, carried on to the latest sample, while the field's direction is known well enough to be told.
-    pub(super) answer: Option<Gaussian>,
+    pub(super) answer: Option<Filter>,
     /// The samples alone, without what was given, know the offset well enough for the filter to go on.
     is_settled: bool,
     /// The calibration that was given, while it is believed.
@@ -62,10 +66,9 @@ pub(super) struct FirstFit {
 }
 
 /// A calibration from elsewhere, or from before a pause: b and e.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Before {
-    pub(super) mean: SVector<f64, 9>,
-    pub(super) covariance: SMatrix<f64, 9, 9>,
+    pub(super) calibration: Gaussian<9>,
     /// |h|, uT.
     pub(super) strength_ut: f64,
 }
@@ -73,17 +76,16 @@ pub(super) struct Before {
 impl Before {
     /// The trace of E is a gauge, and what was measured best is not known better than rounding.
     fn precision(&self) -> Option<SMatrix<f64, 9, 9>> {
-        let mut covariance = self.covariance;
-        (0..3).for_each(|k| covariance[(k, k)] += LEAST_OFFSET_UT2);
-        (3..9).for_each(|k| covariance[(k, k)] += LEAST_IRON);
-        Some(covariance.cholesky()?.inverse())
+        let mut it = self.calibration.clone();
+        it.add_variance(HARD_IRON_ALONE, LEAST_OFFSET_UT2);
+        it.add_variance(SOFT_IRON_ALONE, LEAST_IRON);
+        Some(it.covariance.cholesky()?.inverse())
     }
 }
 
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
         let mut it = Self {
-            given,
             // M may scale a known strength by three standard deviations
             earth_ut: known_ut
                 .map_or(EARTH_UT, |it| (it * (1.0 - 3.0 * tuning.iron_sd), it * (1.0 + 3.0 * tuning.iron_sd))),
@@ -92,6 +94,7 @@ impl FirstFit {
         };
         if given.is_some() {
             let prior = it.prior(given.as_ref(), 0.0, tuning);
+            it.given = given;
             it.x = prior.mean;
             it.answer = prior.precision.cholesky().and_then(|p| filter(&it.x, &p.inverse(), tuning));
         }
@@ -105,16 +108,16 @@ impl FirstFit {
 
     /// What is believed now, to tell noise from the device's motion.
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
-        let (bias, scale) = self.gyroscope();
-        let x = Parts { bias, scale, ..parts(&self.x) };
-        Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), scale_sd: tuning.axes_sd }
+        let (bias, axes) = self.gyroscope();
+        let x = Parts { bias, axes, ..parts(&self.x) };
+        Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), axes_sd: tuning.axes_sd }
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.
     pub(super) fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let x = parts(&self.x);
         // a fit that counts for nothing says nothing of the gyroscope either
-        self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.scale))
+        self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.axes))
     }
 
     /// How well rest has shown the bias of the gyroscope, per axis, rad/s.
@@ -127,7 +130,7 @@ impl FirstFit {
         let gain = self.bias_variance / (self.bias_variance + variance);
         self.bias_rad_s += (rate_rad_s - self.bias_rad_s) * gain;
         self.bias_variance *= 1.0 - gain;
-        self.x.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
+        BIAS.set(&mut self.x, &self.bias_rad_s);
         if let Some(answer) = &mut self.answer {
             answer.update_bias(rate_rad_s, variance);
         }
@@ -140,7 +143,7 @@ impl FirstFit {
             answer.propagate(step.increment_rad, step.dt_s, &step.noise);
         }
         let h = step.turn * self.field();
-        self.x.fixed_rows_mut::<3>(FIELD).copy_from(&h);
+        FIELD.set(&mut self.x, &h);
     }
 
     /// What the samples so far lack.
@@ -174,11 +177,11 @@ impl FirstFit {
     }
 
     /// The answer, once the samples alone know the offset well enough for the filter to go on from it.
-    pub(super) fn take(&mut self) -> Option<Gaussian> {
+    pub(super) fn take(&mut self) -> Option<Filter> {
         self.answer.take_if(|_| self.is_settled)
     }
 
-    fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Gaussian> {
+    fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Filter> {
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
         let Some((x, normal, has_converged)) = descend(&self.groups, &prior, self.x) else {
             self.x = prior.mean;
@@ -206,34 +209,32 @@ impl FirstFit {
         };
         // once the groups are full, a fit learns no more: the filter, which forgets nothing, goes on from less
         let most_ut = tuning.adopt_sd_ut * if self.groups.is_full() { 1.5 } else { 1.0 };
-        self.is_settled = (OFFSET..IRON).map(|k| p[(k, k)]).sum::<f64>() < most_ut * most_ut;
-        let off_rad2 = off_rad2(&found.vector(FIELD), &found.block(FIELD, FIELD), up);
+        self.is_settled = HARD_IRON.block(&p).trace() < most_ut * most_ut;
+        let off_rad2 = off_rad2(&found.part(FIELD), &found.own(FIELD), up);
         let is_known = off_rad2 < tuning.publish_deg.to_radians().powi(2);
         (is_known || self.is_settled || self.given.is_some()).then_some(found)
     }
 
     fn prior(&self, given: Option<&Before>, noise_ut2: f64, tuning: &Tuning) -> Prior {
         let mut mean = Vector::zeros();
-        mean.fixed_rows_mut::<3>(G).copy_from(&self.bias_rad_s);
+        BIAS.set(&mut mean, &self.bias_rad_s);
         let mut precision = Matrix::zeros();
         let iron = 1.0 / tuning.iron_sd.powi(2);
-        for k in 0..3 {
-            precision[(FIELD + k, FIELD + k)] = tuning.far_sd_ut.powi(-2);
-            precision[(OFFSET + k, OFFSET + k)] = 1.0 / OFFSET_SD_UT.powi(2);
-            precision[(IRON + k, IRON + k)] = iron;
-            precision[(IRON + 3 + k, IRON + 3 + k)] = 2.0 * iron;
-            precision[(G + k, G + k)] = 1.0 / self.bias_variance;
-        }
+        FIELD.block_mut(&mut precision).fill_diagonal(tuning.far_sd_ut.powi(-2));
+        HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / OFFSET_SD_UT.powi(2));
+        SOFT_IRON
+            .block_mut(&mut precision)
+            .set_diagonal(&SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0].map(|it| it * iron)));
+        BIAS.block_mut(&mut precision).fill_diagonal(1.0 / self.bias_variance);
+        DELAY.block_mut(&mut precision).fill_diagonal(DELAY_SD_S.powi(-2));
+        AXES.block_mut(&mut precision).fill_diagonal(tuning.axes_sd.powi(-2));
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
-            mean.fixed_rows_mut::<9>(OFFSET).copy_from(&given.mean);
-            precision.fixed_view_mut::<9, 9>(OFFSET, OFFSET).copy_from(&known);
+            CALIBRATION.set(&mut mean, &given.calibration.mean);
+            CALIBRATION.block_mut(&mut precision).copy_from(&known);
         }
-        let mut trace = precision.fixed_view_mut::<3, 3>(IRON, IRON);
+        let mut iron = SOFT_IRON.block_mut(&mut precision);
+        let mut trace = iron.fixed_view_mut::<3, 3>(0, 0);
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
-        precision[(TAU, TAU)] = DELAY_SD_S.powi(-2);
-        for k in S..LOCAL {
-            precision[(k, k)] = tuning.axes_sd.powi(-2);
-        }
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
         Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) + misfit_ut2 }
@@ -260,9 +261,9 @@ impl FirstFit {
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
         let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
-        let p_bb = p.fixed_view::<3, 3>(OFFSET, OFFSET).into_owned();
+        let p_bb = HARD_IRON.block(&p);
         // at most what was known before any sample
-        let given_ut2 = self.given.map(|given| given.covariance.fixed_view::<3, 3>(0, 0).into_owned());
+        let given_ut2 = self.given.as_ref().map(|given| given.calibration.own(HARD_IRON_ALONE));
         let d = Vector3::from_fn(|k, _| {
             let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
             let before_ut2 = given_ut2.map_or(OFFSET_SD_UT.powi(2), |given| axis.dot(&(given * axis)));
@@ -270,9 +271,9 @@ impl FirstFit {
             (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
         });
         let mut spread = SMatrix::<f64, 6, 3>::zeros();
-        spread.fixed_rows_mut::<3>(FIELD).copy_from(&eigen.eigenvectors);
-        spread.fixed_rows_mut::<3>(OFFSET).copy_from(&(-q * eigen.eigenvectors));
-        let mut to = p.fixed_view_mut::<6, 6>(FIELD, FIELD);
+        spread.fixed_rows_mut::<3>(FIELD.start()).copy_from(&eigen.eigenvectors);
+        spread.fixed_rows_mut::<3>(HARD_IRON.start()).copy_from(&(-q * eigen.eigenvectors));
+        let mut to = FIELD.with_next::<6>().block_mut(&mut p);
         to += spread * Matrix3::from_diagonal(&d) * spread.transpose();
         Some(p)
     }
@@ -283,7 +284,7 @@ impl FirstFit {
     fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
         let x = parts(&self.x);
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
-        let mut own = p.fixed_view::<3, 3>(G, G).into_owned().try_inverse()?;
+        let mut own = BIAS.block(p).try_inverse()?;
         let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
         for (mean, unseen) in self.groups.means(&x).zip(unseen) {
             let v = prior.variance(&mean);
@@ -299,7 +300,7 @@ impl FirstFit {
 /// Whether what the samples tell of (e, g, tau, s), and of a b that was given, is likely beforehand: chi-squared within two
 /// standard deviations.
 fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
-    let first = if has_offset { OFFSET } else { IRON };
+    let first = if has_offset { HARD_IRON.start() } else { SOFT_IRON.start() };
     let off = Vector::from_fn(|k, _| if k >= first { x[k] - prior.mean[k] } else { 0.0 });
     let count = (UNKNOWNS - first) as f64;
     off.dot(&(prior.precision * off)) < count + 2.0 * (2.0 * count).sqrt()
@@ -314,10 +315,10 @@ fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) ->
 }
 
 /// The filter that starts from a fit.
-fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Gaussian> {
-    let mut filter = Gaussian::default();
-    filter.x.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
-    filter.p.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
+fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Filter> {
+    let mut filter = Filter::default();
+    filter.mean.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
+    filter.covariance.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
     filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));
     filter.is_finite().then_some(filter)
 }

@@ -12,8 +12,8 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::propagate::turn;
 use super::state::Parts;
+use crate::math::turn::Turn;
 
 /// Groups held.
 const GROUPS: usize = 32;
@@ -77,7 +77,7 @@ impl Groups {
 
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
-        let (r, _) = turn(increment_rad);
+        let r = Turn::by(&-increment_rad).rotation;
         let group = &mut self.groups[self.used - 1];
         group.turn = r * group.turn;
         group.back *= r.transpose();
@@ -126,7 +126,7 @@ impl Groups {
         let h = x.field;
         let mut errors = SVector::<f64, 12>::zeros();
         errors.fixed_rows_mut::<3>(0).copy_from(&x.bias);
-        errors.fixed_rows_mut::<9>(3).copy_from_slice(x.scale.as_slice());
+        errors.fixed_rows_mut::<9>(3).copy_from_slice(x.axes.as_slice());
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
         let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();
@@ -134,7 +134,7 @@ impl Groups {
             let off = group.by_gyroscope * errors;
             let leads = (back * h).cross_matrix() * group.by_gyroscope;
             // on average half of a group's error lies between its end and a sample
-            let (half, _) = turn(&(off * 0.5));
+            let half = Turn::by(&(-off * 0.5)).rotation;
             let mean = group.back * half / group.count;
             let seen = Group {
                 raw_ut: group.raw_ut / group.count,
@@ -143,7 +143,7 @@ impl Groups {
                 by_gyroscope: mean * (by_gyroscope + leads * 0.5),
                 ..*group
             };
-            let (whole, _) = turn(&off);
+            let whole = Turn::by(&-off).rotation;
             let to_start = group.turn.transpose() * whole;
             by_gyroscope = to_start * (by_gyroscope + leads);
             back = to_start * back;

@@ -10,18 +10,19 @@
 
 use nalgebra::Vector3;
 
+use super::Aided;
 use super::earth::Earth;
 use super::events::{Trial, Verdict};
 use super::measure::{Judged, NONE};
 use super::phase::{Phase, Running};
 use super::propagate::ProcessNoise;
 use super::start::drift;
-use super::state::{FIELD, Gaussian, LOCAL, OFFSET, Parts};
+use super::state::{FIELD, Filter, HARD_IRON, LOCAL, Parts};
 use super::step::{Known, Step};
 use super::watch::Former;
-use super::{Aided, propagate};
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::math::turn::Turn;
 use crate::reading::{Event, EventKind, Status};
 use crate::sensing::pairing::Rotation;
 
@@ -41,7 +42,7 @@ impl Aided {
             Phase::Running(it) | Phase::Undecided(it, _) => Known::of(&it.filter),
         };
         let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
-        let (turn, _) = propagate::turn(&turned_rad);
+        let turn = Turn::by(&-turned_rad).rotation;
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, dt_s, tuning);
@@ -126,11 +127,11 @@ impl Aided {
             return;
         };
         // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
-        let local_ut = filter.vector(LOCAL);
+        let local_ut = filter.part(LOCAL);
         let gated = innovation.nis > self.tuning.gate
             || local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let unexplained_ut = innovation.v + local_ut;
-        let field = filter.vector(FIELD);
+        let field = filter.part(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
@@ -140,7 +141,7 @@ impl Aided {
             filter.update_bias(step.rate_rad_s, variance);
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
-        let is_blind = filter.block(FIELD, FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        let is_blind = filter.own(FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
         let usage = if step.resting {
             SampleUse::AtRest
         } else if is_open || is_blind {
@@ -162,10 +163,10 @@ impl Aided {
         }
         if !step.resting {
             if !gated {
-                let before_ut = filter.vector(OFFSET);
+                let before_ut = filter.part(HARD_IRON);
                 filter.update(&innovation, NONE);
-                let variance_ut2 = filter.block(OFFSET, OFFSET).trace();
-                let correction_ut = filter.vector(OFFSET) - before_ut;
+                let variance_ut2 = filter.own(HARD_IRON).trace();
+                let correction_ut = filter.part(HARD_IRON) - before_ut;
                 self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
                 if let Some(difference_ut) = unevenness(step, &filter.parts()) {
                     self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
@@ -197,7 +198,7 @@ impl Aided {
         match verdict {
             Verdict::Device => {
                 let winner = &trial.device;
-                let moved_ut = winner.vector(OFFSET) - filter.vector(OFFSET);
+                let moved_ut = winner.part(HARD_IRON) - filter.part(HARD_IRON);
                 // less than half a step is an error of one's own; after a pause b may have walked
                 let least_ut = self.tuning.smallest_step_ut * if trial.blind { 1.0 } else { 0.5 };
                 if !trial.young && moved_ut.norm() > least_ut {
@@ -237,7 +238,7 @@ impl Aided {
     }
 
     /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, winner: fn(Trial) -> Gaussian) {
+    fn go_on_with(&mut self, winner: fn(Trial) -> Filter) {
         self.phase.decide(Some(winner));
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }
@@ -245,7 +246,7 @@ impl Aided {
 
 /// What c and f differ by.
 fn unevenness(step: &Step<'_>, x: &Parts) -> Option<Vector3<f64>> {
-    let (_, still) = x.corrected(step.raw_ut)?;
+    let still = x.corrected(step.raw_ut)?.field_ut;
     let rate = x.true_rate(step.rate_rad_s);
     Some(still - rate.cross(&still) * x.delay - x.field)
 }

@@ -11,10 +11,10 @@
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use std::ops::Range;
 
-use super::state::{BIAS, DELAY, ELEMENT, FIELD, Gaussian, IRON, LOCAL, OFFSET, Parts, STATES, covariance};
+use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
 use crate::explanation::SampleUse;
+use crate::math::gaussian::Held;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -60,13 +60,11 @@ impl Judged {
     }
 }
 
-/// Which states an update holds, from and to.
-type Held = &'static [(usize, usize)];
-pub(crate) const NONE: Held = &[];
+pub(crate) const NONE: Held<'static> = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
-pub(crate) const ALL_BUT_FIELD: Held = &[(OFFSET, LOCAL)];
+pub(crate) const ALL_BUT_FIELD: Held<'static> = &[HARD_IRON.until(LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
-const ALL_BUT_FIELD_AND_BIAS: Held = &[(OFFSET, BIAS), (DELAY, LOCAL)];
+const ALL_BUT_FIELD_AND_BIAS: Held<'static> = &[HARD_IRON.until(BIAS), DELAY.until(LOCAL)];
 
 /// What a state foretells of a raw sample, and dr/dx by its parts.
 pub(crate) struct Model {
@@ -86,7 +84,7 @@ impl Model {
         let swing = w.cross(&h0);
         let seen = h0 + swing * tau;
         Self {
-            raw_ut: m * seen + x.offset,
+            raw_ut: m * seen + x.hard_iron,
             by_field: m + m * w.cross_matrix() * tau,
             by_bias: m * h0.cross_matrix() * tau,
             by_delay: m * swing,
@@ -99,24 +97,25 @@ impl Model {
     #[inline(always)]
     pub(crate) fn times(&self, dx: &Parts) -> Vector3<f64> {
         self.by_field * (dx.field + dx.local)
-            + dx.offset
+            + dx.hard_iron
             + dx.iron * self.seen
-            + self.by_bias * (dx.bias + dx.scale * self.rate)
+            + self.by_bias * (dx.bias + dx.axes * self.rate)
             + self.by_delay * dx.delay
     }
 }
 
-impl Gaussian {
+impl Filter {
     /// B_i = sum_jl P(E_ij, E_il) (P_mm + P_dd)_jl + P(E_ij, m_l) P(m_j, E_il), not below zero.
     fn second_order(&self) -> Vector3<f64> {
-        let field = self.block(FIELD, FIELD) + self.block(LOCAL, LOCAL);
+        let field = self.own(FIELD) + self.own(LOCAL);
         Vector3::from(ELEMENT.map(|row| {
             let mut sum = 0.0;
             for (j, &ij) in row.iter().enumerate() {
                 for (l, &il) in row.iter().enumerate() {
-                    let (ij, il) = (IRON + ij, IRON + il);
-                    let cross = self.p[(ij, FIELD + l)] * self.p[(FIELD + j, il)];
-                    sum += (self.p[(ij, il)] * field[(j, l)] + cross).max(0.0);
+                    let (ij, il, j_m, l_m) =
+                        (SOFT_IRON.start() + ij, SOFT_IRON.start() + il, FIELD.start() + j, FIELD.start() + l);
+                    let cross = self.covariance[(ij, l_m)] * self.covariance[(j_m, il)];
+                    sum += (self.covariance[(ij, il)] * field[(j, l)] + cross).max(0.0);
                 }
             }
             sum
@@ -126,7 +125,7 @@ impl Gaussian {
     /// The innovation of `raw_ut` with white noise `sigma_ut` per axis; `None` when S has no Cholesky factor.
     pub(crate) fn innovation(&self, raw_ut: &Vector3<f64>, rate: &Vector3<f64>, sigma_ut: f64) -> Option<Innovation> {
         let model = Model::of(&self.parts(), rate);
-        let ph = covariance(&self.p, |dx| model.times(dx));
+        let ph = covariance(&self.covariance, |dx| model.times(dx));
         let s = covariance(&ph.transpose(), |dx| model.times(dx))
             + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
@@ -146,70 +145,33 @@ impl Gaussian {
     }
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
-    pub(crate) fn update(&mut self, innovation: &Innovation, held: Held) {
-        self.correct(innovation.gain, &innovation.whitened, held);
-    }
-
-    /// x <- x + V z, P <- P - V V^T, but for what is held.
-    fn correct<const N: usize>(&mut self, mut gain: SMatrix<f64, STATES, N>, whitened: &SVector<f64, N>, held: Held) {
-        let mut add = |v: &SMatrix<f64, STATES, N>, sign: f64| {
-            for j in 0..STATES {
-                let own = v.row(j) * sign;
-                // the lower half of P alone, rows in fours as vector units take them
-                for i in j - j % 4..STATES {
-                    for n in 0..N {
-                        self.p[(i, j)] += v[(i, n)] * own[n];
-                    }
-                }
-            }
-        };
-        add(&gain, -1.0);
-        if !held.is_empty() {
-            let mut kept = SMatrix::<f64, STATES, N>::zeros();
-            for k in held.iter().flat_map(|&(from, to)| from..to) {
-                kept.set_row(k, &gain.row(k));
-                gain.row_mut(k).fill(0.0);
-            }
-            add(&kept, 1.0);
-        }
-        self.p.fill_upper_triangle_with_lower_triangle();
-        self.x += gain * whitened;
-        // no variance below what rounding can carry: P stays positive definite for ever
-        let mut at_least = |states: Range<usize>, floor: f64| {
-            for i in states {
-                self.p[(i, i)] = self.p[(i, i)].max(floor);
-            }
-        };
-        at_least(FIELD..IRON, 1e-8);
-        at_least(IRON..BIAS, 1e-12);
-        at_least(BIAS..DELAY, 1e-14);
-        at_least(DELAY..LOCAL, 1e-12);
-        at_least(LOCAL..STATES, 1e-8);
+    pub(crate) fn update(&mut self, innovation: &Innovation, held: Held<'_>) {
+        self.correct_soundly(innovation.gain, &innovation.whitened, held);
     }
 
     /// The scalar measurement |m| = `strength_ut` with the given variance, m and its companions corrected.
     pub(crate) fn update_strength(&mut self, strength_ut: f64, variance: f64) {
-        let m = self.vector(FIELD);
+        let m = self.part(FIELD);
         let size = m.norm();
         if size < 1e-6 {
             return;
         }
         let u = m / size;
-        let hp = self.p.fixed_columns::<3>(FIELD) * u;
-        let along = u.dot(&hp.fixed_rows::<3>(FIELD));
+        let hp = self.columns(FIELD) * u;
+        let along = u.dot(&FIELD.of(&hp));
         // what the curvature of |m| hides: half the variance across, over |m|
-        let across = (self.block(FIELD, FIELD).trace() - along).max(0.0) / size;
+        let across = (self.own(FIELD).trace() - along).max(0.0) / size;
         let sd = (along + variance + 0.5 * across * across).sqrt();
-        self.correct(hp / sd, &SVector::from([(strength_ut - size) / sd]), NONE);
+        self.correct_soundly(hp / sd, &SVector::from([(strength_ut - size) / sd]), NONE);
     }
 
     /// The measurement g = rate (at rest), with `variance` per axis; b, e, tau and s hold (Schmidt).
     pub(crate) fn update_bias(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
-        for k in 0..3 {
-            let column = self.p.column(BIAS + k).into_owned();
-            let sd = (column[BIAS + k] + variance).sqrt();
-            let off = SVector::from([(rate_rad_s[k] - self.x[BIAS + k]) / sd]);
-            self.correct(column / sd, &off, ALL_BUT_FIELD_AND_BIAS);
+        for (k, rate) in BIAS.range().zip(rate_rad_s) {
+            let column = self.covariance.column(k).into_owned();
+            let sd = (column[k] + variance).sqrt();
+            let off = SVector::from([(rate - self.mean[k]) / sd]);
+            self.correct_soundly(column / sd, &off, ALL_BUT_FIELD_AND_BIAS);
         }
     }
 }

@@ -38,7 +38,7 @@ use first_fit::FirstFit;
 use measure::Judged;
 use motion::Motion;
 use phase::{Phase, Running};
-use state::{FIELD, Gaussian, OFFSET};
+use state::{CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::Former;
@@ -96,22 +96,22 @@ impl Aided {
     pub fn calibration(&self) -> Option<Calibration> {
         let filter = self.phase.known()?;
         let strength_ut = self.known_ut.unwrap_or_else(|| self.strength_of(filter));
-        Calibration::new(filter.parts().soft_iron() * self.scale(filter), filter.vector(OFFSET), strength_ut).ok()
+        Calibration::new(filter.parts().soft_iron() * self.scale(filter), filter.part(HARD_IRON), strength_ut).ok()
     }
 
     /// |m|, uT.
-    fn strength_of(&self, filter: &Gaussian) -> f64 {
+    fn strength_of(&self, filter: &Filter) -> f64 {
         // where the field points is lost: m is but the latest sample
         self.phase.lost_strength_ut().unwrap_or_else(|| self.earth_ut(filter).0.norm()).max(1.0)
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
-    fn earth_ut(&self, filter: &Gaussian) -> (Vector3<f64>, Matrix3<f64>) {
-        self.phase.running().map_or_else(|| (filter.vector(FIELD), Matrix3::zeros()), Running::earth_ut)
+    fn earth_ut(&self, filter: &Filter) -> (Vector3<f64>, Matrix3<f64>) {
+        self.phase.running().map_or_else(|| (filter.part(FIELD), Matrix3::zeros()), Running::earth_ut)
     }
 
     /// From tr M = 3 to the known strength: the factor of M; what is corrected is divided by it. Without a known one the gauge stays.
-    fn scale(&self, filter: &Gaussian) -> f64 {
+    fn scale(&self, filter: &Filter) -> f64 {
         self.known_ut.map_or(1.0, |known_ut| self.strength_of(filter) / known_ut)
     }
 
@@ -119,7 +119,7 @@ impl Aided {
     pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
         match &self.phase {
             Phase::Starting(first) => first.gyroscope(),
-            Phase::Running(it) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().scale),
+            Phase::Running(it) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().axes),
         }
     }
 
@@ -131,13 +131,13 @@ impl Aided {
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.phase.known()?;
-        let Some(known_ut) = self.known_ut else { return Some(filter.calibration_block()) };
-        let mut p = filter.p.fixed_view::<12, 12>(FIELD, FIELD).into_owned();
-        let mut along = filter.vector(FIELD).cap_magnitude(1.0);
+        let Some(known_ut) = self.known_ut else { return Some(filter.own(CALIBRATION)) };
+        let mut p = filter.own(FIELD_AND_CALIBRATION);
+        let mut along = filter.part(FIELD).cap_magnitude(1.0);
         if self.phase.lost_strength_ut().is_some() {
             // where the field points is not known; how strong it is stays known
             along = Vector3::x();
-            p.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(self.tuning.adopt_sd_ut.powi(2));
+            FIELD.block_mut(&mut p).fill_diagonal(self.tuning.adopt_sd_ut.powi(2));
         }
         // d(M k) = k dM + M d|m| / known,   k = |m| / known
         let m = filter.parts().soft_iron() / known_ut;

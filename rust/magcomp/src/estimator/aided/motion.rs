@@ -103,7 +103,7 @@ impl Motion {
         let share = |time_s: f64| (dt_s / time_s).min(1.0);
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (LARGEST_TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
-        let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.scale_sd.powi(2) * self.net_rad_s.norm_squared();
+        let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
         let best_s = (self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2)).cbrt();
         let up_time_s = best_s.max(time_s).min(self.up_age_s);
         let up = carried + (self.felt - carried) * share(up_time_s);

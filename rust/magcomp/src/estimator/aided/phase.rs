@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::earth::Earth;
 use super::events::Trial;
 use super::first_fit::{Before, FirstFit};
-use super::state::{FIELD, Gaussian, OFFSET};
+use super::state::{CALIBRATION, FIELD, Filter};
 use super::watch::Watch;
 
 /// See the module.
@@ -29,7 +29,7 @@ pub(super) enum Phase {
 /// The filter and what belongs to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Running {
-    pub(super) filter: Gaussian,
+    pub(super) filter: Filter,
     pub(super) watch: Watch,
     /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
     pub(super) moved_s: f64,
@@ -49,7 +49,7 @@ impl Phase {
     }
 
     /// The filter, or what a start knows so far.
-    pub(super) fn known(&self) -> Option<&Gaussian> {
+    pub(super) fn known(&self) -> Option<&Filter> {
         match self {
             Self::Starting(first) => first.answer.as_ref(),
             Self::Running(running) | Self::Undecided(running, _) => Some(&running.filter),
@@ -64,7 +64,7 @@ impl Phase {
     /// |m| while it is not known where the field points: that of before the chain of rotations broke, or of a given calibration.
     pub(super) fn lost_strength_ut(&self) -> Option<f64> {
         match self {
-            Self::Starting(first) => first.given.filter(|_| first.is_blind()).map(|given| given.strength_ut),
+            Self::Starting(first) => first.given.as_ref().filter(|_| first.is_blind()).map(|given| given.strength_ut),
             Self::Running(running) | Self::Undecided(running, _) => running.lost_strength_ut,
         }
     }
@@ -78,7 +78,7 @@ impl Phase {
     }
 
     /// Goes from `Undecided` to `Running`, with the filter that `winner` is, if one has won.
-    pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Gaussian>) {
+    pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Filter>) {
         *self = match self.take() {
             Self::Undecided(running, trial) => Self::Running(match winner {
                 Some(winner) => Running { filter: winner(trial), watch: Watch::default(), ..running },
@@ -95,22 +95,21 @@ impl Phase {
 }
 
 impl Running {
-    pub(super) fn of(filter: Gaussian) -> Self {
+    pub(super) fn of(filter: Filter) -> Self {
         Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
     pub(super) fn earth_ut(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        let m = self.filter.vector(FIELD);
+        let m = self.filter.part(FIELD);
         self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
     }
 
     /// The filter's calibration, which may have changed in a pause.
     pub(super) fn kept(&self) -> Before {
         Before {
-            mean: self.filter.x.fixed_rows::<9>(OFFSET).into_owned(),
-            covariance: self.filter.calibration_block(),
-            strength_ut: self.lost_strength_ut.unwrap_or_else(|| self.filter.vector(FIELD).norm()),
+            calibration: self.filter.marginal(CALIBRATION),
+            strength_ut: self.lost_strength_ut.unwrap_or_else(|| self.filter.part(FIELD).norm()),
         }
     }
 }

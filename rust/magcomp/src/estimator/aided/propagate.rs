@@ -15,7 +15,8 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-use super::state::{BIAS, FIELD, Gaussian, LOCAL, OFFSET, Parts, covariance};
+use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, covariance};
+use crate::math::turn::Turn;
 
 /// q_g, angle random walk of a gyroscope, rad/s^0.5: data sheets have 1e-4 to 3e-4.
 const ANGLE_WALK_RAD: f64 = 3e-4;
@@ -33,21 +34,6 @@ pub(crate) struct ProcessNoise {
     pub(crate) local_time_s: f64,
 }
 
-/// exp(-[theta]x), and J_l(-theta).
-pub(crate) fn turn(theta: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
-    let angle2 = theta.norm_squared();
-    let angle = angle2.sqrt();
-    let (s1, s2, s3) = if angle < 1e-4 {
-        (1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0, 1.0 / 6.0 - angle2 / 120.0)
-    } else {
-        let (sin, cos) = angle.sin_cos();
-        (sin / angle, (1.0 - cos) / angle2, (angle - sin) / (angle2 * angle))
-    };
-    let k = (-theta).cross_matrix();
-    let k2 = k * k;
-    (Matrix3::identity() + k * s1 + k2 * s2, Matrix3::identity() + k * s2 + k2 * s3)
-}
-
 /// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with theta.
 struct Transition<'a> {
     m_by_m: Matrix3<f64>,
@@ -62,7 +48,7 @@ impl Transition<'_> {
     /// F dx, of m and d; `less` is what dx takes from theta.
     #[inline(always)]
     fn times(&self, dx: &Parts) -> Vector6<f64> {
-        let less = dx.scale * self.increment_rad + dx.bias * self.dt_s;
+        let less = dx.axes * self.increment_rad + dx.bias * self.dt_s;
         let m = self.m_by_m * dx.field - self.m_by_theta * less;
         let d = self.d_by_d * dx.local - self.d_by_theta * less;
         Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
@@ -76,32 +62,32 @@ impl ProcessNoise {
     }
 }
 
-impl Gaussian {
+impl Filter {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let x = self.parts();
-        let (r, j) = turn(&x.turned(increment_rad, dt_s));
+        let Turn { rotation: r, left_jacobian: j } = Turn::by(&-x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
         let (m_by_m, d_by_d) = (r, r * fade);
         let (m, d) = (m_by_m * x.field, d_by_d * x.local);
-        self.set_vector(FIELD, &m);
-        self.set_vector(LOCAL, &d);
+        self.set_part(FIELD, &m);
+        self.set_part(LOCAL, &d);
 
         let (m_by_theta, d_by_theta) = (m.cross_matrix() * j, d.cross_matrix() * j);
         let f = Transition { m_by_m, d_by_d, m_by_theta, d_by_theta, increment_rad, dt_s };
         // of P F^T and of F (P F^T) the columns of m and d
-        let mut columns = covariance(&self.p, |dx| f.times(dx));
+        let mut columns = covariance(&self.covariance, |dx| f.times(dx));
         let rows = covariance(&columns.transpose(), |dx| f.times(dx));
-        columns.fixed_rows_mut::<3>(FIELD).tr_copy_from(&rows.fixed_columns::<3>(0));
-        columns.fixed_rows_mut::<3>(LOCAL).tr_copy_from(&rows.fixed_columns::<3>(3));
-        for (column, i) in columns.column_iter().zip((FIELD..FIELD + 3).chain(LOCAL..LOCAL + 3)) {
-            self.p.set_column(i, &column);
-            self.p.row_mut(i).tr_copy_from(&column);
+        columns.fixed_rows_mut::<3>(FIELD.start()).tr_copy_from(&rows.fixed_columns::<3>(0));
+        columns.fixed_rows_mut::<3>(LOCAL.start()).tr_copy_from(&rows.fixed_columns::<3>(3));
+        for (column, i) in columns.column_iter().zip(FIELD.range().chain(LOCAL.range())) {
+            self.covariance.set_column(i, &column);
+            self.covariance.row_mut(i).tr_copy_from(&column);
         }
 
         let turn2 = noise.turn_rad2(dt_s);
-        self.add_block(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
-        self.add_variance(OFFSET, noise.offset_ut.powi(2) * dt_s);
+        self.add(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
+        self.add_variance(HARD_IRON, noise.offset_ut.powi(2) * dt_s);
         self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * dt_s);
         self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
     }

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;
 use super::phase::Phase;
-use super::state::{DELAY, FIELD, Gaussian};
+use super::state::{CALIBRATION, Corrected, FIELD, Filter};
 use super::step::Step;
 use super::strength::impossible_field;
 use crate::calibration::calibration_covariance;
@@ -27,15 +27,15 @@ type Told = (Vector3<f64>, Matrix3<f64>);
 
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value.
-    pub(super) fn published(&self, step: &Step<'_>, filter: &Gaussian) -> Option<Answer> {
+    pub(super) fn published(&self, step: &Step<'_>, filter: &Filter) -> Option<Answer> {
         let x = filter.parts();
-        let (w, still) = x.corrected(step.raw_ut)?;
+        let Corrected { inverse_iron: w, field_ut: still } = x.corrected(step.raw_ut)?;
         let rate = x.true_rate(step.rate_rad_s);
         let c = still - rate.cross(&still) * x.delay.max(0.0);
         let (m, elsewhere) = self.earth_ut(filter);
         let f = m + rate.cross(&m) * x.delay.min(0.0);
         let swing = rate.cross(&f);
-        let timing = swing * swing.transpose() * filter.p[(DELAY, DELAY)];
+        let timing = swing * swing.transpose() * filter.delay_s2();
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
         let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
@@ -44,10 +44,10 @@ impl Aided {
             unseen += running.watch.misfit_ut.powi(2) / 3.0;
         }
         let p_c =
-            calibration_covariance(&filter.calibration_block(), &w, &f) + noise + Matrix3::identity() * unseen + timing;
+            calibration_covariance(&filter.own(CALIBRATION), &w, &f) + noise + Matrix3::identity() * unseen + timing;
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
-        let p_f = filter.block(FIELD, FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
+        let p_f = filter.own(FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
         let answer = self.answer(filter, (c, p_c), Some((f, p_f)))?;
         Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
     }
@@ -57,17 +57,17 @@ impl Aided {
         let Some(filter) = self.phase.known() else {
             return (Status::Collecting(Missing::Directions), Answer::default());
         };
-        let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
+        let answer = filter.parts().corrected(raw_ut).and_then(|Corrected { inverse_iron: w, field_ut: c }| {
             let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
-            let p_c = calibration_covariance(&filter.calibration_block(), &w, &c) + noise + floor;
+            let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
             self.answer(filter, (c, p_c), None)
         });
         (Status::Held(HoldReason::NoGyroscope), answer.unwrap_or_default())
     }
 
     /// c, and f if it is known, in the gauge of the known strength; `None` unless they are finite.
-    fn answer(&self, filter: &Gaussian, c: Told, f: Option<Told>) -> Option<Answer> {
+    fn answer(&self, filter: &Filter, c: Told, f: Option<Told>) -> Option<Answer> {
         let is_finite = |(field, p): &Told| field.iter().chain(p.iter()).all(|v| v.is_finite());
         if !is_finite(&c) || !f.iter().all(is_finite) {
             return None;

@@ -9,11 +9,12 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
 use super::phase::{Phase, Running};
-use super::state::{FIELD, Gaussian, LOCAL, OFFSET};
+use super::state::{Corrected, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, SOFT_IRON_ALONE};
 use super::tuning::Tuning;
 use super::watch::Watch;
 use crate::calibration::Given;
 use crate::estimator::answer::Answer;
+use crate::math::gaussian::Gaussian;
 use crate::reading::Status;
 
 impl Aided {
@@ -32,15 +33,14 @@ impl Aided {
         let by_trace = SVector::from([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
         let of_identity = e + by_trace;
         let mut by = SMatrix::<f64, 9, 9>::identity();
-        by.fixed_view_mut::<6, 6>(3, 3).copy_from(
+        SOFT_IRON_ALONE.block_mut(&mut by).copy_from(
             &((SMatrix::<f64, 6, 6>::identity() - of_identity * by_trace.transpose() / 3.0) * (3.0 / trace)),
         );
         let mut mean = SVector::<f64, 9>::zeros();
-        mean.fixed_rows_mut::<3>(0).copy_from(b);
-        mean.fixed_rows_mut::<6>(3).copy_from(&e);
+        HARD_IRON_ALONE.set(&mut mean, b);
+        SOFT_IRON_ALONE.set(&mut mean, &e);
         self.begin(Some(Before {
-            mean,
-            covariance: by * given.covariance * by.transpose(),
+            calibration: Gaussian { mean, covariance: by * given.covariance * by.transpose() },
             strength_ut: given.calibration.field_strength_ut() * trace / 3.0,
         }));
     }
@@ -76,23 +76,23 @@ impl Running {
     /// Where the field points is lost, and the sample is the best guess of it.
     fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64, tuning: &Tuning) {
         let filter = &mut self.filter;
-        let m = filter.vector(FIELD);
+        let m = filter.part(FIELD);
         self.lost_strength_ut.get_or_insert(m.norm());
-        if let Some((_, c)) = filter.parts().corrected(raw_ut) {
+        if let Some(Corrected { field_ut: c, .. }) = filter.parts().corrected(raw_ut) {
             if let Some(earth) = &mut self.earth {
                 earth.lose(&m, &c);
             }
-            filter.set_vector(FIELD, &c);
+            filter.set_part(FIELD, &c);
         }
-        filter.set_vector(LOCAL, &Vector3::zeros());
+        filter.set_part(LOCAL, &Vector3::zeros());
         filter.isolate(FIELD, &Matrix3::from_diagonal_element(tuning.far_sd_ut.powi(2)));
         filter.isolate(LOCAL, &Matrix3::from_diagonal_element(local_ut.powi(2)));
     }
 }
 
 /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
-pub(super) fn drift(filter: &mut Gaussian, dt_s: f64, tuning: &Tuning) {
-    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.block(OFFSET, OFFSET).trace() / 3.0;
+pub(super) fn drift(filter: &mut Filter, dt_s: f64, tuning: &Tuning) {
+    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.own(HARD_IRON).trace() / 3.0;
     let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
-    filter.add_variance(OFFSET, walk_ut2.min(0.25 * room_ut2).max(0.0));
+    filter.add_variance(HARD_IRON, walk_ut2.min(0.25 * room_ut2).max(0.0));
 }

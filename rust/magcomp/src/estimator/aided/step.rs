@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
-use super::state::{BIAS, Gaussian, Parts, SCALE};
+use super::state::{AXES, BIAS, Filter, Parts};
 
 /// A sample, the turn before it, and what is known of noise and motion then.
 pub(crate) struct Step<'a> {
@@ -35,15 +35,15 @@ pub(crate) struct Known {
     /// Standard deviation of the bias about the worst axis, rad/s.
     pub(crate) bias_sd_rad_s: f64,
     /// Standard deviation of an element of S.
-    pub(crate) scale_sd: f64,
+    pub(crate) axes_sd: f64,
 }
 
 impl Known {
-    pub(crate) fn of(filter: &Gaussian) -> Self {
+    pub(crate) fn of(filter: &Filter) -> Self {
         Self {
             x: filter.parts(),
-            bias_sd_rad_s: filter.block(BIAS, BIAS).diagonal().max().sqrt(),
-            scale_sd: (filter.p.fixed_view::<9, 9>(SCALE, SCALE).trace() / 9.0).sqrt(),
+            bias_sd_rad_s: filter.own(BIAS).diagonal().max().sqrt(),
+            axes_sd: (filter.own(AXES).trace() / 9.0).sqrt(),
         }
     }
 }

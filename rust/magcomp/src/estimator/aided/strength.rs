@@ -1,6 +1,6 @@
 //! How strong a field can be.
 
-use super::state::{FIELD, Gaussian};
+use super::state::{FIELD, Filter};
 use crate::ellipsoid::FitError;
 
 /// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
@@ -9,10 +9,10 @@ const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
 const BEYOND_DOUBT: f64 = 3.0;
 
 /// That no place has a field as strong or as weak as m, if so.
-pub(super) fn impossible_field(filter: &Gaussian) -> Option<FitError> {
-    let m = filter.vector(FIELD);
+pub(super) fn impossible_field(filter: &Filter) -> Option<FitError> {
+    let m = filter.part(FIELD);
     let field_ut = m.norm();
-    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.block(FIELD, FIELD) * m)).max(0.0).sqrt() / field_ut;
+    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
     let (low_ut, high_ut) = POSSIBLE_UT;
     (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
         field_ut,

@@ -6,36 +6,35 @@
 //! ```
 //! Source: docs/METHOD-AIDED.md; the recall of a former calibration is new.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::Vector3;
 
-use super::state::{Gaussian, OFFSET};
+use super::state::{CALIBRATION, Filter, HARD_IRON, HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
 use crate::calibration::iron_rows;
+use crate::math::gaussian::Gaussian;
 
 /// A calibration that was in force before a step.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Former {
-    /// b and e.
-    mean: SVector<f64, 9>,
-    covariance: SMatrix<f64, 9, 9>,
+    calibration: Gaussian<9>,
 }
 
 impl Former {
-    pub(crate) fn of(filter: &Gaussian) -> Self {
-        Self { mean: filter.x.fixed_rows::<9>(OFFSET).into_owned(), covariance: filter.calibration_block() }
+    pub(crate) fn of(filter: &Filter) -> Self {
+        Self { calibration: filter.marginal(CALIBRATION) }
     }
 
     /// raw - (M h + b) of this calibration, uT.
     pub(crate) fn residual(&self, raw_ut: &Vector3<f64>, h: &Vector3<f64>) -> Vector3<f64> {
-        raw_ut - h - self.mean.fixed_rows::<3>(0) - iron_rows(h) * self.mean.fixed_rows::<6>(3)
+        raw_ut - h - self.calibration.part(HARD_IRON_ALONE) - iron_rows(h) * self.calibration.part(SOFT_IRON_ALONE)
     }
 
     /// Puts this calibration into a filter, apart from all else in it.
-    pub(crate) fn put_into(&self, filter: &mut Gaussian, tuning: &Tuning) {
-        filter.isolate(OFFSET, &self.covariance);
-        filter.x.fixed_rows_mut::<9>(OFFSET).copy_from(&self.mean);
-        filter.add_variance(OFFSET, tuning.noise_start_ut * tuning.noise_start_ut);
+    pub(crate) fn put_into(&self, filter: &mut Filter, tuning: &Tuning) {
+        filter.isolate(CALIBRATION, &self.calibration.covariance);
+        filter.set_part(CALIBRATION, &self.calibration.mean);
+        filter.add_variance(HARD_IRON, tuning.noise_start_ut * tuning.noise_start_ut);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::super::state::{DELAY, OFFSET, STATES};
+use super::super::state::{HARD_IRON, STATES};
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{HoldReason, Status};
@@ -11,7 +11,7 @@ use crate::sensing::pairing::PairedInertial;
 fn assert_positive_definite(aided: &Aided, at: usize) {
     let Some(filter) = aided.phase.running().map(|it| &it.filter) else { return };
     // scaled to unit diagonal, so that units do not matter
-    let p = filter.p;
+    let p = &filter.covariance;
     let p = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt());
     assert!(p.cholesky().is_some(), "not positive definite at sample {at}");
 }
@@ -92,7 +92,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
         state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).0;
     }
     assert_eq!(state, Status::Held(HoldReason::AtRest));
-    let before = aided.phase.running().unwrap().filter.vector(OFFSET);
+    let before = aided.phase.running().unwrap().filter.part(HARD_IRON);
     world.hard_iron_ut += Vector3::new(80.0, -60.0, 40.0);
     let mut heading_moved = 0.0_f64;
     for _ in 0..1_000 {
@@ -102,7 +102,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
         state = status;
     }
     assert!(matches!(state, Status::Suspect { .. }), "{state:?}");
-    assert_eq!(before, aided.phase.running().unwrap().filter.vector(OFFSET));
+    assert_eq!(before, aided.phase.running().unwrap().filter.part(HARD_IRON));
     assert!(heading_moved < 3.0, "carried field wrong by {heading_moved} deg");
 }
 
@@ -116,7 +116,7 @@ fn at_rest_the_hard_iron_walks_on() {
             let sample = world.sample(0.01);
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
-        aided.phase.running().unwrap().filter.block(OFFSET, OFFSET).trace()
+        aided.phase.running().unwrap().filter.own(HARD_IRON).trace()
     };
     spread_ut2(&mut world, &mut aided, 2_000);
     world.tumbling_rad_s = 0.0;
@@ -142,7 +142,7 @@ fn the_scale_of_the_gyroscope_is_found() {
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
         let filter = &aided.phase.running().unwrap().filter;
-        sum += filter.parts().scale.trace() / 3.0;
+        sum += filter.parts().axes.trace() / 3.0;
     }
     let mean: f64 = sum / 10.0;
     assert!((mean - 0.01 / 1.01).abs() < 0.003, "mean scale error found: {mean}");
@@ -163,7 +163,7 @@ fn a_late_gyroscope_is_found_and_f_is_not_late() {
             squares_deg2 += output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees().powi(2);
         }
     }
-    let delay_s = aided.phase.running().unwrap().filter.x[DELAY];
+    let delay_s = aided.phase.running().unwrap().filter.delay_s();
     assert!((delay_s + 0.010).abs() < 0.002, "{delay_s} s");
     let rms_deg = (squares_deg2 / 1_000.0).sqrt();
     assert!(rms_deg < 0.45, "{rms_deg} deg");

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::measure::Model;
 use super::super::propagate::ProcessNoise;
-use super::super::state::{Gaussian, STATES, covariance};
+use super::super::state::{Filter, STATES, covariance};
 use super::simulator::Random;
 
 const QUIET: ProcessNoise = ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut: 0.0, local_time_s: 1.0 };
@@ -22,13 +22,13 @@ fn scale(i: usize) -> f64 {
     }
 }
 
-fn random_state(random: &mut Random) -> Gaussian {
-    let mut state = Gaussian::default();
+fn random_state(random: &mut Random) -> Filter {
+    let mut state = Filter::default();
     for i in 0..STATES {
-        state.x[i] = scale(i) * random.normal();
+        state.mean[i] = scale(i) * random.normal();
     }
     let a = SMatrix::<f64, STATES, STATES>::from_fn(|i, _| scale(i) * random.normal());
-    state.p = a * a.transpose();
+    state.covariance = a * a.transpose();
     state
 }
 
@@ -41,14 +41,14 @@ fn propagation_of_the_covariance_is_f_p_f_transposed() {
         let dt_s = 0.01 + 0.2 * random.uniform();
         let run = |x: SVector<f64, STATES>| {
             let mut moved = state.clone();
-            moved.x = x;
+            moved.mean = x;
             moved.propagate(&increment, dt_s, &QUIET);
-            moved.x
+            moved.mean
         };
         let mut f = SMatrix::<f64, STATES, STATES>::zeros();
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
-            let (mut low, mut high) = (state.x, state.x);
+            let (mut low, mut high) = (state.mean, state.mean);
             low[j] -= step;
             high[j] += step;
             let (low, high) = (run(low), run(high));
@@ -56,13 +56,13 @@ fn propagation_of_the_covariance_is_f_p_f_transposed() {
                 f[(i, j)] = (high[i] - low[i]) / (2.0 * step);
             }
         }
-        let expected = f * state.p * f.transpose();
+        let expected = f * state.covariance * f.transpose();
         let mut moved = state.clone();
         moved.propagate(&increment, dt_s, &QUIET);
         for i in 0..STATES {
             for j in 0..STATES {
                 let size = (expected[(i, i)] * expected[(j, j)]).sqrt();
-                let error = (moved.p[(i, j)] - expected[(i, j)]).abs();
+                let error = (moved.covariance[(i, j)] - expected[(i, j)]).abs();
                 assert!(error < 1e-7 * size, "({i}, {j}): {error:e} against {size:e}");
             }
         }
@@ -80,8 +80,8 @@ fn measurement_jacobian_is_the_derivative() {
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
             let (mut low, mut high) = (state.clone(), state.clone());
-            low.x[j] -= step;
-            high.x[j] += step;
+            low.mean[j] -= step;
+            high.mean[j] += step;
             let slope = (Model::of(&high.parts(), &rate).raw_ut - Model::of(&low.parts(), &rate).raw_ut) / (2.0 * step);
             for i in 0..3 {
                 let error = (h[(j, i)] - slope[i]).abs() * scale(j);

@@ -3,14 +3,14 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::motion::Motion;
-use super::super::propagate::turn;
-use super::super::state::Gaussian;
+use super::super::state::Filter;
 use super::super::step::Known;
 use super::super::tuning::Tuning;
+use crate::math::turn::Turn;
 
 /// A bias known to 0.001 rad/s.
 fn known() -> Known {
-    Known { bias_sd_rad_s: 0.001, ..Known::of(&Gaussian::default()) }
+    Known { bias_sd_rad_s: 0.001, ..Known::of(&Filter::default()) }
 }
 
 #[test]
@@ -18,7 +18,7 @@ fn a_turn_on_an_arm_does_not_tilt_up() {
     // 4 m/s^2 towards the axis, always the same in the device: gravity and motion together lean by 22 deg
     let (rate, dt_s) = (Vector3::z() * 3.0, 0.01);
     let felt = Vector3::new(4.0, 0.0, 9.80665);
-    let (r, _) = turn(&(rate * dt_s));
+    let r = Turn::by(&-(rate * dt_s)).rotation;
     let tuning = Tuning::default();
     let mut motion = Motion::new();
     let mut worst_deg: f64 = 0.0;
