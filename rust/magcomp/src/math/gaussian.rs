@@ -125,6 +125,12 @@ impl<const N: usize> Gaussian<N> {
         part.block(&self.covariance)
     }
 
+    /// The variance of each number of a part.
+    #[inline(always)]
+    pub fn variances<const LEN: usize>(&self, part: Part<LEN>) -> SVector<f64, LEN> {
+        SVector::from(std::array::from_fn(|k| self.covariance[(part.first + k, part.first + k)]))
+    }
+
     /// The covariance of all states with those of a part.
     #[inline(always)]
     pub fn columns<const LEN: usize>(&self, part: Part<LEN>) -> SMatrix<f64, N, LEN> {

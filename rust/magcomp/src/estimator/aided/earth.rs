@@ -32,14 +32,14 @@ impl Earth {
     pub(crate) fn of(carried: &Filter, before: Option<&Self>, since_ns: i64) -> Self {
         let m = carried.part(FIELD);
         let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
-        let variance_ut2 = carried.own(FIELD).trace() / 2.0 + covariance.trace() / 3.0;
+        let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
         Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0 }
     }
 
     /// One sample; `filter` is as it was before it.
     pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Filter, tuning: &Tuning) {
-        let bias_rad_s = filter.own(BIAS).diagonal().max().sqrt();
+        let bias_rad_s = filter.variances(BIAS).max().sqrt();
         let size_ut = self.field_ut.norm();
         let drifted_ut = self.sd_ut + size_ut * bias_rad_s * step.dt_s;
         self.sd_ut = drifted_ut.hypot(size_ut * step.noise.turn_rad2(step.dt_s).sqrt());

@@ -39,7 +39,7 @@ impl Aided {
 
     fn noise_levels(&self) -> NoiseLevels {
         let filter = self.phase.known();
-        let sigma_rad_s = |filter: &Filter| filter.own(BIAS).diagonal().map(f64::sqrt);
+        let sigma_rad_s = |filter: &Filter| filter.variances(BIAS).map(f64::sqrt);
         let at_rest_rad_s = match &self.phase {
             Phase::Starting(first) => Some(first.rest_bias_sigma_rad_s()),
             Phase::Running(_) | Phase::Undecided(..) => None,

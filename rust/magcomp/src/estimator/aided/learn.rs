@@ -141,7 +141,7 @@ impl Aided {
             filter.update_bias(step.rate_rad_s, variance);
         }
         // after a pause the field is known no better than a step of the device is large: both are tried
-        let is_blind = filter.own(FIELD).trace() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        let is_blind = filter.variances(FIELD).sum() > 3.0 * self.tuning.smallest_step_ut.powi(2);
         let usage = if step.resting {
             SampleUse::AtRest
         } else if is_open || is_blind {
@@ -165,7 +165,7 @@ impl Aided {
             if !gated {
                 let before_ut = filter.part(HARD_IRON);
                 filter.update(&innovation, NONE);
-                let variance_ut2 = filter.own(HARD_IRON).trace();
+                let variance_ut2 = filter.variances(HARD_IRON).sum();
                 let correction_ut = filter.part(HARD_IRON) - before_ut;
                 self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
                 if let Some(difference_ut) = unevenness(step, &filter.parts()) {

@@ -160,7 +160,7 @@ impl Filter {
         let hp = self.columns(FIELD) * u;
         let along = u.dot(&FIELD.of(&hp));
         // what the curvature of |m| hides: half the variance across, over |m|
-        let across = (self.own(FIELD).trace() - along).max(0.0) / size;
+        let across = (self.variances(FIELD).sum() - along).max(0.0) / size;
         let sd = (along + variance + 0.5 * across * across).sqrt();
         self.correct_soundly(hp / sd, &SVector::from([(strength_ut - size) / sd]), NONE);
     }

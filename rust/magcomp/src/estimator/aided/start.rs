@@ -92,7 +92,7 @@ impl Running {
 
 /// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
 pub(super) fn drift(filter: &mut Filter, dt_s: f64, tuning: &Tuning) {
-    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.own(HARD_IRON).trace() / 3.0;
+    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.variances(HARD_IRON).sum() / 3.0;
     let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
     filter.add_variance(HARD_IRON, walk_ut2.min(0.25 * room_ut2).max(0.0));
 }

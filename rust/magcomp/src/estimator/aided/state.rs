@@ -71,6 +71,7 @@ impl Filter {
     }
 
     /// Corrects by R measured numbers, and keeps P positive definite for ever.
+    #[inline(always)]
     pub(super) fn correct_soundly<const R: usize>(
         &mut self,
         gain: SMatrix<f64, STATES, R>,

@@ -42,8 +42,8 @@ impl Known {
     pub(crate) fn of(filter: &Filter) -> Self {
         Self {
             x: filter.parts(),
-            bias_sd_rad_s: filter.own(BIAS).diagonal().max().sqrt(),
-            axes_sd: (filter.own(AXES).trace() / 9.0).sqrt(),
+            bias_sd_rad_s: filter.variances(BIAS).max().sqrt(),
+            axes_sd: (filter.variances(AXES).sum() / 9.0).sqrt(),
         }
     }
 }

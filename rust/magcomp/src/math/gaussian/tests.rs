@@ -142,6 +142,7 @@ fn parts_follow_one_another_and_change_alone() {
     assert_eq!((after.part(A), after.part(B)), (before.part(A), before.part(B)));
     assert_eq!(after.mean[6], 5.0);
     assert_eq!(after.marginal(B).covariance, after.own(B));
+    assert_eq!(after.variances(B), after.own(B).diagonal());
     assert_eq!(after.columns(A), after.covariance.fixed_columns::<2>(0));
     after.covariance.fill_diagonal(0.0);
     after.raise(B);

@@ -116,7 +116,7 @@ fn at_rest_the_hard_iron_walks_on() {
             let sample = world.sample(0.01);
             aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
-        aided.phase.running().unwrap().filter.own(HARD_IRON).trace()
+        aided.phase.running().unwrap().filter.variances(HARD_IRON).sum()
     };
     spread_ut2(&mut world, &mut aided, 2_000);
     world.tumbling_rad_s = 0.0;
