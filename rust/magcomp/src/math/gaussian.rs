@@ -10,7 +10,7 @@
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{Const, MatrixViewMut, SMatrix, SVector};
+use nalgebra::{ArrayStorage, Const, MatrixViewMut, SMatrix, SVector};
 use std::ops::Range;
 
 /// A part of a state: `LEN` numbers in a row.
@@ -59,7 +59,7 @@ impl<const LEN: usize> Part<LEN> {
     /// Its numbers in a state.
     #[inline(always)]
     pub fn of<const N: usize>(self, state: &SVector<f64, N>) -> SVector<f64, LEN> {
-        state.fixed_rows::<LEN>(self.first).into_owned()
+        SVector::from(std::array::from_fn(|k| state[self.first + k]))
     }
 
     /// Sets its numbers in a state.
@@ -71,7 +71,8 @@ impl<const LEN: usize> Part<LEN> {
     /// Its block of a covariance or a precision.
     #[inline(always)]
     pub fn block<const N: usize>(self, of: &SMatrix<f64, N, N>) -> SMatrix<f64, LEN, LEN> {
-        of.fixed_view::<LEN, LEN>(self.first, self.first).into_owned()
+        let column = |k| std::array::from_fn(|i| of[(self.first + i, k)]);
+        SMatrix::from_data(ArrayStorage(std::array::from_fn(|k| column(self.first + k))))
     }
 
     /// The same, to be changed.
