@@ -26,9 +26,9 @@ const LEAST_NOISE_UT: f64 = 0.2;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Adaptation {
     variance_ut2: f64,
-    pub(crate) local_ut: f64,
+    local_ut: f64,
     /// q_b, uT per root of a second.
-    pub(crate) walk_ut: f64,
+    walk_ut: f64,
     /// D so far, that of the window before, and the window's time.
     walked_ut: Vector3<f64>,
     walked_before_ut: Vector3<f64>,
@@ -64,6 +64,21 @@ impl Adaptation {
 
     pub(crate) fn sigma_ut(&self) -> f64 {
         self.variance_ut2.sqrt()
+    }
+
+    /// s_d, uT.
+    pub(crate) fn local_ut(&self) -> f64 {
+        self.local_ut
+    }
+
+    /// q_b, uT per root of a second.
+    pub(crate) fn walk_ut(&self) -> f64 {
+        self.walk_ut
+    }
+
+    /// The field is not trusted to be even at once.
+    pub(crate) fn expect_uneven(&mut self, tuning: &Tuning) {
+        self.local_ut = tuning.local_max_ut;
     }
 
     /// Whether the gyroscope explains nothing of late.

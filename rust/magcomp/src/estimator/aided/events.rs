@@ -15,6 +15,7 @@ use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 use crate::explanation::{ChangeHypothesis, ChangeKind};
+use crate::reading::EventKind;
 
 /// A hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;
@@ -34,20 +35,26 @@ pub(crate) enum Verdict {
     NewPlace,
 }
 
+/// How a trial began.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Began {
+    /// With a pause, in which the turn was guessed: `place` is then that nothing but it changed.
+    pub(crate) is_blind: bool,
+    /// While the calibration was young: no step is told then, only relearned.
+    pub(crate) is_young: bool,
+}
+
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Trial {
     /// Whether the field of the place was found to have changed, and whether it was before.
-    pub(crate) is_place: bool,
-    pub(crate) was_place: bool,
-    pub(crate) onset_ns: i64,
-    pub(crate) device: Filter,
-    pub(crate) place: Filter,
-    pub(crate) recalled: bool,
-    /// Began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
-    pub(crate) blind: bool,
-    /// Began when the calibration was young: no step is told then, only relearned.
-    pub(crate) young: bool,
+    is_place: bool,
+    was_place: bool,
+    onset_ns: i64,
+    device: Filter,
+    place: Filter,
+    recalled: bool,
+    began: Began,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
@@ -62,13 +69,62 @@ pub(crate) struct Trial {
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
-    pub(crate) fn start(filter: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
-        Self::start_in(filter, filter, watch, former, tuning)
+    pub(crate) fn start(
+        filter: &Filter,
+        watch: &Watch,
+        former: Option<&Former>,
+        began: Began,
+        tuning: &Tuning,
+    ) -> Self {
+        // after a pause the turn alone may have been wrong: it is no time to recall
+        let former = former.filter(|_| !began.is_blind);
+        Self { began, ..Self::start_in(filter, filter, watch, former, tuning) }
+    }
+
+    /// Whether the field of the place was found to have changed.
+    pub(crate) fn is_place(&self) -> bool {
+        self.is_place
+    }
+
+    /// Whether it was found to, before the hypotheses started anew.
+    pub(crate) fn was_place(&self) -> bool {
+        self.was_place
+    }
+
+    pub(crate) fn onset_ns(&self) -> i64 {
+        self.onset_ns
+    }
+
+    /// The filter of `place`.
+    pub(crate) fn place(&self) -> &Filter {
+        &self.place
+    }
+
+    pub(crate) fn into_device(self) -> Filter {
+        self.device
+    }
+
+    pub(crate) fn into_place(self) -> Filter {
+        self.place
+    }
+
+    /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
+    pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
+        let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
+        // less than half a step is an error of one's own; after a pause b may have walked
+        let least_ut = tuning.smallest_step_ut * if self.began.is_blind { 1.0 } else { 0.5 };
+        let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+        (!self.began.is_young && moved_ut > least_ut).then_some(kind)
+    }
+
+    /// Whether it was nothing, or is over: the filter's own samples fit again.
+    pub(crate) fn is_over(&self, watch: &Watch, tuning: &Tuning) -> bool {
+        !self.began.is_blind && watch.share() < 0.5 * tuning.suspect_share
     }
 
     /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
     fn start_in(filter: &Filter, there: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
-        let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
+        let step_ut = watch.misfit_ut().max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
         if let Some(former) = recall {
@@ -82,7 +138,7 @@ impl Trial {
             device.add(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
         place.add_variance(FIELD, step_ut * step_ut);
-        Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
+        Self { onset_ns: watch.since_ns(), device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.
@@ -122,7 +178,7 @@ impl Trial {
             self.device_misfit = 0.0;
         }
         // while the filter as it was explains the samples, nothing else wins
-        let unchanged = !self.blind && !self.is_place && watch.share < MOST;
+        let unchanged = !self.began.is_blind && !self.is_place && watch.share() < MOST;
         if step.resting || unchanged {
             return Verdict::Open;
         }
@@ -132,8 +188,7 @@ impl Trial {
             let held = self.is_place && self.place_s > tuning.settled_s;
             *self = Self {
                 onset_ns: if held { self.fitted_ns } else { self.onset_ns },
-                blind: self.blind,
-                young: self.young,
+                began: self.began,
                 was_place: self.was_place || self.is_place,
                 ..Self::start_in(filter, if held { &self.place } else { filter }, watch, former, tuning)
             };
@@ -148,7 +203,7 @@ impl Trial {
             ChangeHypothesis { kind, onset_ns: self.onset_ns, log_odds: log_odds.min(0.0), gated_share }
         };
         let device = if self.recalled { ChangeKind::DeviceBack } else { ChangeKind::Device };
-        let place = if self.blind { ChangeKind::Unchanged } else { ChangeKind::Place };
+        let place = if self.began.is_blind { ChangeKind::Unchanged } else { ChangeKind::Place };
         let device = of(device, self.log_ratio, self.device_misfit);
         let place = of(place, -self.log_ratio, self.place_misfit);
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
@@ -189,7 +244,7 @@ impl Trial {
             Verdict::Open
         } else if self.log_ratio > tuning.decide_log_ratio && device_fits {
             Verdict::Device
-        } else if self.blind && place_fits {
+        } else if self.began.is_blind && place_fits {
             Verdict::Unchanged
         } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
             (self.is_place, self.fitted_ns) = (true, time_ns);

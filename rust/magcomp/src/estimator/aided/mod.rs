@@ -1,11 +1,12 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · `step`, `learn` (one sample) ·
+//! that do not fit) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
 //! `publish` · `explain` (for people). The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
+mod decide;
 mod earth;
 mod events;
 mod explain;
@@ -17,6 +18,7 @@ mod motion;
 mod phase;
 mod propagate;
 mod publish;
+mod sense;
 mod start;
 mod state;
 mod step;

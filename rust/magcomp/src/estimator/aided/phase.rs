@@ -11,7 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::earth::Earth;
 use super::events::Trial;
 use super::first_fit::{Before, FirstFit};
-use super::state::{CALIBRATION, FIELD, Filter};
+use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
+use super::tuning::Tuning;
 use super::watch::Watch;
 
 /// See the module.
@@ -103,6 +104,56 @@ impl Running {
     pub(super) fn earth_ut(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let m = self.filter.part(FIELD);
         self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
+    }
+
+    /// The device moved for so long.
+    pub(super) fn moved(&mut self, dt_s: f64) {
+        self.moved_s += dt_s;
+    }
+
+    /// Whether what does not fit is likelier an error of one's own than a change.
+    pub(super) fn is_young(&self, tuning: &Tuning) -> bool {
+        self.moved_s < tuning.settled_s
+    }
+
+    /// The field of the place is another since then: the Earth's is carried beside it.
+    pub(super) fn carry_earth(&mut self, since_ns: i64) {
+        self.earth = Some(Earth::of(&self.filter, self.earth.as_ref(), since_ns));
+    }
+
+    /// Whether the field of `found` is the Earth's again. Then it is carried alone.
+    pub(super) fn is_back_on_earth(&mut self, found: &Filter, tuning: &Tuning) -> bool {
+        self.earth.take_if(|it| it.is_that_of(found, &self.filter, tuning)).is_some()
+    }
+
+    /// After the first sample of a new chain of rotations: the field is as strong as it was before.
+    pub(super) fn regain_strength(&mut self, tuning: &Tuning) {
+        if let Some(strength_ut) = self.lost_strength_ut.take() {
+            self.filter.update_strength(strength_ut, tuning.adopt_sd_ut.powi(2));
+        }
+    }
+
+    /// The chain of rotations is broken: where the field points is lost, and the sample is the best guess of it.
+    pub(super) fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64, tuning: &Tuning) {
+        let filter = &mut self.filter;
+        let m = filter.part(FIELD);
+        self.lost_strength_ut.get_or_insert(m.norm());
+        if let Some(Corrected { field_ut: c, .. }) = filter.parts().corrected(raw_ut) {
+            if let Some(earth) = &mut self.earth {
+                earth.lose(&m, &c);
+            }
+            filter.set_part(FIELD, &c);
+        }
+        filter.set_part(LOCAL, &Vector3::zeros());
+        filter.isolate(FIELD, &Matrix3::from_diagonal_element(tuning.far_sd_ut.powi(2)));
+        filter.isolate(LOCAL, &Matrix3::from_diagonal_element(local_ut.powi(2)));
+    }
+
+    /// No sample is seen for so long: the hard iron drifts, up to what a first sample says of it.
+    pub(super) fn drift(&mut self, dt_s: f64, tuning: &Tuning) {
+        let room_ut2 = tuning.far_sd_ut.powi(2) - self.filter.variances(HARD_IRON).sum() / 3.0;
+        let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
+        self.filter.add_variance(HARD_IRON, walk_ut2.min(0.25 * room_ut2).max(0.0));
     }
 
     /// The filter's calibration, which may have changed in a pause.

@@ -41,7 +41,7 @@ impl Aided {
         let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0) + floor;
         if let Phase::Undecided(running, _) = &self.phase {
             // c is wrong by the step if it is the device's
-            unseen += running.watch.misfit_ut.powi(2) / 3.0;
+            unseen += running.watch.misfit_ut().powi(2) / 3.0;
         }
         let p_c =
             calibration_covariance(&filter.own(CALIBRATION), &w, &f) + noise + Matrix3::identity() * unseen + timing;
@@ -87,8 +87,8 @@ impl Aided {
             Phase::Starting(first) if first.given.is_none() => Status::Collecting(first.missing()),
             Phase::Starting(_) if at_rest => Status::Held(HoldReason::AtRest),
             Phase::Starting(_) => Status::Held(HoldReason::TooLittleRotation),
-            Phase::Undecided(_, trial) if trial.is_place => Status::Disturbed { since_ns: trial.onset_ns },
-            Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
+            Phase::Undecided(_, trial) if trial.is_place() => Status::Disturbed { since_ns: trial.onset_ns() },
+            Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns() },
             Phase::Running(running) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
                     Status::Disturbed { since_ns: earth.since_ns }

@@ -9,8 +9,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
 use super::phase::{Phase, Running};
-use super::state::{Corrected, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, SOFT_IRON_ALONE};
-use super::tuning::Tuning;
+use super::state::{HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::watch::Watch;
 use crate::calibration::Given;
 use crate::estimator::answer::Answer;
@@ -58,41 +57,15 @@ impl Aided {
             // the chain of rotations is broken; a calibration that was given may still hold
             Phase::Starting(first) => self.begin(first.given),
             Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
-                running.watch = Watch::default();
-                drift(&mut running.filter, dt_s, &self.tuning);
+                running.drift(dt_s, &self.tuning);
                 if dt_s > self.tuning.gap_s {
                     self.begin(Some(running.kept()));
                 } else {
-                    running.lose_field(raw_ut, self.adaptation.local_ut, &self.tuning);
-                    self.phase = Phase::Running(running);
+                    running.lose_field(raw_ut, self.adaptation.local_ut(), &self.tuning);
+                    self.phase = Phase::Running(Running { watch: Watch::default(), ..running });
                 }
             }
         }
         self.held(raw_ut)
     }
-}
-
-impl Running {
-    /// Where the field points is lost, and the sample is the best guess of it.
-    fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64, tuning: &Tuning) {
-        let filter = &mut self.filter;
-        let m = filter.part(FIELD);
-        self.lost_strength_ut.get_or_insert(m.norm());
-        if let Some(Corrected { field_ut: c, .. }) = filter.parts().corrected(raw_ut) {
-            if let Some(earth) = &mut self.earth {
-                earth.lose(&m, &c);
-            }
-            filter.set_part(FIELD, &c);
-        }
-        filter.set_part(LOCAL, &Vector3::zeros());
-        filter.isolate(FIELD, &Matrix3::from_diagonal_element(tuning.far_sd_ut.powi(2)));
-        filter.isolate(LOCAL, &Matrix3::from_diagonal_element(local_ut.powi(2)));
-    }
-}
-
-/// The hard iron drifts while nothing is seen of it, up to what a first sample says of it.
-pub(super) fn drift(filter: &mut Filter, dt_s: f64, tuning: &Tuning) {
-    let room_ut2 = tuning.far_sd_ut.powi(2) - filter.variances(HARD_IRON).sum() / 3.0;
-    let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
-    filter.add_variance(HARD_IRON, walk_ut2.min(0.25 * room_ut2).max(0.0));
 }

@@ -42,16 +42,37 @@ impl Former {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
-    pub(crate) share: f64,
+    share: f64,
     /// When the present run of gated samples began.
-    pub(crate) since_ns: i64,
+    since_ns: i64,
     /// Low-passed |v| over gated samples, uT.
-    pub(crate) misfit_ut: f64,
+    misfit_ut: f64,
     /// Low-passed residual of the former calibration over gated samples, uT.
     former_ut: Vector3<f64>,
 }
 
 impl Watch {
+    /// Low-passed share of gated samples.
+    pub(crate) fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// When the present run of gated samples began.
+    pub(crate) fn since_ns(&self) -> i64 {
+        self.since_ns
+    }
+
+    /// Low-passed size of what did not fit, uT.
+    pub(crate) fn misfit_ut(&self) -> f64 {
+        self.misfit_ut
+    }
+
+    /// A run of misfits begins here, whatever the share is.
+    pub(crate) fn begin(&mut self, time_ns: i64, misfit_ut: f64) {
+        self.since_ns = time_ns;
+        self.misfit_ut = misfit_ut;
+    }
+
     /// Whether the samples that do not fit now fit the calibration from before the last step.
     pub(crate) fn fits_former(&self, tuning: &Tuning) -> bool {
         self.former_ut.norm() < 0.5 * tuning.smallest_step_ut
@@ -69,8 +90,7 @@ impl Watch {
         let time_s = if clearing && gated.is_none() { tuning.quick_s } else { tuning.memory_s };
         if let Some(v) = gated {
             if self.share < 0.5 * tuning.suspect_share {
-                self.since_ns = step.time_ns;
-                self.misfit_ut = v.norm();
+                self.begin(step.time_ns, v.norm());
                 self.former_ut = former.unwrap_or_default();
             }
             // short against a change

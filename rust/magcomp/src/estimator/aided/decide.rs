@@ -1,0 +1,75 @@
+//! While samples do not fit: the hypotheses begin, run, and end.
+//!
+//! ```text
+//! device     the filter goes on as `device`; told, if b moved by half of the least step
+//! place      told; the filter stays as it was, for 30 s or until the samples fit it again
+//! new place  the filter goes on as `place`, and the Earth's field is carried beside it
+//! ```
+//! Source: docs/METHOD-AIDED.md, Changes.
+
+use nalgebra::Vector3;
+
+use super::Aided;
+use super::events::{Began, Trial, Verdict};
+use super::phase::Phase;
+use super::state::Filter;
+use super::step::Step;
+use super::watch::Former;
+use crate::reading::{Event, EventKind};
+
+impl Aided {
+    /// The hypotheses start from the filter; `is_blind`: after a pause.
+    pub(super) fn begin_trial(&mut self, is_blind: bool) {
+        let Phase::Running(running) = &self.phase else { return };
+        let began = Began { is_blind, is_young: running.is_young(&self.tuning) };
+        self.phase.doubt(Trial::start(&running.filter, &running.watch, self.former.as_ref(), began, &self.tuning));
+    }
+
+    /// One sample while the hypotheses run; the filter is as it was, predicted.
+    pub(super) fn run_trial(&mut self, step: &Step<'_>) {
+        let Phase::Undecided(running, trial) = &mut self.phase else { return };
+        let verdict = trial.step(step, &running.filter, &running.watch, self.former.as_ref(), &self.tuning);
+        let since_ns = trial.onset_ns();
+        let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
+        match verdict {
+            Verdict::Device => {
+                if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
+                    self.event = event(kind);
+                    self.former = Some(Former::of(&running.filter));
+                }
+                if trial.was_place() {
+                    running.carry_earth(since_ns);
+                }
+                return self.go_on_with(Trial::into_device);
+            }
+            Verdict::Unchanged => return self.go_on_with(Trial::into_place),
+            Verdict::Place | Verdict::NewPlace => {
+                let is_new = verdict == Verdict::NewPlace;
+                if !is_new {
+                    self.event = event(EventKind::PlaceChanged);
+                }
+                let is_back = running.is_back_on_earth(trial.place(), &self.tuning);
+                if is_new && !is_back {
+                    running.carry_earth(since_ns);
+                }
+                if is_new || is_back {
+                    return self.go_on_with(Trial::into_place);
+                }
+            }
+            Verdict::Open => {}
+        }
+        if trial.is_over(&running.watch, &self.tuning) {
+            if trial.is_place() {
+                // it fits again, perhaps by chance
+                self.adaptation.expect_uneven(&self.tuning);
+            }
+            self.phase.decide(None); // nothing happened, or it is over
+        }
+    }
+
+    /// A hypothesis has won: it is the filter from here on.
+    fn go_on_with(&mut self, winner: fn(Trial) -> Filter) {
+        self.phase.decide(Some(winner));
+        self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
+    }
+}

@@ -1,0 +1,64 @@
+//! What is sensed before anything is believed of it: how the device turned and moves, where up is, how noisy the magnetometer is.
+//!
+//! ```text
+//! turn = (I - S) increment - g dt      with what is known of g and S so far
+//! walk of b: the least at rest, what is learned in full motion
+//! ```
+//! Source: docs/METHOD-AIDED.md.
+
+use nalgebra::Vector3;
+
+use super::Aided;
+use super::phase::Phase;
+use super::propagate::ProcessNoise;
+use super::step::{Known, Step};
+use crate::math::turn::Turn;
+use crate::sensing::pairing::Rotation;
+
+impl Aided {
+    /// What a rotation says of a sample; `None` while the gyroscope explains nothing.
+    pub(super) fn sense<'a>(
+        &mut self,
+        time_ns: i64,
+        raw_ut: &'a Vector3<f64>,
+        rotation: &'a Rotation,
+        up: Option<Vector3<f64>>,
+        dt_s: f64,
+    ) -> Option<Step<'a>> {
+        let tuning = &self.tuning;
+        let known = match &self.phase {
+            Phase::Starting(first) => first.known(tuning),
+            Phase::Running(it) | Phase::Undecided(it, _) => Known::of(&it.filter),
+        };
+        let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
+        let turn = Turn::by(&-turned_rad).rotation;
+        let angle_rad = turned_rad.norm();
+        self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
+        self.motion.carry_up(&turn, up, &known, dt_s, tuning);
+        self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+        let motion = self.motion.amount(tuning);
+        // warming goes on at rest; what else is learned shows in motion only
+        let least_ut2 = tuning.offset_walk_ut.powi(2);
+        let noise = ProcessNoise {
+            bridged_rad2: rotation.variance_rad2,
+            offset_ut: (least_ut2 + (self.adaptation.walk_ut().powi(2) - least_ut2) * motion).sqrt(),
+            local_ut: self.adaptation.local_ut(),
+            local_time_s: tuning.local_time_s,
+        };
+        let rest_sd_rad_s = tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
+        (!self.is_gyroscope_useless()).then_some(Step {
+            time_ns,
+            raw_ut,
+            rate_rad_s: &rotation.rate_rad_s,
+            increment_rad: &rotation.increment_rad,
+            turn,
+            angle_rad,
+            dt_s,
+            noise,
+            sigma_ut: self.adaptation.sigma_ut(),
+            resting: self.motion.at_rest(),
+            bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),
+            motion,
+        })
+    }
+}
