@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 
 use super::Aided;
-use super::measure::{Judged, NONE};
+use super::measure::{Innovation, Judged, NONE};
 use super::phase::{Phase, Running};
 use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
 use super::step::Step;
@@ -106,22 +106,28 @@ impl Aided {
         if is_open {
             return self.run_trial(step);
         }
-        if !step.resting {
-            if !gated {
-                let before_ut = filter.part(HARD_IRON);
-                filter.update(&innovation, NONE);
-                let variance_ut2 = filter.variances(HARD_IRON).sum();
-                let correction_ut = filter.part(HARD_IRON) - before_ut;
-                self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
-                if let Some(difference_ut) = unevenness(step, &filter.parts()) {
-                    self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
-                }
-            }
-            self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
+        if usage != SampleUse::AtRest {
+            self.absorb(step, &innovation, usage);
         }
-        if running.watch.share() > self.tuning.suspect_share {
+        if self.phase.running().is_some_and(|it| it.watch.share() > self.tuning.suspect_share) {
             self.begin_trial(false);
         }
+    }
+
+    /// A sample in motion while nothing is in doubt: it corrects the filter unless it is gated, and shows the noises.
+    fn absorb(&mut self, step: &Step<'_>, innovation: &Innovation, usage: SampleUse) {
+        let Phase::Running(Running { filter, .. }) = &mut self.phase else { return };
+        if usage == SampleUse::Used {
+            let before_ut = filter.part(HARD_IRON);
+            filter.update(innovation, NONE);
+            let variance_ut2 = filter.variances(HARD_IRON).sum();
+            let correction_ut = filter.part(HARD_IRON) - before_ut;
+            self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
+            if let Some(difference_ut) = unevenness(step, &filter.parts()) {
+                self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
+            }
+        }
+        self.adaptation.local(innovation, step.motion, step.dt_s, &self.tuning);
     }
 }
 
