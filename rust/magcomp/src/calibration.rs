@@ -49,21 +49,21 @@ pub enum CalibrationError {
     },
 }
 
-/// Smallest ratio of singular values of M that is still taken as invertible; phones stay above 0.3.
+/// Limit: smallest ratio of singular values of M that is still taken as invertible; phones stay above 0.3.
 const SMALLEST_RATIO: f64 = 1e-6;
-/// Largest element of M and of its inverse. Phones stay within 0.5 to 2; a sensor that counts in units of its own may have a
+/// Limit: largest element of M and of its inverse. Phones stay within 0.5 to 2; a sensor that counts in units of its own may have a
 /// scale of hundreds.
 const LARGEST_ELEMENT: f64 = 1000.0;
-/// Largest component of a raw sample and of b, uT: 0.1 T. Phones' magnetometers read up to 5 000 uT, some Hall sensors up to
+/// Limit: largest component of a raw sample and of b, uT: 0.1 T. Phones' magnetometers read up to 5 000 uT, some Hall sensors up to
 /// 36 000 uT.
 pub(crate) const LARGEST_RAW_UT: f64 = 100_000.0;
-/// Field strengths, uT: the Earth's field is 22 to 67, laboratories' coils reach a few hundred.
+/// Limit: field strengths, uT: the Earth's field is 22 to 67, laboratories' coils reach a few hundred.
 pub(crate) const FIELD_STRENGTHS_UT: (f64, f64) = (1.0, 1000.0);
 
-/// What the Earth's field spans at its surface, uT (world magnetic model).
+/// Physics: what the Earth's field spans at its surface, uT (world magnetic model).
 pub(crate) const EARTH_FIELD_UT: (f64, f64) = (22.0, 67.0);
 
-/// What no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
+/// Choice: what no calibration knows, uT per axis: the field of rooms is not uniform. Measured against optical orientation references
 /// in two laboratories.
 pub(crate) const UNEVEN_UT: f64 = 1.3;
 
@@ -139,7 +139,7 @@ pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h
     w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
 }
 
-/// What rounding may have taken off a correlation matrix.
+/// Mathematics: what rounding may have taken off a correlation matrix.
 const ROUNDING: f64 = 1e-4;
 
 /// Whether a matrix is finite, symmetric and positive semi-definite, within rounding.

@@ -1,11 +1,13 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
-//! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (of a calibration from
-//! elsewhere), `adopted` (what live samples say of that), `assemble` (heading and attitude), `tuning` (every choice).
+//! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
+//! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `assemble` (heading and
+//! attitude), `tuning` (every choice).
 
 mod adopted;
 mod assemble;
 mod belief;
 mod check;
+mod keep;
 mod presence;
 mod tuning;
 
@@ -91,7 +93,7 @@ impl Compensator {
             presence: Presence::default(),
             tilt: Tilt::default(),
             belief: Belief::default(),
-            estimator: Box::new(Estimator::new(&config, &tunings)),
+            estimator: Box::new(estimator(&config, tunings)),
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
             mode: SensorMode::default(),
             event: None,
@@ -150,10 +152,11 @@ impl Compensator {
     /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
     /// stays then, and all else begins anew.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
-        if let Err(reason) = self.check(&sample)
-            && !self.begins_another_clock(sample.time_ns, reason)
-        {
-            return self.rejected(sample.time_ns, reason);
+        if let Err(reason) = self.check(&sample) {
+            if !self.stream.stray(sample.time_ns, reason) {
+                return self.rejected(sample.time_ns, reason);
+            }
+            self.begin_another_clock();
         }
         let previous_ns = self.stream.accept(sample);
         let mut paired = self.pairing.pair(sample.time_ns);
@@ -174,6 +177,14 @@ impl Compensator {
             self.belief.see_dip(heading, since_s);
         }
         reading
+    }
+
+    /// Whether [`Self::push`] would use this sample now.
+    ///
+    /// # Errors
+    /// [`RejectReason`] says why it would not.
+    pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
+        self.stream.check(sample, self.config.range_ut, self.config.rail_ut)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -248,5 +259,15 @@ impl Compensator {
     #[must_use]
     pub fn explain(&self) -> Explanation {
         self.estimator.explain()
+    }
+}
+
+/// The estimator of a config.
+fn estimator(config: &Config, tunings: Tunings) -> Estimator {
+    let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
+    match config.method {
+        Method::Auto | Method::Aided | Method::Adaptive => Estimator::ours(tunings, strength_ut, windowed),
+        Method::Windowed => Estimator::windowed(false, windowed, strength_ut),
+        Method::Constant => Estimator::windowed(true, windowed, strength_ut),
     }
 }

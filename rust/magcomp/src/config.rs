@@ -4,7 +4,7 @@ use crate::calibration::Calibration;
 use crate::ellipsoid::SMALLEST_SAMPLE_COUNT;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
-use crate::kept::{SIGMAS_UT, USUAL_SIGMA_UT};
+use crate::kept::{self, SIGMAS_UT};
 use crate::range::{ConfigError, in_range};
 
 /// How M and b are estimated.
@@ -58,7 +58,7 @@ impl Default for Config {
         Self {
             method: Method::Auto,
             initial: None,
-            initial_sigma_ut: USUAL_SIGMA_UT,
+            initial_sigma_ut: kept::Tuning::USED.usual_sigma_ut,
             range_ut: 2000.0,
             rail_ut: None,
             field_strength_ut: None,

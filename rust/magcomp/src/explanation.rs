@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// Hypotheses of an [`Explanation`], at most.
+/// Format: hypotheses of an [`Explanation`], at most.
 pub const EXPLAINED_HYPOTHESES: usize = 4;
 
 /// The inside of a compensator after its latest sample that was not rejected; [`crate::Compensator::explain`] makes it. What an estimator does not

@@ -16,6 +16,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::tuning::choices;
 use nalgebra::{Matrix3, Vector3};
 
 /// Which axis of the device the heading is that of.
@@ -100,13 +101,21 @@ pub struct Heading {
     pub inclination_deg: f64,
 }
 
-/// Axes whose sine to the vertical is smaller have no heading: 1e-6 is 0.2 arc seconds.
+choices! {
+    /// The choices.
+    Tuning {
+        /// Where the right edge rises so far (sine of its elevation) the automatic axis begins to follow the camera
+        rise_begin: 0.707, "", "45 deg: tests/host/headings.rs";
+        /// ... and where it rises so far, the axis follows the camera alone
+        rise_end: 0.9, "", "64 deg: the same";
+        /// A vector whose standard deviation is so many times its length knows no direction at all
+        lost_ratio: 2.0, "", "115 deg, where an arc comes near half a turn: tests/host/headings.rs";
+    }
+}
+
+/// Mathematics: axes whose sine to the vertical is smaller have no heading, for rounding: 1e-6 is 0.2 arc seconds.
 pub(crate) const VERTICAL: f64 = 1e-6;
-/// Where the right edge rises (sine of its elevation) the automatic axis begins to follow the camera, 45 deg ...
-const RISE_BEGIN: f64 = 0.707;
-/// ... and where it follows the camera alone, 64 deg.
-const RISE_END: f64 = 0.9;
-/// Tilt by which the slope of the heading is found, rad.
+/// Mathematics: tilt by which the slope of the heading is found, rad.
 const TILT_STEP_RAD: f64 = 1e-5;
 
 /// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
@@ -122,23 +131,31 @@ pub fn heading(
 ) -> Option<Heading> {
     let (up, field) = (unit(up)?, unit(field_ut)?);
     let horizontal = field.cross(&up).norm();
-    let (e, n) = parts(&field, &up, axis, rotation);
-    if horizontal < VERTICAL || e.hypot(n) < VERTICAL * horizontal {
+    let level = Level::of(&field, &up, axis, rotation);
+    if horizontal < VERTICAL || level.east.hypot(level.north) < VERTICAL * horizontal {
         return None;
     }
     let inclination_deg = (-field.dot(&up)).atan2(horizontal).to_degrees();
     Some(Heading {
-        heading_deg: wrap_360(e.atan2(n).to_degrees()),
+        heading_deg: wrap_360(level.east.atan2(level.north).to_degrees()),
         heading_sigma_deg: None,
         true_heading_deg: None,
         inclination_deg,
     })
 }
 
-/// East and north part of the axis, times the field's horizontal part, for a unit `up`.
-fn parts(field: &Vector3<f64>, up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> (f64, f64) {
-    let (east, pointing) = (field.cross(up), pointing(up, axis, rotation));
-    (pointing.dot(&east), pointing.dot(&up.cross(&east)))
+/// East and north part of an axis, times the field's horizontal part.
+struct Level {
+    east: f64,
+    north: f64,
+}
+
+impl Level {
+    /// For a unit `up`.
+    fn of(field: &Vector3<f64>, up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> Self {
+        let (east, pointing) = (field.cross(up), pointing(up, axis, rotation));
+        Self { east: pointing.dot(&east), north: pointing.dot(&up.cross(&east)) }
+    }
 }
 
 /// The axis of the device the heading is that of, for a unit `up`.
@@ -150,7 +167,8 @@ fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) ->
         ReferenceAxis::Camera => camera,
         ReferenceAxis::Auto => {
             let rise = right.dot(up).abs();
-            let share = ((rise - RISE_BEGIN) / (RISE_END - RISE_BEGIN)).clamp(0.0, 1.0);
+            let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
+            let share = ((rise - rise_begin) / (rise_end - rise_begin)).clamp(0.0, 1.0);
             let level = up.cross(&right).try_normalize(VERTICAL).unwrap_or_default();
             level * (1.0 - share) + camera * share
         }
@@ -178,9 +196,11 @@ pub fn heading_sigma_deg(
     let horizontal = east.norm();
     let across = east.try_normalize(VERTICAL)?;
     let slope = |d: Vector3<f64>| {
-        let tilted = |step: f64| parts(field_ut, &(up + d * step), axis, rotation);
-        let ((e1, n1), (e2, n2)) = (tilted(-TILT_STEP_RAD), tilted(TILT_STEP_RAD));
-        (e2 * n1 - n2 * e1).atan2(e1 * e2 + n1 * n2) / (2.0 * TILT_STEP_RAD)
+        let tilted = |step: f64| Level::of(field_ut, &(up + d * step), axis, rotation);
+        let (one, other) = (tilted(-TILT_STEP_RAD), tilted(TILT_STEP_RAD));
+        let (sin, cos) =
+            (other.east * one.north - other.north * one.east, one.east * other.east + one.north * other.north);
+        sin.atan2(cos) / (2.0 * TILT_STEP_RAD)
     };
     let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
     let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
@@ -201,7 +221,7 @@ pub(crate) fn across_ut2(field_ut: &Vector3<f64>, up: &Vector3<f64>, covariance_
 pub(crate) fn angle_sigma_deg(variance: f64, length: f64) -> Option<f64> {
     let sd = variance.max(0.0).sqrt();
     // as an arc, since an arc tangent would stop at 90; a vector lost in its uncertainty knows no direction at all
-    let sigma = if sd > 2.0 * length { 180.0 } else { (sd / length).to_degrees() };
+    let sigma = if sd > Tuning::USED.lost_ratio * length { 180.0 } else { (sd / length).to_degrees() };
     sigma.is_finite().then_some(sigma)
 }
 

@@ -15,20 +15,26 @@ mod tests;
 
 use crate::calibration::{Calibration, independent, is_covariance};
 use crate::range::{ConfigError, in_range};
+use crate::tuning::choices;
 use nalgebra::SMatrix;
 use std::ops::RangeInclusive;
 
-/// Version of the text written here.
+/// Format: version of the text written here.
 pub const KEPT_VERSION: u32 = 1;
 
-/// What a standard deviation of a component of b may be, uT.
+/// Limit: what a standard deviation of a component of b may be, uT.
 pub(crate) const SIGMAS_UT: RangeInclusive<f64> = 0.01..=1000.0;
-/// Standard deviation of a component of b where none is told, uT.
-pub(crate) const USUAL_SIGMA_UT: f64 = 2.0;
-/// How far an element of M is off where M was never measured: phones have up to 10 %.
-pub(crate) const UNSEEN_IRON: f64 = 0.08;
-/// How far M is off beside a hard iron that is off, for each uT: covers; a steel plate with a magnet.
-pub(crate) const IRON_PER_UT: f64 = 0.003;
+choices! {
+    /// The choices.
+    Tuning {
+        /// Standard deviation of a component of b where none is told
+        usual_sigma_ut: 2.0, "uT", "a phone that was calibrated the day before: docs/METHOD.md";
+        /// How far an element of M is off where M was never measured
+        unseen_iron: 0.08, "", "phones have up to 10 %: docs/METHOD.md, as aided's iron_sd";
+        /// How far M is off beside a hard iron that is off, for each uT
+        iron_per_ut: 0.003, "1/uT", "covers; a steel plate with a magnet: docs/METHOD.md";
+    }
+}
 
 /// Where a calibration came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -68,7 +74,7 @@ pub enum KeptError {
         "kept calibration has version {found}, this library reads up to {KEPT_VERSION}; update it or start without"
     )]
     Newer {
-        /// Version of the text.
+        /// Format: version of the text.
         found: u32,
     },
 }
@@ -116,7 +122,7 @@ impl KeptCalibration {
     /// # Errors
     /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range.
     pub fn given(calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<Self, ConfigError> {
-        let iron = (IRON_PER_UT * hard_iron_sigma_ut).min(UNSEEN_IRON);
+        let iron = (Tuning::USED.iron_per_ut * hard_iron_sigma_ut).min(Tuning::USED.unseen_iron);
         Self::from_elsewhere(calibration, hard_iron_sigma_ut, iron, CalibrationSource::Given)
     }
 
@@ -125,7 +131,7 @@ impl KeptCalibration {
     /// # Errors
     /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range.
     pub fn system(calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<Self, ConfigError> {
-        Self::from_elsewhere(calibration, hard_iron_sigma_ut, UNSEEN_IRON, CalibrationSource::System)
+        Self::from_elsewhere(calibration, hard_iron_sigma_ut, Tuning::USED.unseen_iron, CalibrationSource::System)
     }
 
     fn from_elsewhere(

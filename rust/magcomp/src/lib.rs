@@ -22,7 +22,7 @@
 //! | its covariance; what is refused | [`EllipsoidFit`], [`direction_sigma_deg`] | `ellipsoid/report.rs` |
 //! | (11) h = M^-1 (h_m - b) | [`Calibration::correct`] | `calibration.rs` |
 //! | (12) to (15) sigma_T | [`uniformity`] | `estimator/paper/uniformity.rs` |
-//! | (16) the window N | [`window_length`] | `estimator/paper/windowed.rs` |
+//! | (16) the window N | [`window_length`] | `estimator/paper/window.rs` |
 //! | fig. 3, the real-time loop | [`Method::Windowed`], [`WindowedConfig`] | `estimator/paper/windowed.rs` |
 //! | section III, a constant field | [`ConstantField`], [`Method::Constant`] | `estimator/paper/constant.rs` |
 //! | the gauge: M symmetric, M = P R | [`Calibration::from_any`] | `calibration.rs` |
@@ -32,11 +32,11 @@
 //! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
 //! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
 //! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
-//! | which directions were seen, counted for every method | [`Coverage`] | `coverage.rs`, `estimator/paper/clerk.rs` |
+//! | when each direction was last seen, for every method | [`Coverage`] | `coverage/` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
 //! | why a reading says what it says | [`Compensator::explain`], [`Explanation`] | `explanation.rs`, `estimator/aided/explain.rs` |
 //! | the settings | [`Config`] | `config.rs` |
-//! | a calibration kept from one launch to the next; what live samples say of it | [`KeptCalibration`], [`Compensator::adopt`] | `kept.rs`, `compensator/adopted.rs` |
+//! | a calibration kept from one launch to the next; what live samples say of it | [`KeptCalibration`], [`Compensator::adopt`] | `kept.rs`, `compensator/keep.rs`, `adopted.rs` |
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
 //!

@@ -15,7 +15,7 @@
 
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, Given, independent, iron_rows};
-use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, UNSEEN_IRON};
+use crate::kept::{self, CalibrationSource, KeptCalibration};
 use crate::math::symmetric::symmetric;
 use crate::sample::MagneticSample;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
@@ -71,7 +71,7 @@ impl Adopted {
                 0 => (if is_learned { Tuning::USED.walk_ut } else { 0.0 }, holds),
                 _ => (Tuning::USED.least_change_ut * f64::from(1 << (k - 1)), (1.0 - holds) / SIZES as f64),
             };
-            let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
+            let iron = (kept::Tuning::USED.iron_per_ut * size_ut).min(kept::Tuning::USED.unseen_iron);
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
             Summand { log_weight: weight.ln(), mean: Vector9::zeros(), covariance }
         });

@@ -1,28 +1,22 @@
-//! What is believed of the calibration in force, where it comes from elsewhere (`adopted`), and what is kept of one that was learned.
+//! What is believed of the calibration in force: where it comes from, and how sure one may be of it.
 
-use super::Compensator;
 use super::adopted::Adopted;
 use super::tuning::Tuning;
 use crate::calibration::{Given, independent};
-use crate::config::Config;
 use crate::heading::Heading;
-use crate::kept::{CalibrationSource, IRON_PER_UT, KeptCalibration, USUAL_SIGMA_UT};
-use crate::range::{ConfigError, in_range};
-use crate::sample::MagneticSample;
-use crate::sensing::tilt::GRAVITY_M_S2;
-use nalgebra::Vector3;
+use crate::kept;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Belief {
     /// What was adopted, until something is learned from live samples.
-    adopted: Option<Adopted>,
+    pub adopted: Option<Adopted>,
     /// The calibration in force was learned from live samples.
-    has_learned: bool,
+    pub has_learned: bool,
     /// Dip of the field when it was last known, deg.
-    inclination_deg: Option<f64>,
+    pub inclination_deg: Option<f64>,
     /// How well the calibration was believed that was adopted last, uT.
-    adopted_sigma_ut: Option<f64>,
+    pub adopted_sigma_ut: Option<f64>,
 }
 
 impl Belief {
@@ -39,105 +33,12 @@ impl Belief {
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
     pub fn no_surer_than_usual(&self, mut given: Given) -> Given {
-        let least_ut = self.adopted_sigma_ut.map_or(USUAL_SIGMA_UT, |sigma_ut| sigma_ut.min(USUAL_SIGMA_UT));
+        let least_ut = self
+            .adopted_sigma_ut
+            .map_or(kept::Tuning::USED.usual_sigma_ut, |sigma_ut| sigma_ut.min(kept::Tuning::USED.usual_sigma_ut));
         let lacks_ut2 = (least_ut * least_ut - given.hard_iron_ut2()).max(0.0);
-        given.covariance += independent(lacks_ut2, IRON_PER_UT * IRON_PER_UT * lacks_ut2);
+        given.covariance +=
+            independent(lacks_ut2, kept::Tuning::USED.iron_per_ut * kept::Tuning::USED.iron_per_ut * lacks_ut2);
         given
-    }
-}
-
-impl Compensator {
-    /// From now on this calibration is in force, until something better is learned. The stream goes on.
-    ///
-    /// One that was kept has aged by `unix_time_s` (seconds since 1970, by the clock that [`Self::keep`] was told), less the time it was kept
-    /// at: the older, the likelier the device has changed since. `None`: not known, so of one that was learned as good as nothing is
-    /// believed beforehand. The first sample that comes with a vertical is judged by: a total field or a dip that is not as it was widens the
-    /// hard iron's uncertainty or moves it, up to a start from nothing. The status is never `Tracking` before live samples of a turned
-    /// device agree. The windowed methods have no prior: their readings have no sigma before their own fit.
-    ///
-    /// A calibration of the operating system replaces nothing that was learned. Beside one of another source that no live sample has confirmed
-    /// the first such is one more measurement of the hard iron.
-    pub fn adopt(&mut self, kept: &KeptCalibration, unix_time_s: Option<i64>) {
-        let belief = &mut self.belief;
-        if kept.source() == CalibrationSource::System {
-            if belief.has_learned {
-                return;
-            }
-            if let Some(adopted) = &mut belief.adopted {
-                if adopted.hear(kept) {
-                    self.begin_as_believed();
-                }
-                return;
-            }
-        }
-        let given = Given { calibration: *kept.calibration(), covariance: *kept.covariance() };
-        (belief.adopted, belief.has_learned) = (Some(Adopted::new(kept, unix_time_s)), false);
-        belief.adopted_sigma_ut = Some(given.hard_iron_ut2().sqrt());
-        self.begin_from(Some(given));
-    }
-
-    /// The calibration in force with what is known of it, to be kept for the next launch; `unix_time_s` is now, seconds since 1970. `None`
-    /// while nothing was learned from live samples: what was adopted is kept where it came from.
-    #[must_use]
-    pub fn keep(&self, unix_time_s: i64) -> Option<KeptCalibration> {
-        let Given { calibration, covariance } = self.estimator.in_force().filter(|_| self.belief.has_learned)?;
-        KeptCalibration::learned(calibration, covariance, self.belief.inclination_deg, unix_time_s)
-    }
-
-    /// Time passed that the clock of the samples does not show, about so many seconds: the system slept. The device may have been turned,
-    /// carried off or changed: the calibration is as unsure from here on as one that was kept for so long, and where the field points is
-    /// found anew. The samples' time goes on.
-    ///
-    /// # Errors
-    /// [`ConfigError`] when `hidden_s` is not a time of up to 1e9 s; nothing has changed then.
-    pub fn push_gap(&mut self, hidden_s: f64) -> Result<(), ConfigError> {
-        in_range("hidden_s", hidden_s, 0.0..=1e9, "s")?;
-        self.presence.pause();
-        self.pairing.pause();
-        let Some(given) = self.estimator.in_force() else { return Ok(()) };
-        let kept = KeptCalibration::learned(given.calibration, given.covariance, self.belief.inclination_deg, 0);
-        if let Some(kept) = kept.filter(|_| self.belief.has_learned) {
-            self.belief.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));
-            self.begin_from(Some(given));
-        }
-        Ok(())
-    }
-
-    /// The calibration of the config.
-    pub(super) fn adopt_initial(&mut self) {
-        let Config { initial: Some(calibration), initial_sigma_ut, .. } = self.config else { return };
-        // its sigma is that of a validated config
-        if let Ok(kept) = KeptCalibration::given(calibration, initial_sigma_ut) {
-            self.adopt(&kept, None);
-        }
-    }
-
-    /// What live samples say of an adopted calibration, before anything is learned.
-    pub(super) fn judge_adopted(&mut self, sample: &MagneticSample, up_m_s2: Option<Vector3<f64>>) {
-        let Some(adopted) = &mut self.belief.adopted else { return };
-        let is_calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < Tuning::USED.calm;
-        if adopted.see(sample, up_m_s2.filter(is_calm).map(|up| up.normalize()).as_ref()) {
-            self.begin_as_believed();
-        }
-    }
-
-    fn begin_as_believed(&mut self) {
-        let believed = self.belief.adopted.as_ref().and_then(Adopted::believed);
-        self.begin_from(believed);
-    }
-
-    fn begin_from(&mut self, given: Option<Given>) {
-        self.estimator.begin_from(given);
-        let counted = self.estimator.counted();
-        self.guidance.look_through(counted.through.as_ref(), counted.samples);
-    }
-
-    /// All begins anew, but for the calibration in force.
-    pub(super) fn begin_another_clock(&mut self) {
-        let belief = self.belief;
-        let given = self.estimator.in_force().map(|given| belief.no_surer_than_usual(given));
-        self.reset();
-        self.belief = belief;
-        self.begin_from(given);
     }
 }

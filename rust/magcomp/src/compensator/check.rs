@@ -1,8 +1,6 @@
 //! Whether a sample can be used, and what rejected samples tell together.
 
-use super::Compensator;
 use super::tuning::Tuning;
-use crate::config::Config;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
 
@@ -34,32 +32,19 @@ impl Stream {
         previous.map(|previous| previous.time_ns)
     }
 
-    /// A sample was rejected for its time: whether there were so many in a row that the clock is another one.
-    fn stray(&mut self, time_ns: i64) -> bool {
+    /// A sample was rejected: whether there were so many in a row, each for its time, that the clock is another one.
+    pub fn stray(&mut self, time_ns: i64, reason: RejectReason) -> bool {
+        if !matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. }) {
+            return false;
+        }
         let step_s = seconds(self.astray_ns, time_ns);
         let follows = self.astray > 0 && step_s > 0.0 && step_s <= Tuning::USED.longest_gap_s;
         (self.astray, self.astray_ns) = (if follows { self.astray + 1 } else { 1 }, time_ns);
         f64::from(self.astray) >= Tuning::USED.another_clock_samples
     }
-}
 
-impl Compensator {
-    /// Whether a sample rejected for `reason` is the first of another clock; all but the calibration begins anew then.
-    pub(super) fn begins_another_clock(&mut self, time_ns: i64, reason: RejectReason) -> bool {
-        let is_astray = matches!(reason, RejectReason::TimeNotAfter { .. } | RejectReason::TimeJump { .. });
-        let begins = is_astray && self.stream.stray(time_ns);
-        if begins {
-            self.begin_another_clock();
-        }
-        begins
-    }
-
-    /// Whether [`Self::push`] would use this sample now.
-    ///
-    /// # Errors
-    /// [`RejectReason`] says why it would not.
-    pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        let Config { range_ut, rail_ut, .. } = self.config;
+    /// Whether the sample can be used, for a range and full scale of the sensor, uT.
+    pub fn check(&self, sample: &MagneticSample, range_ut: f64, rail_ut: Option<f64>) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
@@ -72,7 +57,7 @@ impl Compensator {
         if value_ut.abs() > range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: range_ut });
         }
-        let Some(latest) = self.stream.latest else { return Ok(()) };
+        let Some(latest) = self.latest else { return Ok(()) };
         if sample.time_ns <= latest.time_ns {
             return Err(RejectReason::TimeNotAfter { time_ns: sample.time_ns, latest_ns: latest.time_ns });
         }
@@ -80,7 +65,7 @@ impl Compensator {
         if gap_s > limit_s {
             return Err(RejectReason::TimeJump { gap_s, limit_s });
         }
-        let repeats = self.stream.repeats.saturating_add(1);
+        let repeats = self.repeats.saturating_add(1);
         if latest.field_ut == *field && repeats as f64 >= Tuning::USED.stuck_samples {
             return Err(RejectReason::Stuck { repeats });
         }

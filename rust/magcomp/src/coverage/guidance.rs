@@ -1,16 +1,15 @@
 //! The directions of a stream of samples, as the calibration in force shows them; before there is one, as seen from where the centre of the
 //! samples seems to be.
 
-use super::Coverage;
+use super::cells::Coverage;
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, typical_field_ut};
 use crate::ellipsoid::Moments;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
-/// Choice: samples from one look for what is too dear for every sample to the next: 0.25 s at 100 Hz, which nobody sees on a screen
-/// (`tests/instructions.sh`).
-pub(crate) const ANEW_SAMPLES: usize = 25;
+/// Samples from one look for what is too dear for every sample to the next.
+pub(crate) const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]

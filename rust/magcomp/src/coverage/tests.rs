@@ -1,5 +1,6 @@
-use super::*;
+use super::{CELLS, Coverage, Guidance};
 use crate::calibration::Calibration;
+use nalgebra::Vector3;
 
 #[test]
 fn every_cell_holds_its_middle() {

@@ -5,6 +5,8 @@ use crate::tuning::choices;
 choices! {
     /// The choices.
     Tuning {
+        /// Samples from one look for what is too dear for every sample to the next
+        anew_samples: 25.0, "samples", "0.25 s at 100 Hz, which nobody sees on a screen: tests/instructions.sh";
         /// Of the latest so many samples the directions are found anew when the calibration they are seen through is no longer right: no
         /// sample may cost much
         anew_span: 250.0, "samples", "2.5 s at 100 Hz, a turn of the wrist: tests/instructions.sh";

@@ -11,7 +11,7 @@
 
 use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};
-use crate::math::descend::{Cost, Descent, Limits, Step, Termination, descend};
+use crate::math::descend::{Cost, Derivatives, Descent, Limits, Step, Termination, descend};
 use crate::math::symmetric::{PLACES, six};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -116,12 +116,14 @@ impl Cost<9> for Problem {
         at.value
     }
 
-    fn derivatives(&self, at: &Candidate) -> (Vector9, Matrix9) {
+    fn derivatives(&self, at: &Candidate) -> Derivatives<9> {
         match self.residual {
-            Residual::Algebraic => (at.gradient(&self.s), at.hessian(&self.s) + at.curvature(&self.s)),
+            Residual::Algebraic => {
+                Derivatives { gradient: at.gradient(&self.s), hessian: at.hessian(&self.s) + at.curvature(&self.s) }
+            }
             Residual::Corrected => {
                 let q = self.s - self.b * at.value;
-                (at.gradient(&q), at.hessian(&q))
+                Derivatives { gradient: at.gradient(&q), hessian: at.hessian(&q) }
             }
         }
     }

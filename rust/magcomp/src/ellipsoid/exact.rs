@@ -6,10 +6,13 @@ use nalgebra::{ArrayStorage, SVector};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ExactSums<const N: usize>(SVector<i128, N>);
 
+/// Mathematics: units of 2^-20, and of 2^-40 of those.
 const HIGH_UNIT: f64 = (1u64 << 20) as f64;
+/// Mathematics: see `HIGH_UNIT`.
 const LOW_BITS: u32 = 40;
+/// Mathematics: see `HIGH_UNIT`.
 const LOW_UNIT: f64 = (1u64 << LOW_BITS) as f64;
-/// Far beyond any field: only keeps absurd input from overflowing.
+/// Limit: far beyond any field: only keeps absurd input from overflowing.
 const LARGEST: f64 = (1u64 << 40) as f64;
 
 /// A value in units of 2^-60, cut: whole units of 2^-20 first, because a conversion to 128 bits at once is slow.
@@ -21,6 +24,7 @@ fn fixed(value: f64) -> i128 {
 }
 
 impl<const N: usize> ExactSums<N> {
+    /// Mathematics: of nothing.
     pub const ZERO: Self = Self(SVector::from_array_storage(ArrayStorage([[0; N]])));
 
     /// Values enter as often as `times` says; they leave where that is negative.

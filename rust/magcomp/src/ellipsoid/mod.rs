@@ -7,6 +7,7 @@ mod moments;
 mod options;
 mod report;
 mod start;
+mod tuning;
 
 pub use crate::math::descend::Termination;
 pub(crate) use exact::ExactSums;

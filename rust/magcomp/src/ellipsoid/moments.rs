@@ -17,12 +17,12 @@ mod tests;
 use super::exact::ExactSums;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Exponents of x, y, z for each entry of z.
+/// Mathematics: exponents of x, y, z for each entry of z.
 const EXPONENTS: [[usize; 3]; 10] =
     [[2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [1, 0, 1], [0, 1, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
-/// Factor of each entry of z.
+/// Mathematics: factor of each entry of z.
 const FACTORS: [f64; 10] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0];
-/// Monomials x^i y^j z^k with 1 <= i + j + k <= 4.
+/// Mathematics: monomials x^i y^j z^k with 1 <= i + j + k <= 4.
 const MONOMIALS: usize = 34;
 
 /// Place of x^i y^j z^k in the list of monomials, which runs by degree, then falling power of x, then of y.
@@ -33,25 +33,37 @@ const fn place([i, j, k]: [usize; 3]) -> usize {
     below + rest * (rest + 1) / 2 + k
 }
 
-/// Where an entry of S is found among the monomials (0 is the constant); of (grad z)(grad z)^T the factor and the place of what
-/// each axis adds.
-type Entry = (usize, [(f64, usize); 3]);
+/// A monomial, times a factor.
+#[derive(Clone, Copy)]
+struct Term {
+    factor: f64,
+    place: usize,
+}
 
+/// Where an entry of S is found among the monomials (0 is the constant), and what each axis adds to that of (grad z)(grad z)^T.
+#[derive(Clone, Copy)]
+struct Entry {
+    place: usize,
+    by_axis: [Term; 3],
+}
+
+/// Mathematics: the entries of S and B.
 const PLACES: [[Entry; 10]; 10] = {
-    let mut places = [[(0, [(0.0, 0); 3]); 10]; 10];
+    let nothing = Entry { place: 0, by_axis: [Term { factor: 0.0, place: 0 }; 3] };
+    let mut places = [[nothing; 10]; 10];
     let mut entry = 0;
     while entry < 100 {
         let (row, column) = (entry / 10, entry % 10);
         let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
         let both = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-        places[row][column].0 = place(both);
+        places[row][column].place = place(both);
         let mut axis = 0;
         while axis < 3 {
             if a[axis] * b[axis] > 0 {
                 let mut derived = both;
                 derived[axis] -= 2;
                 let factor = FACTORS[row] * FACTORS[column] * (a[axis] * b[axis]) as f64;
-                places[row][column].1[axis] = (factor, place(derived));
+                places[row][column].by_axis[axis] = Term { factor, place: place(derived) };
             }
             axis += 1;
         }
@@ -175,13 +187,13 @@ impl Moments {
     #[must_use]
     pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
         let means = self.means();
-        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].0] * (FACTORS[i] * FACTORS[j]));
+        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].place] * (FACTORS[i] * FACTORS[j]));
         // the Laplacian of z is 2 in the squares
         let square = |i: usize, j: usize| if i < 3 { s[(j, 9)] } else { 0.0 };
         let mut b = SMatrix::<f64, 10, 10>::zeros();
         for i in 0..10 {
             for j in i..10 {
-                let [x, y, z] = PLACES[i][j].1.map(|(factor, place)| factor * means[place]);
+                let [x, y, z] = PLACES[i][j].by_axis.map(|term| term.factor * means[term.place]);
                 b[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::calibration::EARTH_FIELD_UT;
 
-/// Nine parameters need nine samples.
+/// Mathematics: nine parameters need nine samples.
 pub const SMALLEST_SAMPLE_COUNT: usize = 9;
 
 /// What is squared and summed.

@@ -7,6 +7,7 @@
 use super::cost::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
+use super::tuning::Tuning;
 use crate::calibration::Calibration;
 use crate::math::descend::Termination;
 use crate::math::symmetric::{basis, six};
@@ -14,10 +15,6 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
-/// Samples thinner than this share of their width lie in a plane: 1 % is 0.5 uT in 50.
-const PLANAR_RATIO: f64 = 0.01;
-/// ... and so do those thinner than this many times the noise.
-const PLANAR_NOISES: f64 = 3.0;
 /// An ellipsoid and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
@@ -108,7 +105,7 @@ impl Moments {
     pub(super) fn why_no_ellipsoid(&self, noise_ut: f64) -> FitError {
         let spread = self.cloud_covariance_ut2().symmetric_eigenvalues().map(|v| v.max(0.0).sqrt());
         let (thin, wide) = (spread.min(), spread.max());
-        if thin <= PLANAR_RATIO * wide || thin <= PLANAR_NOISES * noise_ut {
+        if thin <= Tuning::USED.planar_ratio * wide || thin <= Tuning::USED.planar_noises * noise_ut {
             FitError::Planar { thickness_ut: thin }
         } else {
             FitError::NotAnEllipsoid

@@ -71,6 +71,9 @@ fn constrained<const C: usize>(m: &SMatrix<f64, 10, C>) -> SMatrix<f64, 9, C> {
     SMatrix::from_fn(|i, j| if i < 2 { m[(i, j)] - m[(2, j)] } else { m[(i + 1, j)] })
 }
 
+/// Mathematics: exact points leave S_r singular; this share of its trace, far below any real noise, keeps the factorisation going.
+const LEAST_NOISE: f64 = 1e-14;
+
 /// Li and Griffiths with k = 4: the largest eigenvalue of C v = mu S_r v, S_r the scatter of the second-degree
 /// part after the rest has been eliminated.
 fn ellipsoid_specific(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
@@ -79,8 +82,7 @@ fn ellipsoid_specific(s: &SMatrix<f64, 10, 10>) -> Option<Shape> {
     let s22: Matrix4<f64> = s.fixed_view::<4, 4>(6, 6).into_owned();
     let back = s22.cholesky()?.solve(&s12.transpose());
     let reduced = (s11 - s12 * back).symmetric_part();
-    // exact points leave S_r singular: a floor far below any real noise keeps the factorisation going
-    let lower = (reduced + Matrix6::identity() * (1e-14 * reduced.trace())).cholesky()?.l();
+    let lower = (reduced + Matrix6::identity() * (LEAST_NOISE * reduced.trace())).cholesky()?.l();
     let mut constraint = Matrix6::from_diagonal(&Vector6::new(-2.0, -2.0, -2.0, -4.0, -4.0, -4.0));
     constraint.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(1.0);
     let left = lower.solve_lower_triangular(&constraint)?;

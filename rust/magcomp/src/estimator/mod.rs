@@ -9,17 +9,16 @@ pub(crate) mod paper;
 mod tunings;
 
 use crate::calibration::{Calibration, Given, independent};
-use crate::config::{Config, Method};
 use crate::ellipsoid::EllipsoidFit;
 use crate::explanation::Explanation;
-use crate::kept::{IRON_PER_UT, USUAL_SIGMA_UT};
+use crate::kept;
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use answer::{Answer, Counted};
 use nalgebra::SMatrix;
 use ours::{GyroscopeErrors, Ours};
-use paper::Windowed;
+use paper::{Windowed, WindowedConfig};
 pub use tunings::Tunings;
 
 /// The estimator that a config asks for.
@@ -31,16 +30,14 @@ pub(crate) enum Estimator {
 }
 
 impl Estimator {
-    /// For a validated config. All memory is taken here.
-    pub fn new(config: &Config, tunings: &Tunings) -> Self {
-        let strength_ut = config.field_strength_ut;
-        match config.method {
-            Method::Auto | Method::Aided | Method::Adaptive => {
-                Self::Ours(Ours::new(*tunings, strength_ut, config.windowed))
-            }
-            Method::Windowed => Self::Windowed(Windowed::new(false, config.windowed, strength_ut)),
-            Method::Constant => Self::Windowed(Windowed::new(true, config.windowed, strength_ut)),
-        }
+    /// Ours, in a field of this strength (uT) where it is known, for a validated config. All memory is taken here.
+    pub fn ours(tunings: Tunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
+        Self::Ours(Ours::new(tunings, strength_ut, windowed))
+    }
+
+    /// The paper's: the same, and whether its first good fit is kept.
+    pub fn windowed(is_constant: bool, windowed: WindowedConfig, strength_ut: Option<f64>) -> Self {
+        Self::Windowed(Windowed::new(is_constant, windowed, strength_ut))
     }
 
     /// As new, in the memory that is there.
@@ -147,6 +144,11 @@ fn in_force(
     calibration: Option<Calibration>,
     covariance: Option<SMatrix<f64, 9, 9>>,
 ) -> Option<Given> {
-    let usual = || independent(USUAL_SIGMA_UT.powi(2), (IRON_PER_UT * USUAL_SIGMA_UT).powi(2));
+    let usual = || {
+        independent(
+            kept::Tuning::USED.usual_sigma_ut.powi(2),
+            (kept::Tuning::USED.iron_per_ut * kept::Tuning::USED.usual_sigma_ut).powi(2),
+        )
+    };
     untouched.or_else(|| Some(Given { calibration: calibration?, covariance: covariance.unwrap_or_else(usual) }))
 }

@@ -12,6 +12,7 @@ use crate::explanation::Explanation;
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
+use crate::tuning::choices;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// See the module.
@@ -178,13 +179,18 @@ impl Pair {
     }
 }
 
-/// Rotations without a break for so long after one lead to a first calibration wherever the place allows one, s.
-const CHAIN_S: f64 = 5.0;
+choices! {
+    /// The choices.
+    Tuning {
+        /// Rotations without a break for so long after one lead to a first calibration wherever the place allows one
+        chain_s: 5.0, "s", "rust/magcomp-lab/tests/streams.rs";
+    }
+}
 
 /// Which of the two of a start answers: the one with the gyroscope, unless that keeps breaking off and the other one alone knows a calibration,
 /// or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive) -> bool {
-    if !aided.broke_within(CHAIN_S) {
+    if !aided.broke_within(Tuning::USED.chain_s) {
         return true;
     }
     let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();

@@ -35,6 +35,15 @@ pub enum Termination {
     MaxIterations,
 }
 
+/// Of a cost at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Derivatives<const N: usize> {
+    /// g, half the gradient.
+    pub gradient: SVector<f64, N>,
+    /// H, half the Hessian, of which the lower triangle is read.
+    pub hessian: SMatrix<f64, N, N>,
+}
+
 /// A cost to be made least.
 pub(crate) trait Cost<const N: usize> {
     /// x, with whatever was computed there.
@@ -43,8 +52,8 @@ pub(crate) trait Cost<const N: usize> {
     /// f.
     fn value(&self, at: &Self::Place) -> f64;
 
-    /// Half the gradient, and half the Hessian, of which the lower triangle is read.
-    fn derivatives(&self, at: &Self::Place) -> (SVector<f64, N>, SMatrix<f64, N, N>);
+    /// g and H.
+    fn derivatives(&self, at: &Self::Place) -> Derivatives<N>;
 
     /// D for this H. It is asked for only where damping is needed.
     fn scale(&self, _at: &Self::Place, hessian: &SMatrix<f64, N, N>) -> SVector<f64, N> {
@@ -111,7 +120,7 @@ fn one_step<const N: usize, C: Cost<N>>(
     mut damping: f64,
     dampings: usize,
 ) -> Option<(C::Place, Step)> {
-    let (gradient, hessian) = cost.derivatives(from);
+    let Derivatives { gradient, hessian } = cost.derivatives(from);
     let value = cost.value(from);
     for _ in 0..dampings {
         let mut damped = hessian;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, SVector};
 
-/// Row and column of each.
+/// Mathematics: row and column of each.
 pub(crate) const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
 /// The six numbers of a matrix.

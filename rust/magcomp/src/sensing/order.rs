@@ -12,11 +12,11 @@ use crate::range::{ConfigError, in_range};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use std::collections::VecDeque;
 
-/// Events that can wait: 0.25 s of two inertial sensors at 400 Hz and a magnetometer at 100 Hz.
+/// Choice: events that can wait: 0.25 s of two inertial sensors at 400 Hz and a magnetometer at 100 Hz.
 const ROOM: usize = 256;
-/// An event that is this much newer than all before it follows a pause of all sensors, ns.
+/// Mathematics: `STALE_S` in nanoseconds; an event that is this much newer than all before it follows a pause of all sensors, ns.
 const PAUSE_NS: i64 = (STALE_S * 1e9) as i64;
-/// An event that is this much older is from another clock, ns.
+/// Mathematics: `MAX_LEAD_S` in nanoseconds; an event that is this much older is from another clock, ns.
 const ANOTHER_CLOCK_NS: i64 = (MAX_LEAD_S * 1e9) as i64;
 
 /// An event of one of the three sensors.
@@ -79,10 +79,11 @@ pub struct EventQueue {
     latest_ns: [i64; 3],
 }
 
+/// Mathematics: before every time.
 const NEVER: i64 = i64::MIN;
 
 impl EventQueue {
-    /// Longest that an event waits unless another time is chosen, s: longer than the sensors of a phone differ where no batches are asked for.
+    /// Choice: longest that an event waits unless another time is chosen, s: longer than the sensors of a phone differ where no batches are asked for.
     pub const DEFAULT_HOLD_S: f64 = 0.05;
 
     /// An empty queue in which no event waits for longer than `hold_s`, 0 to 0.25 s; 0: every event goes out as it comes. For

@@ -14,29 +14,25 @@
 #[cfg(test)]
 mod tests;
 
+use super::tuning::Tuning;
 use arrayvec::ArrayVec;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::mem::take;
 
-/// Rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
+/// Choice: rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
 const RATE_EVENTS: usize = 16;
-/// `up` events held: they vary slowly, only the two around a sample matter.
+/// Choice: `up` events held: they vary slowly, only the two around a sample matter.
 const UP_EVENTS: usize = 8;
+/// Mathematics: seconds in a nanosecond.
 const NANO: f64 = 1e-9;
-/// Memory of that density, s: a hand changes its motion about as fast.
-const WANDER_TIME_S: f64 = 0.5;
-
-/// A sensor whose newest event is older than this at a magnetometer time counts as absent, s: two and a half periods of the
-/// slowest rate supported (10 Hz). Smaller: a hiccup of the operating system turns the gyroscope off. Larger: a stopped
-/// gyroscope is taken for stillness.
-pub(crate) const STALE_S: f64 = 0.25;
-/// Largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
+/// A sensor whose newest event is older than this at a magnetometer time counts as absent, s.
+pub(crate) const STALE_S: f64 = Tuning::USED.stale_s;
+/// Data sheet: largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
 const MAX_RATE_RAD_S: f64 = 60.0;
-/// Largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
+/// Data sheet: largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
 const MAX_UP_M_S2: f64 = 200.0;
-/// An event further ahead of the newest magnetometer sample than this is from another clock, s: longer than any system holds a
-/// sensor's events back while it delivers another's.
-pub(crate) const MAX_LEAD_S: f64 = 10.0;
+/// An event further ahead of the newest magnetometer sample than this is from another clock, s.
+pub(crate) const MAX_LEAD_S: f64 = Tuning::USED.most_lead_s;
 
 /// Why an event was not taken. The state is as if it had never come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -186,7 +182,7 @@ impl InertialPairing {
         let bend = slope - before;
         let Some(bend_before) = self.bend.replace(bend) else { return };
         let seen = -bend.dot(&bend_before) * span_s / 3.0;
-        self.wander += (1.0 - (-span_s / WANDER_TIME_S).exp()) * (seen - self.wander);
+        self.wander += (1.0 - (-span_s / Tuning::USED.wander_s).exp()) * (seen - self.wander);
         self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
     }
 

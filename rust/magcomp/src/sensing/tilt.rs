@@ -9,10 +9,11 @@
 #[cfg(test)]
 mod tests;
 
-/// Standard gravity, m/s^2.
+use super::tuning::Tuning;
+
+/// Physics: standard gravity, m/s^2.
 pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
-const MEMORY_S: f64 = 1.0;
-/// Free fall or a blow: more says nothing, rad.
+/// Physics: free fall reads 1 g less than gravity, and a blow more; more says nothing, rad.
 const LARGEST_RAD: f64 = 1.0;
 
 /// The low-passed square of what motion adds to gravity.
@@ -27,8 +28,8 @@ impl Tilt {
     /// One sample of `up`, of size `up_m_s2`.
     pub fn step(&mut self, time_ns: i64, up_m_s2: f64) {
         let off = (up_m_s2 / GRAVITY_M_S2 - 1.0).abs().min(LARGEST_RAD);
-        let dt_s = self.last_ns.map_or(MEMORY_S, |last| time_ns.saturating_sub(last) as f64 * 1e-9);
-        let gain = (dt_s / MEMORY_S).clamp(0.0, 1.0);
+        let dt_s = self.last_ns.map_or(Tuning::USED.tilt_s, |last| time_ns.saturating_sub(last) as f64 * 1e-9);
+        let gain = (dt_s / Tuning::USED.tilt_s).clamp(0.0, 1.0);
         self.variance_rad2 += gain * (off * off - self.variance_rad2);
         self.last_ns = Some(time_ns);
     }

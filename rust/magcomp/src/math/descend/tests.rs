@@ -18,9 +18,9 @@ impl<const N: usize> Cost<N> for Squares<N> {
         (self.residual)(at).norm_squared()
     }
 
-    fn derivatives(&self, at: &Self::Place) -> (SVector<f64, N>, SMatrix<f64, N, N>) {
+    fn derivatives(&self, at: &Self::Place) -> Derivatives<N> {
         let j = (self.jacobian)(at);
-        (j.tr_mul(&(self.residual)(at)), j.tr_mul(&j))
+        Derivatives { gradient: j.tr_mul(&(self.residual)(at)), hessian: j.tr_mul(&j) }
     }
 
     fn after(&self, from: &Self::Place, step: &SVector<f64, N>) -> Option<Self::Place> {
@@ -60,7 +60,7 @@ fn line() -> (Squares<3>, Vector3<f64>) {
 #[test]
 fn derivatives_of_the_examples_are_those_of_finite_differences() {
     let (cost, x, h) = (rosenbrock(), Vector2::new(-1.2, 1.0), 1e-6);
-    let (gradient, _) = cost.derivatives(&x);
+    let gradient = cost.derivatives(&x).gradient;
     for i in 0..2 {
         let step = Vector2::ith(i, h);
         let slope = (cost.value(&(x + step)) - cost.value(&(x - step))) / (2.0 * h);
@@ -145,9 +145,9 @@ fn what_is_not_positive_definite_is_damped_until_it_is() {
         fn value(&self, at: &Vector2<f64>) -> f64 {
             (at.x * at.x - 1.0).powi(2) + at.y * at.y
         }
-        fn derivatives(&self, at: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+        fn derivatives(&self, at: &Vector2<f64>) -> Derivatives<2> {
             let gradient = Vector2::new(2.0 * at.x * (at.x * at.x - 1.0), at.y);
-            (gradient, Matrix2::new(6.0 * at.x * at.x - 2.0, 0.0, 0.0, 1.0))
+            Derivatives { gradient, hessian: Matrix2::new(6.0 * at.x * at.x - 2.0, 0.0, 0.0, 1.0) }
         }
         fn scale(&self, _at: &Vector2<f64>, hessian: &Matrix2<f64>) -> Vector2<f64> {
             hessian.diagonal().abs()

@@ -1,12 +1,5 @@
-//! When each direction of the sphere was last seen: 48 cells of equal area, for guidance while calibrating. `guidance` keeps that for a
-//! stream.
+//! When each direction of the sphere was last seen: 48 cells of equal area.
 
-mod guidance;
-#[cfg(test)]
-mod tests;
-mod tuning;
-
-pub(crate) use guidance::{ANEW_SAMPLES, Guidance};
 use nalgebra::Vector3;
 
 /// Mathematics: cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
@@ -26,7 +19,7 @@ fn bands() -> impl Iterator<Item = Band> {
     (0..BANDS.len()).map(|band| Band { first: BANDS[..band].iter().sum(), cells: BANDS[band] })
 }
 
-/// The southernmost.
+/// Mathematics: the southernmost.
 const LAST: Band = Band { first: CELLS - BANDS[5], cells: BANDS[5] };
 
 /// Which of the latest samples was seen in each cell.
@@ -60,7 +53,7 @@ impl Coverage {
     }
 
     /// Unit vector to the middle of a cell.
-    fn middle(cell: usize) -> Vector3<f64> {
+    pub(super) fn middle(cell: usize) -> Vector3<f64> {
         let Band { first, cells } = bands().find(|band| cell < band.first + band.cells).unwrap_or(LAST);
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
         let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
