@@ -10,7 +10,7 @@ mod tests;
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Below this angle the series is more exact than the closed form, rad: what it leaves out is 1e-18.
+/// Mathematics: below this angle the series is more exact than the closed form, rad: what it leaves out is 1e-18.
 const SMALL_RAD: f64 = 1e-4;
 
 /// A rotation by a vector.
