@@ -88,7 +88,7 @@ pub use sample::{MagneticSample, RotationRateSample, UpSample};
 pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;
 #[doc(hidden)]
-pub use tuning::Choice;
+pub use tuning::{Choice, Mechanism};
 
 /// README's code runs as a test.
 #[cfg(doctest)]

@@ -16,20 +16,33 @@ pub struct Choice {
     pub value: f64,
 }
 
-/// Declares a struct of choices: `name: value, "unit", "source";` with the meaning as its doc comment.
+/// A mechanism of a model that can be switched off, to see what it is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mechanism {
+    /// Name, unique within its estimator.
+    pub name: &'static str,
+    /// What is not there without it.
+    pub meaning: &'static str,
+}
+
+/// Declares a struct of choices: `name: value, "unit", "source";` with the meaning as its doc comment;
+/// and, where there are any, the mechanisms that can be switched off.
 macro_rules! choices {
     ($(#[doc = $about:literal])+ $name:ident {
         $($(#[doc = $meaning:literal])+ $field:ident: $value:expr, $unit:literal, $source:literal;)+
-    }) => {
+    } $(mechanisms {
+        $($(#[doc = $what:literal])+ $switch:ident;)+
+    })?) => {
         $(#[doc = $about])+
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub(crate) struct $name {
             $($(#[doc = $meaning])+ pub $field: f64,)+
+            $($($(#[doc = $what])+ pub $switch: bool,)+)?
         }
 
         impl $name {
             /// What phones get.
-            pub const USED: Self = Self { $($field: $value,)+ };
+            pub const USED: Self = Self { $($field: $value,)+ $($($switch: true,)+)? };
 
             /// Every choice.
             #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
@@ -40,6 +53,24 @@ macro_rules! choices {
                 source: $source,
                 value: $value,
             }),+];
+
+            /// Every mechanism that can be switched off.
+            #[allow(dead_code, reason = "as of `LIST`")]
+            pub const MECHANISMS: &[$crate::tuning::Mechanism] = &[$($($crate::tuning::Mechanism {
+                name: stringify!($switch),
+                meaning: concat!($($what),+),
+            }),+)?];
+
+            /// Switches a mechanism off by its name; whether there is one.
+            #[allow(dead_code, reason = "as of `LIST`")]
+            pub fn switch_off(&mut self, name: &str) -> bool {
+                $($(if name == stringify!($switch) {
+                    self.$switch = false;
+                    return true;
+                })+)?
+                let _ = name;
+                false
+            }
 
             /// Sets a choice by its name; whether there is one.
             #[allow(dead_code, reason = "as of `LIST`")]

@@ -1,7 +1,7 @@
 //! The choices of our estimators together, for `magcomp sensitivity`.
 
 use super::{adaptive, aided};
-use crate::tuning::Choice;
+use crate::tuning::{Choice, Mechanism};
 
 /// The choices of every estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +15,21 @@ impl Tunings {
     pub fn list() -> impl Iterator<Item = (&'static str, &'static Choice)> {
         let adaptive = adaptive::Tuning::LIST.iter().map(|choice| ("adaptive", choice));
         adaptive.chain(aided::Tuning::LIST.iter().map(|choice| ("aided", choice)))
+    }
+
+    /// Every mechanism that can be switched off, with its estimator.
+    pub fn mechanisms() -> impl Iterator<Item = (&'static str, &'static Mechanism)> {
+        let adaptive = adaptive::Tuning::MECHANISMS.iter().map(|it| ("adaptive", it));
+        adaptive.chain(aided::Tuning::MECHANISMS.iter().map(|it| ("aided", it)))
+    }
+
+    /// Switches a mechanism off; whether there is one of that name.
+    pub fn switch_off(&mut self, estimator: &str, name: &str) -> bool {
+        match estimator {
+            "adaptive" => self.adaptive.switch_off(name),
+            "aided" => self.aided.switch_off(name),
+            _ => false,
+        }
     }
 
     /// Sets a choice; whether there is one of that name.

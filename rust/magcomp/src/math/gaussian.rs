@@ -37,6 +37,11 @@ impl<const LEN: usize> Part<LEN> {
         Part { first: self.first, least_variance: self.least_variance }
     }
 
+    /// What rounding can carry, and so the variance of what is as good as known.
+    pub const fn least_variance(self) -> f64 {
+        self.least_variance
+    }
+
     /// Where it begins.
     pub const fn start(self) -> usize {
         self.first

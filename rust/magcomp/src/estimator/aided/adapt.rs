@@ -51,7 +51,7 @@ impl Adaptation {
     pub(crate) fn new(tuning: &Tuning) -> Self {
         Self {
             variance_ut2: tuning.noise_start_ut.powi(2),
-            local_ut: tuning.local_start_ut,
+            local_ut: if tuning.unevenness { tuning.local_start_ut } else { 0.0 },
             walk_ut: tuning.offset_walk_ut,
             walk_began_ut2: f64::MAX,
             slow_power_ut2: tuning.local_start_ut.powi(2),
@@ -78,7 +78,9 @@ impl Adaptation {
 
     /// The field is not trusted to be even at once.
     pub(crate) fn expect_uneven(&mut self, tuning: &Tuning) {
-        self.local_ut = tuning.local_max_ut;
+        if tuning.unevenness {
+            self.local_ut = tuning.local_max_ut;
+        }
     }
 
     /// Whether the gyroscope explains nothing of late.
@@ -103,6 +105,9 @@ impl Adaptation {
 
     /// F^2, variance per axis of the carried field for what the filter does not know of the place, uT^2.
     pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
+        if !tuning.unevenness {
+            return 0.0;
+        }
         let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
         let uneven_ut2 = self.slow_power_ut2.max(lasts * self.lasting_ut.norm_squared() / 3.0);
         let unexplained_ut2 = (uneven_ut2 - self.local_ut.powi(2)).max(0.0);
@@ -115,8 +120,8 @@ impl Adaptation {
     }
 
     /// L^2, variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
-    pub(crate) fn local_ut2(&self, noise_ut2: f64) -> f64 {
-        (self.power_ut2 - noise_ut2).max(0.0)
+    pub(crate) fn local_ut2(&self, noise_ut2: f64, tuning: &Tuning) -> f64 {
+        if tuning.unevenness { (self.power_ut2 - noise_ut2).max(0.0) } else { 0.0 }
     }
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).
@@ -141,7 +146,7 @@ impl Adaptation {
             let surprise = size > tuning.useless_step_ut && size > OFFSET_SD_UT * angle_rad;
             // a cover or charger moves the field for a second at most
             self.useless_share += gain(dt_s, tuning.settled_s) * (f64::from(surprise) - self.useless_share);
-            let share = (dt_s / tuning.memory_s).min(0.2);
+            let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(0.2) } else { 0.0 };
             let variance = self.variance_ut2;
             self.variance_ut2 += share * ((size * size / 6.0).min(6.0 * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
@@ -153,6 +158,9 @@ impl Adaptation {
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
+        if !tuning.unevenness {
+            return;
+        }
         let trace_ut2 = innovation.variance_ut2.sum();
         let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;

@@ -35,10 +35,10 @@ impl Aided {
             Verdict::Device => {
                 if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
                     self.event = event(kind);
-                    self.former = Some(Former::of(&running.filter));
+                    self.former = self.tuning.recall.then(|| Former::of(&running.filter));
                 }
                 if trial.was_place() {
-                    running.carry_earth(since_ns);
+                    running.carry_earth(since_ns, &self.tuning);
                 }
                 return self.go_on_with(Trial::into_device);
             }
@@ -50,7 +50,7 @@ impl Aided {
                 }
                 let is_back = running.is_back_on_earth(trial.place(), &self.tuning);
                 if is_new && !is_back {
-                    running.carry_earth(since_ns);
+                    running.carry_earth(since_ns, &self.tuning);
                 }
                 if is_new || is_back {
                     return self.go_on_with(Trial::into_place);

@@ -110,7 +110,11 @@ impl FirstFit {
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
         let (bias, axes) = self.gyroscope();
         let x = Parts { bias, axes, ..parts(&self.x) };
-        Known { x, bias_sd_rad_s: self.bias_variance.sqrt(), axes_sd: tuning.axes_sd }
+        Known {
+            x,
+            bias_sd_rad_s: self.bias_variance.sqrt(),
+            axes_sd: if tuning.gyroscope_axes { tuning.axes_sd } else { 0.0 },
+        }
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.
@@ -226,8 +230,16 @@ impl FirstFit {
             .block_mut(&mut precision)
             .set_diagonal(&SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0].map(|it| it * iron)));
         BIAS.block_mut(&mut precision).fill_diagonal(1.0 / self.bias_variance);
-        DELAY.block_mut(&mut precision).fill_diagonal(DELAY_SD_S.powi(-2));
-        AXES.block_mut(&mut precision).fill_diagonal(tuning.axes_sd.powi(-2));
+        DELAY.block_mut(&mut precision).fill_diagonal(if tuning.delay {
+            DELAY_SD_S.powi(-2)
+        } else {
+            1.0 / DELAY.least_variance()
+        });
+        AXES.block_mut(&mut precision).fill_diagonal(if tuning.gyroscope_axes {
+            tuning.axes_sd.powi(-2)
+        } else {
+            1.0 / AXES.least_variance()
+        });
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
             CALIBRATION.set(&mut mean, &given.calibration.mean);
             CALIBRATION.block_mut(&mut precision).copy_from(&known);
@@ -237,7 +249,7 @@ impl FirstFit {
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
-        Prior { mean, precision, noise_ut2, place_ut2: tuning.place_ut.powi(2) + misfit_ut2 }
+        Prior { mean, precision, noise_ut2, place_ut2: place_ut2(misfit_ut2, tuning) }
     }
 
     /// Covariance of x for the information `before` the samples: that of the fit with what it left, and what the chain of
@@ -250,7 +262,7 @@ impl FirstFit {
         // no more than the Earth's field itself: more is no place's doing
         self.misfit_ut2 = left.clamp(0.0, tuning.far_sd_ut.powi(2));
         let assumed = white + prior.place_ut2 * CORRELATION_S / mean_t;
-        let found = white + (tuning.place_ut.powi(2) + self.misfit_ut2) * CORRELATION_S / mean_t;
+        let found = white + place_ut2(self.misfit_ut2, tuning) * CORRELATION_S / mean_t;
         let share = assumed / found;
         let q = normal.back;
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
@@ -306,6 +318,11 @@ fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
     off.dot(&(prior.precision * off)) < count + 2.0 * (2.0 * count).sqrt()
 }
 
+/// Variance per axis of the field of a place, of which the latest fit left so much, uT^2.
+fn place_ut2(misfit_ut2: f64, tuning: &Tuning) -> f64 {
+    if tuning.unevenness { tuning.place_ut.powi(2) + misfit_ut2 } else { 0.0 }
+}
+
 /// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.
 fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) -> f64 {
     match up {
@@ -319,6 +336,6 @@ fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Filter> {
     let mut filter = Filter::default();
     filter.mean.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
     filter.covariance.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
-    filter.add_variance(LOCAL, tuning.local_start_ut.powi(2));
+    filter.add_variance(LOCAL, if tuning.unevenness { tuning.local_start_ut.powi(2) } else { 0.0 });
     filter.is_finite().then_some(filter)
 }

@@ -117,8 +117,8 @@ impl Running {
     }
 
     /// The field of the place is another since then: the Earth's is carried beside it.
-    pub(super) fn carry_earth(&mut self, since_ns: i64) {
-        self.earth = Some(Earth::of(&self.filter, self.earth.as_ref(), since_ns));
+    pub(super) fn carry_earth(&mut self, since_ns: i64, tuning: &Tuning) {
+        self.earth = tuning.new_place.then(|| Earth::of(&self.filter, self.earth.as_ref(), since_ns));
     }
 
     /// Whether the field of `found` is the Earth's again. Then it is carried alone.

@@ -39,9 +39,10 @@ impl Aided {
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
         let least_ut2 = tuning.offset_walk_ut.powi(2);
+        let walk_ut2 = least_ut2 + (self.adaptation.walk_ut().powi(2) - least_ut2) * motion;
         let noise = ProcessNoise {
             bridged_rad2: rotation.variance_rad2,
-            offset_ut: (least_ut2 + (self.adaptation.walk_ut().powi(2) - least_ut2) * motion).sqrt(),
+            offset_ut: if tuning.hard_iron_walk { walk_ut2.sqrt() } else { 0.0 },
             local_ut: self.adaptation.local_ut(),
             local_time_s: tuning.local_time_s,
         };

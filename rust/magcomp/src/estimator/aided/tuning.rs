@@ -72,5 +72,20 @@ choices! {
         full_motion_rad_s: 0.3, "rad/s", "families";
         /// One step beyond which a gyroscope does not explain what the field does
         useless_step_ut: 17.0, "uT", "families";
+    } mechanisms {
+        /// Unevenness of the place: d, and what c and f differ by
+        unevenness;
+        /// Walk of the hard iron, at rest and in motion
+        hard_iron_walk;
+        /// Scale and axes of the gyroscope: S
+        gyroscope_axes;
+        /// Delay of the magnetometer: tau
+        delay;
+        /// Recall of the calibration from before the last step
+        recall;
+        /// The Earth's field, carried beside that of a new place
+        new_place;
+        /// Learning of the magnetometer's noise: sigma
+        noise_learning;
     }
 }

@@ -2,6 +2,7 @@
 
 mod filter;
 mod jacobians;
+mod mechanisms;
 mod motion;
 mod robustness;
 mod sigma;

@@ -1,0 +1,111 @@
+//! Each mechanism can be switched off, and does nothing then.
+
+use nalgebra::Vector3;
+
+use super::super::state::{AXES, DELAY, HARD_IRON, LOCAL};
+use super::super::{Aided, Tuning};
+use super::simulator::World;
+use crate::reading::EventKind;
+
+const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
+
+/// The world and an estimator without one mechanism after 25 s; with all where the name is empty.
+fn without(mechanism: &str) -> (World, Aided) {
+    let mut tuning = Tuning::default();
+    assert!(mechanism.is_empty() || tuning.switch_off(mechanism));
+    let (mut world, mut aided) = (World::new(40), Aided::new(tuning, None));
+    run(&mut world, &mut aided, 2_500);
+    assert!(aided.phase.running().is_some(), "{mechanism}");
+    (world, aided)
+}
+
+fn run(world: &mut World, aided: &mut Aided, samples: usize) {
+    for _ in 0..samples {
+        let sample = world.sample(0.01);
+        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    }
+}
+
+#[test]
+fn a_name_that_is_none_switches_nothing_off() {
+    let mut tuning = Tuning::default();
+    assert!(!tuning.switch_off("nonsense"));
+    assert_eq!(tuning, Tuning::default());
+}
+
+/// Whatever is switched off, the state stays sound and b is found.
+#[test]
+fn every_mechanism_is_worth_something_and_none_is_all() {
+    let (_, with_all) = without("");
+    for mechanism in Tuning::MECHANISMS {
+        let (mut world, mut aided) = without(mechanism.name);
+        let is_of_changes = ["recall", "new_place"].contains(&mechanism.name);
+        let is_same = aided.phase.running().unwrap().filter == with_all.phase.running().unwrap().filter;
+        assert_eq!(is_same, is_of_changes, "{}", mechanism.name);
+        run(&mut world, &mut aided, 500);
+        let off_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+        assert!(off_ut < 2.0, "{}: b off by {off_ut} uT", mechanism.name);
+    }
+}
+
+#[test]
+fn a_part_of_the_state_that_is_off_stays_where_it_is() {
+    // as far as the least variances let it go: twenty of their standard deviations
+    let nothing = 20.0 * 1e-6;
+    let (_, aided) = without("gyroscope_axes");
+    assert!(aided.phase.running().unwrap().filter.part(AXES).amax() < nothing);
+    let (_, aided) = without("delay");
+    assert!(aided.phase.running().unwrap().filter.part(DELAY).amax() < nothing);
+    let (_, aided) = without("unevenness");
+    assert!(aided.phase.running().unwrap().filter.part(LOCAL).amax() < 20.0 * 1e-4);
+    assert_eq!((aided.adaptation.local_ut(), aided.adaptation.floor_ut2(&aided.tuning)), (0.0, 0.0));
+    let (_, aided) = without("");
+    let filter = &aided.phase.running().unwrap().filter;
+    assert!(filter.part(AXES).amax() > nothing && filter.part(DELAY).amax() > nothing);
+}
+
+#[test]
+fn a_hard_iron_that_does_not_walk_is_known_ever_better() {
+    let spread_ut2 = |mechanism| {
+        let (mut world, mut aided) = without(mechanism);
+        world.tumbling_rad_s = 0.0;
+        run(&mut world, &mut aided, 300);
+        let before = aided.phase.running().unwrap().filter.variances(HARD_IRON).sum();
+        run(&mut world, &mut aided, 1_000);
+        aided.phase.running().unwrap().filter.variances(HARD_IRON).sum() - before
+    };
+    // at rest 0.08 uT/s^0.5 for 10 s, three axes; nothing at all
+    assert!((spread_ut2("") / (3.0 * 0.08 * 0.08 * 10.0) - 1.0).abs() < 0.05);
+    assert!(spread_ut2("hard_iron_walk") <= 0.0);
+}
+
+#[test]
+fn without_recall_the_way_back_is_a_step_like_any_other() {
+    for (mechanism, kind) in [("", EventKind::DeviceStepBack), ("recall", EventKind::DeviceStep)] {
+        let (mut world, mut aided) = without(mechanism);
+        world.hard_iron_ut += MAGNET_UT;
+        run(&mut world, &mut aided, 1_500);
+        assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStep);
+        let first_ns = aided.event.unwrap().since_ns;
+        world.hard_iron_ut -= MAGNET_UT;
+        run(&mut world, &mut aided, 800);
+        let event = aided.event.unwrap();
+        assert!(event.kind == kind && event.since_ns > first_ns, "{mechanism}: {event:?}");
+    }
+}
+
+#[test]
+fn without_a_new_place_its_field_is_the_earths() {
+    for (mechanism, is_carried) in [("", true), ("new_place", false)] {
+        let (mut world, mut aided) = without(mechanism);
+        world.field_ut += Vector3::new(14.0, -8.0, 12.0);
+        run(&mut world, &mut aided, 3_600);
+        assert_eq!(aided.phase.running().unwrap().earth.is_some(), is_carried, "{mechanism}");
+    }
+}
+
+#[test]
+fn noise_that_is_not_learned_is_that_of_the_start() {
+    let (_, aided) = without("noise_learning");
+    assert_eq!(aided.adaptation.sigma_ut(), Tuning::default().noise_start_ut);
+}
