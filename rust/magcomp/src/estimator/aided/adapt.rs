@@ -7,8 +7,9 @@
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
 //! s_w: as s, t_w = 2 s: the field of a place, correlated over tau_d, leaves 1 / (1 + t_w / tau_d) of its power in it
-//! F^2 = U^2 + 4 (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3
-//! F^2 is variance of f, which follows the place; F^2 + L^2 of c, which has the place's field in it.
+//! F^2 = U^2 + 4 (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3        F^2 + L^2 is variance of c, which has the place's field in it
+//! U_f: U, which fades over 5 s,   rho = max(1, (2 tau_d U_f^2 + sigma^2 dt) / (2 tau_d s_d^2 + sigma^2 dt)),   G^2 = 5 (U_f^2 - (1.5 uT)^2)+
+//! rho P_mm + G^2 is variance of f, an average: its error grows with the density of what is slow; what is too uneven does not average out.
 //! ```
 //! Source: docs/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
@@ -16,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
 use super::state::OFFSET_SD_UT;
-use super::step::{Known, gain};
+use super::step::{Known, Step, gain};
 use super::tuning::Tuning;
 
 /// Least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
@@ -44,6 +45,8 @@ pub(crate) struct Adaptation {
     /// Mean square of c - f per axis, uT^2.
     power_ut2: f64,
     slow_age_s: f64,
+    /// U_f^2, uT^2.
+    followed_ut2: f64,
     useless_share: f64,
 }
 
@@ -56,6 +59,7 @@ impl Adaptation {
             walk_began_ut2: f64::MAX,
             slow_power_ut2: tuning.local_start_ut.powi(2),
             power_ut2: tuning.local_start_ut.powi(2),
+            followed_ut2: tuning.local_start_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
             ..Self::default()
@@ -101,15 +105,33 @@ impl Adaptation {
         self.lasting_ut += (difference_ut - self.lasting_ut) * (dt_s / tuning.walk_s).min(1.0);
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
+        // f remembers what it has followed
+        self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * (-dt_s / tuning.settled_s).exp());
     }
 
-    /// F^2, variance per axis of the carried field for what the filter does not know of the place, uT^2.
-    pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
+    /// U^2, uT^2.
+    fn uneven_ut2(&self, tuning: &Tuning) -> f64 {
         if !tuning.unevenness {
             return 0.0;
         }
         let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
-        let uneven_ut2 = self.slow_power_ut2.max(lasts * self.lasting_ut.norm_squared() / 3.0);
+        self.slow_power_ut2.max(lasts * self.lasting_ut.norm_squared() / 3.0)
+    }
+
+    /// rho: by how much the variance of f, an average, is larger than the filter, which expects s_d, believes.
+    pub(crate) fn factor(&self, step: &Step<'_>, tuning: &Tuning) -> f64 {
+        let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + self.variance_ut2 * step.dt_s;
+        (density(self.followed_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
+    }
+
+    /// G^2, variance per axis of f in a place so uneven that it does not average out, uT^2.
+    pub(crate) fn followed_ut2(&self, tuning: &Tuning) -> f64 {
+        (1.0 + tuning.unexplained_gain.powi(2)) * (self.followed_ut2 - tuning.even_ut.powi(2)).max(0.0)
+    }
+
+    /// F^2, variance per axis of a corrected sample for what the filter does not know of the place, uT^2.
+    pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
+        let uneven_ut2 = self.uneven_ut2(tuning);
         let unexplained_ut2 = (uneven_ut2 - self.local_ut.powi(2)).max(0.0);
         uneven_ut2.max(0.0) + tuning.unexplained_gain.powi(2) * unexplained_ut2
     }

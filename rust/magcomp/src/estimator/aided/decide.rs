@@ -21,7 +21,9 @@ impl Aided {
     /// The hypotheses start from the filter; `is_blind`: after a pause.
     pub(super) fn begin_trial(&mut self, is_blind: bool) {
         let Phase::Running(running) = &self.phase else { return };
-        let began = Began { is_blind, is_young: running.is_young(&self.tuning) };
+        let hold_s = self.bursts.hold_s(&self.tuning);
+        let began = Began { is_blind, is_young: running.is_young(&self.tuning), hold_s };
+        self.bursts.begin();
         self.phase.doubt(Trial::start(&running.filter, &running.watch, self.former.as_ref(), began, &self.tuning));
     }
 
@@ -33,6 +35,7 @@ impl Aided {
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
+                self.bursts.was_the_device();
                 if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
                     self.event = event(kind);
                     self.former = self.tuning.recall.then(|| Former::of(&running.filter));
@@ -44,6 +47,7 @@ impl Aided {
             }
             Verdict::Unchanged => return self.go_on_with(Trial::into_place),
             Verdict::Place | Verdict::NewPlace => {
+                self.bursts.was_the_place();
                 let is_new = verdict == Verdict::NewPlace;
                 if !is_new {
                     self.event = event(EventKind::PlaceChanged);
@@ -56,6 +60,10 @@ impl Aided {
                     return self.go_on_with(Trial::into_place);
                 }
             }
+            Verdict::Neither => {
+                self.bursts.begin();
+                self.bursts.was_the_place();
+            }
             Verdict::Open => {}
         }
         if trial.is_over(&running.watch, &self.tuning) {
@@ -63,6 +71,7 @@ impl Aided {
                 // it fits again, perhaps by chance
                 self.adaptation.expect_uneven(&self.tuning);
             }
+            self.bursts.was_the_place();
             self.phase.decide(None); // nothing happened, or it is over
         }
     }

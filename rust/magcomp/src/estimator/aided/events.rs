@@ -9,7 +9,7 @@
 //! Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
 //! the recall of a former calibration are new.
 
-use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
+use super::measure::{ALL_BUT_FIELD, ALL_BUT_FIELD_AND_IRON, Innovation};
 use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
@@ -25,6 +25,8 @@ const MOST: f64 = 0.5;
 pub(crate) enum Verdict {
     /// Goes on.
     Open,
+    /// Neither fits: they began anew.
+    Neither,
     /// After a pause: only the device's turn was unknown.
     Unchanged,
     /// The device's disturbance stepped.
@@ -42,6 +44,8 @@ pub(crate) struct Began {
     pub(crate) is_blind: bool,
     /// While the calibration was young: no step is told then, only relearned.
     pub(crate) is_young: bool,
+    /// How long a change must hold, s.
+    pub(crate) hold_s: f64,
 }
 
 /// The hypotheses `device` and `place`, running.
@@ -157,12 +161,17 @@ impl Trial {
             self.device.add_variance(HARD_IRON, variance);
             self.place.add_variance(FIELD, variance);
         }
+        if let Some(variance) = step.bias_variance {
+            // whatever has changed, at rest the rate is the bias
+            self.device.update_bias(step.rate_rad_s, variance);
+            self.place.update_bias(step.rate_rad_s, variance);
+        }
         if !step.resting {
-            let seen = |it: &Filter| it.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut);
+            let seen = |it: &Filter| it.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut);
             if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
                 self.judge(&device, &place, step, tuning);
                 if device.nis < tuning.gate {
-                    self.device.update(&device, NONE);
+                    self.device.update(&device, ALL_BUT_FIELD_AND_IRON);
                 }
                 if place.nis < tuning.gate {
                     self.place.update(&place, ALL_BUT_FIELD);
@@ -192,7 +201,7 @@ impl Trial {
                 was_place: self.was_place || self.is_place,
                 ..Self::start_in(filter, if held { &self.place } else { filter }, watch, former, tuning)
             };
-            Verdict::Open
+            Verdict::Neither
         })
     }
 
@@ -239,10 +248,13 @@ impl Trial {
         if !device_fits && !place_fits {
             return None;
         }
-        let rotation_rad = tuning.decide_rotation_rad * if self.recalled { 0.5 } else { 1.0 };
-        Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s {
+        // a former calibration that fits again needs less
+        let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.began.hold_s) };
+        let rotation_rad = tuning.decide_rotation_rad * share + tuning.hold_rad_s * hold_s;
+        let device_holds = self.device_misfit < 0.5 * tuning.suspect_share;
+        Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s + hold_s {
             Verdict::Open
-        } else if self.log_ratio > tuning.decide_log_ratio && device_fits {
+        } else if self.log_ratio > tuning.decide_log_ratio && device_holds {
             Verdict::Device
         } else if self.began.is_blind && place_fits {
             Verdict::Unchanged

@@ -17,6 +17,7 @@ use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
 use super::step::Step;
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::math::turn::Turn;
 use crate::reading::Status;
 
 impl Aided {
@@ -67,7 +68,8 @@ impl Aided {
             earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
-        let Some(innovation) = filter.innovation(step.raw_ut, step.rate_rad_s, step.sigma_ut) else {
+        running.quarantine.turn(step);
+        let Some(innovation) = filter.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         };
@@ -81,13 +83,14 @@ impl Aided {
         running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
             running.moved(step.dt_s);
+            self.bursts.pass(gated, step.dt_s, &self.tuning);
         }
         let filter = &mut running.filter;
         if let Some(variance) = step.bias_variance {
             filter.update_bias(step.rate_rad_s, variance);
         }
-        // after a pause the field is known no better than a step of the device is large: both are tried
-        let is_blind = filter.variances(FIELD).sum() > 3.0 * self.tuning.smallest_step_ut.powi(2);
+        // after a pause it is not known where the field points: both are tried
+        let is_blind = running.is_lost();
         let usage = if step.resting {
             SampleUse::AtRest
         } else if is_open || is_blind {
@@ -109,8 +112,14 @@ impl Aided {
         if usage != SampleUse::AtRest {
             self.absorb(step, &innovation, usage);
         }
-        if self.phase.running().is_some_and(|it| it.watch.share() > self.tuning.suspect_share) {
+        let Phase::Running(running) = &mut self.phase else { return };
+        if running.watch.share() > self.tuning.suspect_share {
+            if self.tuning.quarantine && !step.resting {
+                running.take_back(&step.noise);
+            }
             self.begin_trial(false);
+        } else if running.watch.share() < 0.5 * self.tuning.suspect_share {
+            running.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }
 
@@ -134,6 +143,5 @@ impl Aided {
 /// What c and f differ by.
 fn unevenness(step: &Step<'_>, x: &Parts) -> Option<Vector3<f64>> {
     let still = x.corrected(step.raw_ut)?.field_ut;
-    let rate = x.true_rate(step.rate_rad_s);
-    Some(still - rate.cross(&still) * x.delay - x.field)
+    Some(Turn::by(&-(x.true_rate(&step.delayed_rad_s) * x.delay)).rotation * still - x.field)
 }

@@ -1,9 +1,8 @@
 //! The measurement: a raw sample is the field as it was tau ago, through the device's own disturbance.
 //!
 //! ```text
-//! h0 = m + d,   h = h0 + tau (w x h0),   raw = M h + b + n,   n ~ sigma^2 I,   w = (I - S) gyroscope rate - g
-//! dr/dm = dr/dd = M (I + tau [w]x),  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h0]x,  dr/ds = dr/dg (rate' (x) I),
-//! dr/dtau = M (w x h0)
+//! h0 = m + d,   R = exp([tau w]x),   h = R h0,   raw = M h + b + n,   n ~ sigma^2 I,   w = (I - S) rate - g,   rate: mean over the last tau
+//! dr/dm = dr/dd = M R,  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h]x J_l,  dr/ds = dr/dg (rate' (x) I),   dr/dtau = M (w x h)
 //! S = H P H^T + sigma^2 I + B,   S = L L^T,   V = P H^T L^-T,   z = L^-1 v
 //! x <- x + V z,   P <- P - V V^T + U U^T
 //! ```
@@ -15,6 +14,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
+use crate::math::turn::Turn;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -63,6 +63,8 @@ impl Judged {
 pub(crate) const NONE: Held<'static> = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
 pub(crate) const ALL_BUT_FIELD: Held<'static> = &[HARD_IRON.until(LOCAL)];
+/// The gyroscope's errors and tau are held: a change of the device is none of theirs.
+pub(crate) const ALL_BUT_FIELD_AND_IRON: Held<'static> = &[BIAS.until(LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
 const ALL_BUT_FIELD_AND_BIAS: Held<'static> = &[HARD_IRON.until(BIAS), DELAY.until(LOCAL)];
 
@@ -81,13 +83,13 @@ pub(crate) struct Model {
 impl Model {
     pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
         let (h0, w, tau, m) = (x.field + x.local, x.true_rate(rate_rad_s), x.delay, x.soft_iron());
-        let swing = w.cross(&h0);
-        let seen = h0 + swing * tau;
+        let Turn { rotation: back, left_jacobian: j } = Turn::by(&(w * tau));
+        let seen = back * h0;
         Self {
             raw_ut: m * seen + x.hard_iron,
-            by_field: m + m * w.cross_matrix() * tau,
-            by_bias: m * h0.cross_matrix() * tau,
-            by_delay: m * swing,
+            by_field: m * back,
+            by_bias: m * seen.cross_matrix() * j * tau,
+            by_delay: m * w.cross(&seen),
             seen,
             rate: *rate_rad_s,
         }

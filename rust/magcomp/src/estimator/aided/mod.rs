@@ -1,11 +1,12 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
+//! that do not fit) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
 //! `publish` · `explain` (for people). The derivation is in docs/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
+mod bursts;
 mod decide;
 mod earth;
 mod events;
@@ -18,6 +19,8 @@ mod motion;
 mod phase;
 mod propagate;
 mod publish;
+mod quarantine;
+mod recent;
 mod sense;
 mod start;
 mod state;
@@ -36,10 +39,12 @@ use crate::explanation::SampleUse;
 use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
+use bursts::Bursts;
 use first_fit::FirstFit;
 use measure::Judged;
 use motion::Motion;
 use phase::{Phase, Running};
+use recent::Recent;
 use state::{CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
@@ -56,6 +61,8 @@ pub(crate) struct Aided {
     /// The strength of the field where it is known, uT.
     known_ut: Option<f64>,
     adaptation: Adaptation,
+    bursts: Bursts,
+    recent: Recent,
     motion: Motion,
     former: Option<Former>,
     event: Option<Event>,
@@ -74,6 +81,8 @@ impl Aided {
             phase: Phase::Starting(FirstFit::new(None, known_ut, &tuning)),
             known_ut,
             adaptation: Adaptation::new(&tuning),
+            bursts: Bursts::default(),
+            recent: Recent::default(),
             motion: Motion::new(),
             former: None,
             event: None,

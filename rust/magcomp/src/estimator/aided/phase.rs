@@ -11,6 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::earth::Earth;
 use super::events::Trial;
 use super::first_fit::{Before, FirstFit};
+use super::propagate::ProcessNoise;
+use super::quarantine::Quarantine;
 use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
 use super::tuning::Tuning;
 use super::watch::Watch;
@@ -32,6 +34,7 @@ pub(super) enum Phase {
 pub(super) struct Running {
     pub(super) filter: Filter,
     pub(super) watch: Watch,
+    pub(super) quarantine: Quarantine,
     /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
     pub(super) moved_s: f64,
     /// The Earth's field, while that of the place is another.
@@ -82,7 +85,7 @@ impl Phase {
     pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Filter>) {
         *self = match self.take() {
             Self::Undecided(running, trial) => Self::Running(match winner {
-                Some(winner) => Running { filter: winner(trial), watch: Watch::default(), ..running },
+                Some(winner) => Running { filter: winner(trial), ..running.gone_on() },
                 None => running,
             }),
             other => other,
@@ -97,7 +100,31 @@ impl Phase {
 
 impl Running {
     pub(super) fn of(filter: Filter) -> Self {
-        Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
+        Self {
+            filter,
+            watch: Watch::default(),
+            quarantine: Quarantine::default(),
+            moved_s: 0.0,
+            earth: None,
+            lost_strength_ut: None,
+        }
+    }
+
+    /// Goes on after a break or a decision: nothing is known to misfit.
+    pub(super) fn gone_on(self) -> Self {
+        Self { watch: Watch::default(), quarantine: Quarantine::default(), ..self }
+    }
+
+    /// Samples misfit: what the latest have taught is taken back.
+    pub(super) fn take_back(&mut self, noise: &ProcessNoise) {
+        if let Some(proven) = self.quarantine.take_back(noise) {
+            self.filter = proven;
+        }
+    }
+
+    /// Whether it is not known where the field points.
+    pub(super) fn is_lost(&self) -> bool {
+        self.lost_strength_ut.is_some()
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.

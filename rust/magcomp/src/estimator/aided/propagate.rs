@@ -34,25 +34,14 @@ pub(crate) struct ProcessNoise {
     pub(crate) local_time_s: f64,
 }
 
-/// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with theta.
-struct Transition<'a> {
-    m_by_m: Matrix3<f64>,
-    d_by_d: Matrix3<f64>,
-    m_by_theta: Matrix3<f64>,
-    d_by_theta: Matrix3<f64>,
-    increment_rad: &'a Vector3<f64>,
-    dt_s: f64,
-}
-
-impl Transition<'_> {
-    /// F dx, of m and d; `less` is what dx takes from theta.
-    #[inline(always)]
-    fn times(&self, dx: &Parts) -> Vector6<f64> {
-        let less = dx.axes * self.increment_rad + dx.bias * self.dt_s;
-        let m = self.m_by_m * dx.field - self.m_by_theta * less;
-        let d = self.d_by_d * dx.local - self.d_by_theta * less;
-        Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
-    }
+/// What process noise adds to P over some time.
+pub(super) struct StepNoise {
+    /// Variance of the turn per axis, rad^2.
+    pub(super) turn_rad2: f64,
+    /// Of b and of d per axis, uT^2.
+    pub(super) hard_iron_ut2: f64,
+    pub(super) local_ut2: f64,
+    pub(super) seconds: f64,
 }
 
 impl ProcessNoise {
@@ -68,27 +57,47 @@ impl Filter {
         let x = self.parts();
         let Turn { rotation: r, left_jacobian: j } = Turn::by(&-x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
-        let (m_by_m, d_by_d) = (r, r * fade);
-        let (m, d) = (m_by_m * x.field, d_by_d * x.local);
+        self.carry(&r, fade, |dx| j * (dx.axes * increment_rad + dx.bias * dt_s));
+        self.widen(&StepNoise {
+            turn_rad2: noise.turn_rad2(dt_s),
+            hard_iron_ut2: noise.offset_ut.powi(2) * dt_s,
+            local_ut2: noise.local_ut.powi(2) * (1.0 - fade * fade),
+            seconds: dt_s,
+        });
+    }
+
+    /// Turns m and d by `r`; d fades. `added` is what an error dx of the gyroscope adds to the turn, rad.
+    #[inline(always)]
+    pub(super) fn carry(&mut self, r: &Matrix3<f64>, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
+        let x = self.parts();
+        let faded = r * fade;
+        let (m, d) = (r * x.field, faded * x.local);
         self.set_part(FIELD, &m);
         self.set_part(LOCAL, &d);
-
-        let (m_by_theta, d_by_theta) = (m.cross_matrix() * j, d.cross_matrix() * j);
-        let f = Transition { m_by_m, d_by_d, m_by_theta, d_by_theta, increment_rad, dt_s };
+        // F's rows of m and d
+        let times = |dx: &Parts| {
+            let added = added(dx);
+            let m = r * dx.field - m.cross(&added);
+            let d = faded * dx.local - d.cross(&added);
+            Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
+        };
         // of P F^T and of F (P F^T) the columns of m and d
-        let mut columns = covariance(&self.covariance, |dx| f.times(dx));
-        let rows = covariance(&columns.transpose(), |dx| f.times(dx));
+        let mut columns = covariance(&self.covariance, times);
+        let rows = covariance(&columns.transpose(), times);
         columns.fixed_rows_mut::<3>(FIELD.start()).tr_copy_from(&rows.fixed_columns::<3>(0));
         columns.fixed_rows_mut::<3>(LOCAL.start()).tr_copy_from(&rows.fixed_columns::<3>(3));
         for (column, i) in columns.column_iter().zip(FIELD.range().chain(LOCAL.range())) {
             self.covariance.set_column(i, &column);
             self.covariance.row_mut(i).tr_copy_from(&column);
         }
+    }
 
-        let turn2 = noise.turn_rad2(dt_s);
-        self.add(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn2));
-        self.add_variance(HARD_IRON, noise.offset_ut.powi(2) * dt_s);
-        self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * dt_s);
-        self.add_variance(LOCAL, noise.local_ut.powi(2) * (1.0 - fade * fade));
+    /// Adds process noise.
+    pub(super) fn widen(&mut self, noise: &StepNoise) {
+        let m = self.part(FIELD);
+        self.add(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * noise.turn_rad2));
+        self.add_variance(HARD_IRON, noise.hard_iron_ut2);
+        self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * noise.seconds);
+        self.add_variance(LOCAL, noise.local_ut2);
     }
 }

@@ -1,12 +1,12 @@
 //! What is published after a sample: the corrected sample c, the carried field f, how sure they are, and the status.
 //!
 //! ```text
-//! c = W (raw - b) - max(tau, 0) (w x W (raw - b)),  W = M^-1,   f = m + min(tau, 0) (w x m)
+//! c = exp(-[max(tau, 0) w]x) W (raw - b),  W = M^-1,   f = m + min(tau, 0) (w x m)
 //! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + F^2) I + timing      (+ |v|^2/3 I while undecided)
-//! P_f = P_mm + F^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
+//! P_f = rho P_mm + G^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T
 //! ```
-//! L and F: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
+//! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,6 +17,7 @@ use super::step::Step;
 use super::strength::impossible_field;
 use crate::calibration::calibration_covariance;
 use crate::estimator::answer::Answer;
+use crate::math::turn::Turn;
 use crate::reading::{HoldReason, Missing, Status};
 
 /// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
@@ -31,7 +32,8 @@ impl Aided {
         let x = filter.parts();
         let Corrected { inverse_iron: w, field_ut: still } = x.corrected(step.raw_ut)?;
         let rate = x.true_rate(step.rate_rad_s);
-        let c = still - rate.cross(&still) * x.delay.max(0.0);
+        let late_rad = x.true_rate(&step.delayed_rad_s) * x.delay.max(0.0);
+        let c = Turn::by(&-late_rad).rotation * still;
         let (m, elsewhere) = self.earth_ut(filter);
         let f = m + rate.cross(&m) * x.delay.min(0.0);
         let swing = rate.cross(&f);
@@ -47,7 +49,10 @@ impl Aided {
             calibration_covariance(&filter.own(CALIBRATION), &w, &f) + noise + Matrix3::identity() * unseen + timing;
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
-        let p_f = filter.own(FIELD) + elsewhere + Matrix3::identity() * floor + frames + timing;
+        // f is a long average: what the place does beyond the model widens P_mm by as much as its density is larger
+        let known = filter.own(FIELD) * self.adaptation.factor(step, &self.tuning);
+        let followed = Matrix3::identity() * self.adaptation.followed_ut2(&self.tuning);
+        let p_f = known + elsewhere + followed + frames + timing;
         let answer = self.answer(filter, (c, p_c), Some((f, p_f)))?;
         Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
     }

@@ -36,6 +36,7 @@ impl Aided {
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, dt_s, tuning);
         self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+        self.recent.add(&rotation.increment_rad, dt_s);
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
         let least_ut2 = tuning.offset_walk_ut.powi(2);
@@ -43,7 +44,7 @@ impl Aided {
         let noise = ProcessNoise {
             bridged_rad2: rotation.variance_rad2,
             offset_ut: if tuning.hard_iron_walk { walk_ut2.sqrt() } else { 0.0 },
-            local_ut: self.adaptation.local_ut(),
+            local_ut: self.adaptation.local_ut().hypot(self.bursts.left_ut2(tuning).sqrt()),
             local_time_s: tuning.local_time_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
@@ -51,6 +52,7 @@ impl Aided {
             time_ns,
             raw_ut,
             rate_rad_s: &rotation.rate_rad_s,
+            delayed_rad_s: self.recent.mean_rad_s(known.x.delay).unwrap_or(rotation.rate_rad_s),
             increment_rad: &rotation.increment_rad,
             turn,
             angle_rad,

@@ -8,9 +8,9 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
-use super::phase::{Phase, Running};
+use super::phase::Phase;
+use super::recent::Recent;
 use super::state::{HARD_IRON_ALONE, SOFT_IRON_ALONE};
-use super::watch::Watch;
 use crate::calibration::Given;
 use crate::estimator::answer::Answer;
 use crate::math::gaussian::Gaussian;
@@ -52,6 +52,7 @@ impl Aided {
         dt_s: Option<f64>,
     ) -> (Status, Answer) {
         self.motion.without_rotation(up);
+        self.recent = Recent::default();
         let dt_s = dt_s.unwrap_or(0.0);
         match self.phase.take() {
             // the chain of rotations is broken; a calibration that was given may still hold
@@ -62,7 +63,7 @@ impl Aided {
                     self.begin(Some(running.kept()));
                 } else {
                     running.lose_field(raw_ut, self.adaptation.local_ut(), &self.tuning);
-                    self.phase = Phase::Running(Running { watch: Watch::default(), ..running });
+                    self.phase = Phase::Running(running.gone_on());
                 }
             }
         }

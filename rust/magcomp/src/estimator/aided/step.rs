@@ -10,6 +10,8 @@ pub(crate) struct Step<'a> {
     pub(crate) time_ns: i64,
     pub(crate) raw_ut: &'a Vector3<f64>,
     pub(crate) rate_rad_s: &'a Vector3<f64>,
+    /// Mean reading of the gyroscope since the magnetometer's delay before the sample, rad/s.
+    pub(crate) delayed_rad_s: Vector3<f64>,
     pub(crate) increment_rad: &'a Vector3<f64>,
     /// Turns the field from the sample before to this one, with what is known of the gyroscope's errors.
     pub(crate) turn: Matrix3<f64>,

@@ -23,17 +23,29 @@ choices! {
         /// Correlation time of the local field, and over which the accelerometer is averaged, as the world sees it
         local_time_s: 1.0, "s", "a step or two";
         /// Standard deviation of the local field at the start, and of the slow difference between c and f
-        local_start_ut: 1.0, "uT", "rooms";
+        local_start_ut: 2.0, "uT", "rooms: 2.1 uT an axis along walks with motion capture";
         /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
         local_min_ut: 0.03, "uT", "families";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
-        place_ut: 0.15, "uT", "the quiet recordings";
+        place_ut: 0.5, "uT", "walks with motion capture";
         /// Largest: above it an anomaly would be swallowed instead of declared
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
         /// Error of f, per uT by which c and f differ beyond what the place is known for: f follows what it cannot explain
         unexplained_gain: 2.0, "", "covers that slide, cars";
+        /// Unevenness up to which the field of a place averages out along a walk
+        even_ut: 1.5, "uT", "walks with motion capture: 0.2 to 2.4 uT where nothing is near";
+        /// What was learned for this long, or up to twice, before a misfit is taken back: a magnet's field grows as it is neared
+        quarantine_s: 1.0, "s", "a step or two to a magnet; walks among magnetic boards";
+        /// Memory of how often samples misfit
+        burst_memory_s: 40.0, "s", "a room";
+        /// How often the device changes, against which the rate of misfits is held
+        device_rate_h: 4.0, "1/h", "a cover, a charger";
+        /// How long a change must hold, per unit of the log of these odds: a field that is passed fits for less
+        hold_s: 0.3, "s", "walks among magnetic boards";
+        /// Turn for each second of that time
+        hold_rad_s: 2.0, "rad/s", "walks among magnetic boards";
         /// Memory of what must be seen at once: whether samples fit, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
@@ -85,6 +97,10 @@ choices! {
         recall;
         /// The Earth's field, carried beside that of a new place
         new_place;
+        /// What was learned just before a misfit is taken back
+        quarantine;
+        /// What is learned of how often the place's field bursts
+        bursts;
         /// Learning of the magnetometer's noise: sigma
         noise_learning;
     }

@@ -1,0 +1,65 @@
+//! How often the field of the place bursts: quiet for seconds, then tens of microtesla, as a magnet is passed.
+//!
+//! ```text
+//! n, t   misfits, and seconds of motion, both forgotten over T = 40 s       p   share of samples that were gated meanwhile
+//! hold = hold_s ln(1 + (n / (t + T)) / device rate)     how long a change must hold before it is believed: in a place that misfits often, for
+//!                                                       so long that it is no field that is passed; 0 in a quiet place
+//! s^2 = p R^2 / 5,   R^2 = 16 (2 uT)^2                  what may be left in a sample that passed the gate: a field of any size within R
+//! ```
+//! What was found to be the device's doing counts as none of it. Source: docs/METHOD-AIDED.md, Bursts.
+
+use super::tuning::Tuning;
+
+/// See the module.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bursts {
+    misfits: f64,
+    seconds: f64,
+    gated_share: f64,
+    /// The share that is not yet known to be the place's doing.
+    open_share: f64,
+}
+
+impl Bursts {
+    /// A sample in motion.
+    pub(super) fn pass(&mut self, is_gated: bool, dt_s: f64, tuning: &Tuning) {
+        let keep = (-dt_s / tuning.burst_memory_s).exp();
+        self.misfits *= keep;
+        self.seconds = self.seconds * keep + dt_s;
+        self.gated_share *= keep;
+        self.open_share = self.open_share * keep + (1.0 - keep) * f64::from(is_gated);
+    }
+
+    /// A misfit began.
+    pub(super) fn begin(&mut self) {
+        self.misfits += 1.0;
+    }
+
+    /// It was the place's doing, or nothing.
+    pub(super) fn was_the_place(&mut self) {
+        self.gated_share += std::mem::take(&mut self.open_share);
+    }
+
+    /// It was the device's doing.
+    pub(super) fn was_the_device(&mut self) {
+        self.misfits = (self.misfits - 1.0).max(0.0);
+        self.open_share = 0.0;
+    }
+
+    /// How long a change must hold, s.
+    pub(super) fn hold_s(&self, tuning: &Tuning) -> f64 {
+        if !tuning.bursts {
+            return 0.0;
+        }
+        let rate_h = 3600.0 * self.misfits / (self.seconds + tuning.burst_memory_s);
+        tuning.hold_s * (rate_h / tuning.device_rate_h).ln_1p()
+    }
+
+    /// Variance per axis of what bursts leave in samples that fit, uT^2.
+    pub(super) fn left_ut2(&self, tuning: &Tuning) -> f64 {
+        if !tuning.bursts || !tuning.unevenness {
+            return 0.0;
+        }
+        self.gated_share * tuning.gate * tuning.local_max_ut.powi(2) / 5.0
+    }
+}
