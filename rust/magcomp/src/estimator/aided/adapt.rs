@@ -57,9 +57,7 @@ impl Adaptation {
             local_ut: if tuning.unevenness { tuning.local_start_ut } else { 0.0 },
             walk_ut: tuning.offset_walk_ut,
             walk_began_ut2: f64::MAX,
-            slow_power_ut2: tuning.local_start_ut.powi(2),
-            power_ut2: tuning.local_start_ut.powi(2),
-            followed_ut2: tuning.local_start_ut.powi(2),
+            power_ut2: tuning.even_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
             ..Self::default()

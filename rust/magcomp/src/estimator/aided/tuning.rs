@@ -27,7 +27,7 @@ choices! {
         /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
         local_min_ut: 0.03, "uT", "families";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
-        place_ut: 0.5, "uT", "walks with motion capture";
+        place_ut: 0.3, "uT", "between the quiet recordings (0.15) and rooms with motion capture (2.1): what a fit leaves adds to it";
         /// Largest: above it an anomaly would be swallowed instead of declared
         local_max_ut: 2.0, "uT", "rooms";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
