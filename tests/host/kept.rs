@@ -178,7 +178,7 @@ fn the_older_the_less_sure() {
             // beyond a day the sample alone says what is left, and its noise where the mean lies
             let grows = sigmas_deg.is_sorted_by(|younger, older| *younger < 1.05 * older);
             assert!(grows && sigmas_deg[0] > 0.5, "{what}");
-            assert!(sigmas_deg[1] < 10.0 && sigmas_deg[4] > 2.0 * sigmas_deg[0], "{what}");
+            assert!(sigmas_deg[1] < 12.0 && sigmas_deg[4] > 2.0 * sigmas_deg[0], "{what}");
         }
         let [set_back, unknown] = [Some(THEN_S - 1), None].map(|now_s| {
             let mut compensator = compensator(method);

@@ -39,7 +39,7 @@ fn every_mechanism_is_worth_something_and_none_is_all() {
     let (_, with_all) = without("");
     for mechanism in Tuning::MECHANISMS {
         let (mut world, mut aided) = without(mechanism.name);
-        let is_of_changes = ["recall", "new_place"].contains(&mechanism.name);
+        let is_of_changes = ["recall", "new_place", "quarantine", "bursts"].contains(&mechanism.name);
         let is_same = aided.phase.running().unwrap().filter == with_all.phase.running().unwrap().filter;
         assert_eq!(is_same, is_of_changes, "{}", mechanism.name);
         run(&mut world, &mut aided, 500);
