@@ -55,9 +55,9 @@ impl Filter {
     /// One step of `dt_s`; `increment_rad` is what the gyroscope says, its bias not removed.
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let x = self.parts();
-        let Turn { rotation: r, left_jacobian: j } = Turn::by(&-x.turned(increment_rad, dt_s));
+        let turn = Turn::by(&-x.turned(increment_rad, dt_s));
         let fade = (-dt_s / noise.local_time_s).exp();
-        self.carry(&r, fade, |dx| j * (dx.axes * increment_rad + dx.bias * dt_s));
+        self.carry(&turn, fade, |dx| dx.axes * increment_rad + dx.bias * dt_s);
         self.widen(&StepNoise {
             turn_rad2: noise.turn_rad2(dt_s),
             hard_iron_ut2: noise.offset_ut.powi(2) * dt_s,
@@ -66,19 +66,20 @@ impl Filter {
         });
     }
 
-    /// Turns m and d by `r`; d fades. `added` is what an error dx of the gyroscope adds to the turn, rad.
+    /// Turns m and d; d fades. `added` is what an error dx of the gyroscope adds to the vector of the turn, rad.
     #[inline(always)]
-    pub(super) fn carry(&mut self, r: &Matrix3<f64>, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
+    pub(super) fn carry(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
         let x = self.parts();
-        let faded = r * fade;
-        let (m, d) = (r * x.field, faded * x.local);
+        let (m_by_m, d_by_d) = (turn.rotation, turn.rotation * fade);
+        let (m, d) = (m_by_m * x.field, d_by_d * x.local);
         self.set_part(FIELD, &m);
         self.set_part(LOCAL, &d);
+        let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
         // F's rows of m and d
         let times = |dx: &Parts| {
             let added = added(dx);
-            let m = r * dx.field - m.cross(&added);
-            let d = faded * dx.local - d.cross(&added);
+            let m = m_by_m * dx.field - m_by_turn * added;
+            let d = d_by_d * dx.local - d_by_turn * added;
             Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
         };
         // of P F^T and of F (P F^T) the columns of m and d

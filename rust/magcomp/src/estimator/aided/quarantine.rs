@@ -19,18 +19,19 @@ use crate::math::turn::Turn;
 /// The filter without what the samples of the last one to two seconds have told it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Quarantine {
+    /// Proven, and the way from there to `pending`.
     proven: Option<Earlier>,
-    pending: Option<Earlier>,
-    /// Seconds since `pending` was taken.
+    pending: Option<Filter>,
+    /// The way since `pending` was taken.
+    since: Way,
+    /// Seconds of it with samples that fit.
     age_s: f64,
 }
 
 impl Quarantine {
     /// The device turned.
     pub(super) fn turn(&mut self, step: &Step<'_>) {
-        for it in [&mut self.proven, &mut self.pending].into_iter().flatten() {
-            it.since.step(step);
-        }
+        self.since.step(step);
     }
 
     /// The filter after a sample that fits.
@@ -38,28 +39,32 @@ impl Quarantine {
         self.age_s += dt_s;
         if self.age_s > tuning.quarantine_s || self.pending.is_none() {
             self.age_s = 0.0;
-            self.proven = self.pending.take();
-            self.pending = Some(Earlier { filter: filter.clone(), since: Since::default() });
+            let way = std::mem::take(&mut self.since);
+            self.proven = self.pending.take().map(|filter| Earlier { filter, way });
+            self.pending = Some(filter.clone());
         }
     }
 
     /// The filter to go on from at a misfit, if there is one.
     pub(super) fn take_back(&mut self, noise: &ProcessNoise) -> Option<Filter> {
-        let Self { proven, pending, .. } = std::mem::take(self);
-        proven.or(pending).map(|it| it.now(noise))
+        let Self { proven, pending, since, .. } = std::mem::take(self);
+        match proven {
+            Some(Earlier { filter, way }) => Some(way.joined(&since).bring(filter, noise)),
+            None => pending.map(|filter| since.bring(filter, noise)),
+        }
     }
 }
 
-/// A filter of before, and the way since.
+/// A filter of before, and the way from it.
 #[derive(Clone, Debug, PartialEq)]
 struct Earlier {
     filter: Filter,
-    since: Since,
+    way: Way,
 }
 
-/// How the device turned, and what the process noise has added up to, since a moment.
+/// How the device turned, and what the process noise has added up to.
 #[derive(Clone, Debug, PartialEq)]
-struct Since {
+struct Way {
     turn: Matrix3<f64>,
     /// G: what bias and axes of the gyroscope add to the turn.
     by_gyroscope: SMatrix<f64, 3, 12>,
@@ -68,7 +73,7 @@ struct Since {
     seconds: f64,
 }
 
-impl Default for Since {
+impl Default for Way {
     fn default() -> Self {
         Self {
             turn: Matrix3::identity(),
@@ -80,15 +85,27 @@ impl Default for Since {
     }
 }
 
-impl Since {
+impl Way {
     fn step(&mut self, step: &Step<'_>) {
-        let r = Turn::by(&-step.increment_rad).rotation;
         let errors = step.increment_rad.transpose().insert_column(0, step.dt_s);
-        self.turn = r * self.turn;
-        self.by_gyroscope = r * self.by_gyroscope + errors.kronecker(&Matrix3::identity());
-        self.turn_rad2 += step.noise.turn_rad2(step.dt_s);
-        self.hard_iron_ut2 += step.noise.offset_ut.powi(2) * step.dt_s;
-        self.seconds += step.dt_s;
+        *self = self.joined(&Self {
+            turn: Turn::by(&-step.increment_rad).rotation,
+            by_gyroscope: errors.kronecker(&Matrix3::identity()),
+            turn_rad2: step.noise.turn_rad2(step.dt_s),
+            hard_iron_ut2: step.noise.offset_ut.powi(2) * step.dt_s,
+            seconds: step.dt_s,
+        });
+    }
+
+    /// This way, and then the next.
+    fn joined(&self, next: &Self) -> Self {
+        Self {
+            turn: next.turn * self.turn,
+            by_gyroscope: next.turn * self.by_gyroscope + next.by_gyroscope,
+            turn_rad2: self.turn_rad2 + next.turn_rad2,
+            hard_iron_ut2: self.hard_iron_ut2 + next.hard_iron_ut2,
+            seconds: self.seconds + next.seconds,
+        }
     }
 
     /// By what (g, S) adds to the turn, rad.
@@ -98,20 +115,18 @@ impl Since {
         errors.fixed_rows_mut::<9>(3).copy_from_slice(x.axes.as_slice());
         self.by_gyroscope * errors
     }
-}
 
-impl Earlier {
-    /// That filter, predicted to now.
-    fn now(&self, noise: &ProcessNoise) -> Filter {
-        let (mut filter, since) = (self.filter.clone(), &self.since);
-        let own = Turn::by(&since.added(&filter.parts())).rotation;
-        let fade = (-since.seconds / noise.local_time_s).exp();
-        filter.carry(&(own * since.turn), fade, |dx| since.added(dx));
+    /// A filter, predicted along this way.
+    fn bring(&self, mut filter: Filter, noise: &ProcessNoise) -> Filter {
+        let own = Turn::by(&self.added(&filter.parts()));
+        let turn = Turn { rotation: own.rotation * self.turn, ..own };
+        let fade = (-self.seconds / noise.local_time_s).exp();
+        filter.carry(&turn, fade, |dx| self.added(dx));
         filter.widen(&StepNoise {
-            turn_rad2: since.turn_rad2,
-            hard_iron_ut2: since.hard_iron_ut2,
+            turn_rad2: self.turn_rad2,
+            hard_iron_ut2: self.hard_iron_ut2,
             local_ut2: noise.local_ut.powi(2) * (1.0 - fade * fade),
-            seconds: since.seconds,
+            seconds: self.seconds,
         });
         filter
     }

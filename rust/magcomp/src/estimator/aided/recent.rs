@@ -5,10 +5,11 @@ use nalgebra::Vector3;
 /// Steps that are kept: delays of up to 80 ms at 100 Hz.
 const STEPS: usize = 8;
 
-/// The latest steps of the gyroscope, the newest first.
+/// The latest steps of the gyroscope, in a ring.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Recent {
     steps: [Increment; STEPS],
+    newest: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,15 +22,19 @@ struct Increment {
 impl Recent {
     /// A step.
     pub(super) fn add(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
-        self.steps.rotate_right(1);
-        self.steps[0] = Increment { rad: *increment_rad, over_s: dt_s };
+        self.newest = (self.newest + 1) % STEPS;
+        self.steps[self.newest] = Increment { rad: *increment_rad, over_s: dt_s };
     }
 
     /// Mean reading over the latest `delay_s`, as far back as it is known, rad/s; `None` where the magnetometer is not late.
     pub(super) fn mean_rad_s(&self, delay_s: f64) -> Option<Vector3<f64>> {
         let (mut turned_rad, mut left_s) = (Vector3::zeros(), delay_s);
-        for step in self.steps.iter().take_while(|step| step.over_s > 0.0) {
-            let share = (left_s / step.over_s).clamp(0.0, 1.0);
+        let newest_first = (0..STEPS).map(|k| &self.steps[(self.newest + STEPS - k) % STEPS]);
+        for step in newest_first.take_while(|step| step.over_s > 0.0) {
+            if left_s <= 0.0 {
+                break;
+            }
+            let share = (left_s / step.over_s).min(1.0);
             turned_rad += step.rad * share;
             left_s -= share * step.over_s;
         }
