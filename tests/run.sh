@@ -18,6 +18,9 @@ rust() {
     cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
+    # the lab without the importers that bring large dependencies
+    cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
+    cargo test --locked -p magcomp-lab --no-default-features --test lean
     # the core alone, as others take it: with the features that it asks for itself, and its enums may grow
     cargo clippy --locked -p magcomp -- -D warnings
 }

@@ -4,6 +4,15 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Longest text of a file that an error shows, characters.
+const SHOWN: usize = 60;
+
+/// A text of a file that an error can show: short, on one line.
+pub(crate) fn shorten(text: &str) -> String {
+    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().count() <= SHOWN { text } else { text.chars().take(SHOWN).chain("...".chars()).collect() }
+}
+
 /// Where in a file: line and column, counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -54,6 +63,16 @@ pub enum LabError {
         path: PathBuf,
         /// Why.
         source: io::Error,
+    },
+    /// The command was built without the importer of a form.
+    #[error("{}: this build does not read {form}; build it with cargo's feature {feature}, which is on by default", path.display())]
+    Feature {
+        /// The file.
+        path: PathBuf,
+        /// Its form.
+        form: &'static str,
+        /// The feature of the lab that reads it.
+        feature: &'static str,
     },
     /// A file could not be written; a file that was there before is untouched.
     #[error("{}: cannot be written: {source}", path.display())]

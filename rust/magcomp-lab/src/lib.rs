@@ -3,7 +3,7 @@
 //!
 //! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual
 //! streams; `crb` and `simulate` feed `experiment`; `import` makes loggers' sessions into a `recording`, which feeds
-//! `replay`; `table`, `plot` and `report` show the results.
+//! `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results.
 
 pub mod baseline;
 pub mod command;
@@ -13,6 +13,7 @@ pub mod experiment;
 pub mod import;
 pub mod inertial;
 pub mod motion;
+pub mod parallel;
 pub mod parameters;
 pub mod phone;
 pub mod place;
@@ -27,3 +28,4 @@ pub mod schedule;
 pub mod simulate;
 pub mod table;
 pub mod time;
+pub mod trials;

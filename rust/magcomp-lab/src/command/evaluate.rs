@@ -1,6 +1,7 @@
 //! `magcomp evaluate`.
 
 use super::common::{Common, between};
+use super::evaluate_recordings::EvaluateRecordings;
 use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
 use crate::experiment::situation::Group;
@@ -24,11 +25,16 @@ pub(super) struct Evaluate {
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
     #[command(flatten)]
+    recordings: EvaluateRecordings,
+    #[command(flatten)]
     common: Common,
 }
 
 impl Evaluate {
     pub fn run(self) -> Result<(), LabError> {
+        if let Some(folder) = self.recordings.folder() {
+            return self.recordings.run(folder, &self.common);
+        }
         let groups = if self.group.is_empty() { Group::value_variants().to_vec() } else { self.group.clone() };
         let result = run(&EvaluateOptions {
             groups,

@@ -5,6 +5,7 @@ mod compare;
 mod crb;
 mod demo;
 mod evaluate;
+mod evaluate_recordings;
 mod import;
 mod replay;
 mod sensitivity;

@@ -6,7 +6,7 @@ use crate::inertial::InertialSensor;
 use crate::motion::Motion;
 use crate::parameters::{Numbers, ParameterSet, Parameters, TrueParameters};
 use crate::plot::{Colour, Panel, Series, draw};
-use crate::recording::write_simulation;
+use crate::recording::{Recording, write_recording};
 use crate::report::Report;
 use crate::schedule::Schedule;
 use crate::simulate::{Noise, Scenario, Simulation, Spikes, world_field_ut};
@@ -110,7 +110,7 @@ impl Simulate {
         refuse_outputs(&[], &[("OUT.csv", &self.output)], self.common.report.as_deref())?;
         let scenario = self.scenario()?;
         let stream = scenario.run();
-        write_simulation(&self.output, &stream)?;
+        write_recording(&self.output, &Recording::of(&stream, "simulated"))?;
         let summary = Summary {
             output: self.output.display().to_string(),
             rows: stream.magnetic.len(),

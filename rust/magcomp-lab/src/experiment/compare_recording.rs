@@ -97,7 +97,7 @@ pub fn compare_recording(
         value: (contestant.grid().len() > 1).then(|| middle(*contestant)),
         // north by an attitude has no length
         vectors: match (judge.vectors(), contestant.gives_attitude()) {
-            (vectors, true) => Vectors { spread_percent: None, ..vectors },
+            (vectors, true) => Vectors { total_field_ut: None, ..vectors },
             (vectors, false) => vectors,
         },
         course_deg: judge.heading_course(),

@@ -213,7 +213,7 @@ pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<Stri
 /// A line for each method on a recording.
 #[must_use]
 pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given) -> Table {
-    let columns = ["", "tuned", "answered %", "spread of |h| %", "heading rms deg", "p95 deg"];
+    let columns = ["", "tuned", "answered %", "spread of |h| uT", "heading rms deg", "p95 deg"];
     let mut table = Table::new(&format!("{recording}, {}", given.what()), &columns);
     for m in methods {
         let v = &m.vectors;
@@ -221,7 +221,7 @@ pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given
             m.name.clone(),
             m.value.map_or_else(String::new, tuned),
             number(Some(100.0 * v.answered), 1),
-            number(v.spread_percent, 2),
+            number(v.total_field_ut.map(|field| field.spread), 2),
             number(v.heading.map(|heading| heading.rms_deg), 2),
             number(v.heading.map(|heading| heading.p95_deg), 2),
         ]);

@@ -3,6 +3,7 @@
 //!
 //! Arrow: a file (Feather, version 2) or a stream, buffers plain or compressed with LZ4 or zstd.
 
+use super::forms::{ARROW_FILE, PARQUET};
 use super::guard::{guarded, one_line};
 use super::input::MOST_BYTES;
 use super::{arrow_lengths, parquet_lengths};
@@ -26,20 +27,8 @@ use std::io::{self, Cursor, Write};
 use std::panic::AssertUnwindSafe;
 use std::path::Path;
 
-/// First bytes of a Parquet file.
-const PARQUET: &[u8] = b"PAR1";
-/// First bytes of an Arrow file.
-const ARROW_FILE: &[u8] = b"ARROW1";
-/// First bytes of an Arrow stream.
-const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
-
 type Failed = Box<dyn Error + Send + Sync>;
 type Csv = csv::Writer<Capped>;
-
-/// Whether a file that begins with these bytes is Parquet or Arrow.
-pub(super) fn is_columnar(start: &[u8]) -> bool {
-    [PARQUET, ARROW_FILE, ARROW_STREAM].iter().any(|form| start.starts_with(form))
-}
 
 /// The CSV of a Parquet or Arrow file, whose line 2 is the table's first row.
 pub(super) fn as_csv(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LabError> {

@@ -1,19 +1,17 @@
 //! The text files of a session: named files, those of a folder, those of a zip.
 
-use super::columnar::{as_csv, is_columnar};
+use super::columnar::as_csv;
+use super::forms::{ZIP, is_columnar};
 use super::guard::guarded;
 use super::input::{Budget, Input};
 use crate::error::LabError;
+use crate::recording::{GZIP, files_of};
 use flate2::read::MultiGzDecoder;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
-/// First bytes of a zip.
-const ZIP: &[u8] = b"PK\x03\x04";
-/// First bytes of a gzip file.
-const GZIP: &[u8] = &[0x1f, 0x8b];
 /// Bytes of a file in which a zero means that it is no text.
 const START: usize = 1024;
 /// Endings of names that are read from folders and zips; other files there (pictures, sound, databases) are passed over.
@@ -31,7 +29,7 @@ pub(super) struct Document {
 impl Document {
     fn new(path: PathBuf, bytes: Vec<u8>, budget: &mut Budget) -> Result<Self, LabError> {
         let mut text = bytes;
-        if text.starts_with(GZIP) {
+        if text.starts_with(&GZIP) {
             let packed_bytes = text.len() as u64;
             let plain = budget.unpack(MultiGzDecoder::new(text.as_slice()), packed_bytes);
             text = plain.map_err(LabError::read(&path))?;
@@ -99,12 +97,7 @@ pub(super) fn documents(inputs: &[Input]) -> Result<Documents, LabError> {
     let (mut found, mut budget) = (Documents::default(), Budget::default());
     for input in inputs {
         if input.is_dir {
-            let entries = fs::read_dir(&input.path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-            let mut paths: Vec<PathBuf> =
-                entries.map_err(LabError::read(&input.path))?.iter().map(fs::DirEntry::path).collect();
-            paths.retain(|path| path.is_file() && is_text(path));
-            paths.sort();
-            for path in paths {
+            for path in files_of(&input.path)?.into_iter().filter(|path| is_text(path)) {
                 let bytes = File::open(&path).and_then(|file| budget.read(file)).map_err(LabError::read(&path));
                 found.add(bytes.and_then(|bytes| Document::new(path, bytes, &mut budget)));
             }

@@ -1,10 +1,10 @@
 //! Readers of other people's formats may panic on a damaged file: that becomes an error, and nothing is printed.
 
 use std::cell::Cell;
-use std::fmt::Display;
-use std::io;
 use std::panic::{self, UnwindSafe};
 use std::sync::Once;
+#[cfg(any(feature = "columnar", feature = "mcap"))]
+use std::{fmt::Display, io};
 
 thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
@@ -28,6 +28,7 @@ pub(super) fn guarded<T>(read: impl FnOnce() -> T + UnwindSafe) -> Result<T, &'s
 }
 
 /// An error of such a reader, as one line.
+#[cfg(any(feature = "columnar", feature = "mcap"))]
 pub(super) fn one_line(why: impl Display) -> io::Error {
     io::Error::other(why.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }
@@ -50,6 +51,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(any(feature = "columnar", feature = "mcap"))]
     fn errors_are_one_line() {
         assert_eq!(one_line("a\n  b\r\nc").to_string(), "a b c");
     }

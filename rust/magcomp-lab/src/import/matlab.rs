@@ -36,14 +36,7 @@ fn stream(document: &Document) -> Result<Stream<Vector3<f64>>, LabError> {
     let sheet = Sheet::new(document);
     let time = sheet.required("Timestamp")?;
     let axes = [sheet.required("X")?, sheet.required("Y")?, sheet.required("Z")?];
-    let mut stream = Stream::default();
-    for cells in sheet.rows() {
-        let cells = cells?;
-        let time_ns = timestamp_ns(&cells, time)?;
-        if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value, || [cells.place(time), cells.place(axes[0])])?;
-        }
-    }
+    let stream = sheet.stream(time, axes, |cells| timestamp_ns(cells, time))?;
     require_milliseconds(&stream)?;
     Ok(stream)
 }

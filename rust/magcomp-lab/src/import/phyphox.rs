@@ -4,10 +4,9 @@
 //! Android's sign on both platforms. phyphox does not say whether the system calibrated the field.
 
 use super::document::Document;
-use super::session::{Session, Stream};
+use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::LabError;
-use magcomp::nalgebra::Vector3;
 
 /// Nanoseconds of a second.
 const SECOND_NS: i64 = 1_000_000_000;
@@ -88,12 +87,9 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                     "{path}: another file has this sensor too; import one session at a time"
                 )));
             }
-            match add(&sheet, axes, stream) {
-                Err(why) if sensor != Sensor::Field => {
-                    *stream = Stream::default();
-                    session.leave_out(&document.stem(), why);
-                }
-                added => added?,
+            match sheet.stream(0, axes, |cells| cells.time_ns(0, SECOND_NS)) {
+                Err(why) if sensor != Sensor::Field => session.leave_out(&document.stem(), why),
+                found => *stream = found?,
             }
         }
     }
@@ -107,15 +103,4 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
             .push("linear acceleration has no gravity in it and was left out; record acceleration with g".to_owned());
     }
     Ok(session)
-}
-
-fn add(sheet: &Sheet<'_>, axes: [usize; 3], stream: &mut Stream<Vector3<f64>>) -> Result<(), LabError> {
-    for cells in sheet.rows() {
-        let cells = cells?;
-        let time_ns = cells.time_ns(0, SECOND_NS)?;
-        if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value, || [cells.place(0), cells.place(axes[0])])?;
-        }
-    }
-    Ok(())
 }

@@ -3,24 +3,17 @@
 //! stamp, `frame_id`, and numbers of 8 bytes aligned to 8. An Imu's own orientation is not read: it is a filter's, no reference.
 
 use super::guard::{guarded, one_line};
-use super::input::Input;
+use super::mcap_records::Messages;
 use super::session::Session;
 use super::units::Units;
 use crate::error::{LabError, Place};
 use crate::time::MOST_NS;
 use magcomp::nalgebra::Vector3;
-use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use std::collections::{BTreeMap, BTreeSet};
-use std::error::Error;
-use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
+use std::collections::BTreeSet;
+use std::fs::File;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
-/// First bytes of an mcap file.
-pub(super) const MCAP: &[u8] = b"\x89MCAP";
 /// A record in a packed chunk may have this many bytes, whatever the file has.
 const UNPACKED_BYTES: u64 = 64 << 20;
 const MICROTESLA: f64 = 1e6;
@@ -28,34 +21,10 @@ const MICROTESLA: f64 = 1e6;
 const ORIENTATION: usize = 4 + 9;
 const VECTOR: usize = 3 + 9;
 
-/// The mcap files that `inputs` name, or that lie in a folder of `inputs`; none where there are none.
-pub(super) fn bags(inputs: &[Input]) -> Result<Vec<(PathBuf, File)>, LabError> {
-    let mut found = Vec::new();
-    for input in inputs {
-        if input.is_dir {
-            let entries = fs::read_dir(&input.path).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-            let paths = entries.map_err(LabError::read(&input.path))?.into_iter().map(|entry| entry.path());
-            let mut paths: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == "mcap")).collect();
-            paths.sort();
-            for path in paths {
-                let file = File::open(&path).map_err(LabError::read(&path))?;
-                found.push((path, file));
-            }
-        } else {
-            let mut start = Vec::new();
-            input.open()?.take(MCAP.len() as u64).read_to_end(&mut start).map_err(LabError::read(&input.path))?;
-            if start == MCAP {
-                found.push((input.path.clone(), input.open()?));
-            }
-        }
-    }
-    Ok(found)
-}
-
 /// Reads bags as one session; of `topics` alone where some are named.
 ///
 /// A bag that is cut off, as one of a robot that was switched off, or damaged gives what is before that place, with a warning.
-pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units) -> Result<Session, LabError> {
+pub(super) fn read_bags(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units) -> Result<Session, LabError> {
     let first = bags[0].0.clone();
     let mut bag = Bag::default();
     let field = units.field.unwrap_or(MICROTESLA);
@@ -121,97 +90,6 @@ pub(super) fn read(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units)
         }
     }
     bag.finish(&first)
-}
-
-struct Channel {
-    topic: String,
-    /// Name of the schema; empty where the bag has none.
-    schema: String,
-    encoding: String,
-}
-
-struct Message {
-    channel: Rc<Channel>,
-    log_time: u64,
-    data: Vec<u8>,
-}
-
-/// The messages of a bag in the file's order.
-///
-/// The three kinds of records that it takes are read here: the crate's own reader allocates whatever length a string in a record
-/// states, and reads the summary too, which nothing here needs.
-struct Messages<'a> {
-    file: BufReader<&'a File>,
-    records: LinearReader,
-    schemas: BTreeMap<u16, String>,
-    channels: BTreeMap<u16, Rc<Channel>>,
-}
-
-impl<'a> Messages<'a> {
-    fn new(file: &'a File, most_bytes: u64) -> Self {
-        let most_bytes = usize::try_from(most_bytes).unwrap_or(usize::MAX);
-        let records =
-            LinearReader::new_with_options(LinearReaderOptions::default().with_record_length_limit(most_bytes));
-        Self { file: BufReader::new(file), records, schemas: BTreeMap::new(), channels: BTreeMap::new() }
-    }
-
-    fn next(&mut self) -> Result<Option<Message>, Box<dyn Error + Send + Sync>> {
-        while let Some(event) = self.records.next_event() {
-            match event? {
-                LinearReadEvent::ReadRequest(bytes) => {
-                    let count = self.file.read(self.records.insert(bytes))?;
-                    self.records.notify_read(count);
-                }
-                LinearReadEvent::Record { opcode: op::SCHEMA, data } => {
-                    let (id, name) = schema(data).ok_or("the file is damaged: a schema is longer than its record")?;
-                    self.schemas.insert(id, name);
-                }
-                LinearReadEvent::Record { opcode: op::CHANNEL, data } => {
-                    let found = channel(data, &self.schemas);
-                    let (id, channel) = found.ok_or("the file is damaged: a channel is longer than its record")?;
-                    self.channels.insert(id, Rc::new(channel));
-                }
-                LinearReadEvent::Record { opcode: op::MESSAGE, data } => {
-                    let found = message(data, &self.channels);
-                    return found.map(Some).ok_or("the file is damaged: a message has no channel".into());
-                }
-                LinearReadEvent::Record { .. } => {}
-            }
-        }
-        Ok(None)
-    }
-}
-
-/// Identity and name of the schema in a record.
-fn schema(mut record: &[u8]) -> Option<(u16, String)> {
-    Some((u16::from_le_bytes(taken(&mut record)?), text(&mut record)?))
-}
-
-fn channel(mut record: &[u8], schemas: &BTreeMap<u16, String>) -> Option<(u16, Channel)> {
-    let (id, schema) = (u16::from_le_bytes(taken(&mut record)?), u16::from_le_bytes(taken(&mut record)?));
-    let schema = schemas.get(&schema).cloned().unwrap_or_default();
-    Some((id, Channel { topic: text(&mut record)?, schema, encoding: text(&mut record)? }))
-}
-
-fn message(mut record: &[u8], channels: &BTreeMap<u16, Rc<Channel>>) -> Option<Message> {
-    let channel = channels.get(&u16::from_le_bytes(taken(&mut record)?))?.clone();
-    let _sequence: [u8; 4] = taken(&mut record)?;
-    let log_time = u64::from_le_bytes(taken(&mut record)?);
-    let _publish_time: [u8; 8] = taken(&mut record)?;
-    Some(Message { channel, log_time, data: record.to_vec() })
-}
-
-fn taken<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
-    let (first, after) = rest.split_first_chunk()?;
-    *rest = after;
-    Some(*first)
-}
-
-fn text(rest: &mut &[u8]) -> Option<String> {
-    let length = u32::from_le_bytes(taken(rest)?) as usize;
-    let (text, after) = rest.split_at_checked(length)?;
-    *rest = after;
-    String::from_utf8(text.to_vec()).ok()
 }
 
 #[derive(Clone, Copy)]

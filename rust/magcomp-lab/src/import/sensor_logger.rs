@@ -25,16 +25,16 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
 
     let (mut raw, system) = (find("magnetometeruncalibrated"), find("magnetometer"));
     if raw.is_some_and(|raw| raw.text.is_empty()) && system.is_some() {
-        session.optional("magnetometer, uncalibrated", &[raw.take()], |raw| stream(raw, 1.0));
+        session.optional("magnetometer, uncalibrated", &[raw.take()], stream);
     }
     match (raw, system) {
         (Some(raw), system) => {
-            session.raw = stream(raw, 1.0)?;
-            let system = session.optional("the system's field", &[system], |system| stream(system, 1.0));
+            session.raw = stream(raw)?;
+            let system = session.optional("the system's field", &[system], stream);
             session.system = system.map(|(_, stream)| stream).unwrap_or_default();
         }
         (None, Some(calibrated)) => {
-            session.raw = stream(calibrated, 1.0)?;
+            session.raw = stream(calibrated)?;
             session.notes.push(
                 "the magnetometer is the one that the system calibrates, because MagnetometerUncalibrated was not recorded".to_owned(),
             );
@@ -42,11 +42,11 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
         (None, None) => {}
     }
     let rates = [find("gyroscopeuncalibrated"), find("gyroscope")];
-    if let Some((_, rate)) = session.optional("gyroscope", &rates, |rate| stream(rate, 1.0)) {
+    if let Some((_, rate)) = session.optional("gyroscope", &rates, stream) {
         session.rate = rate;
     }
     let ups = [find("accelerometeruncalibrated"), find("totalacceleration"), find("gravity")];
-    match session.optional("accelerometer", &ups, |up| stream(up, 1.0)) {
+    match session.optional("accelerometer", &ups, stream) {
         Some((which, up)) => {
             let factor = match (units.acceleration, which) {
                 (Some(factor), _) => factor,
@@ -66,19 +66,11 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
     Ok(session)
 }
 
-fn stream(document: &Document, factor: f64) -> Result<Stream<Vector3<f64>>, LabError> {
+fn stream(document: &Document) -> Result<Stream<Vector3<f64>>, LabError> {
     let sheet = Sheet::new(document);
     let time = sheet.required("time")?;
     let axes = [sheet.required("x")?, sheet.required("y")?, sheet.required("z")?];
-    let mut stream = Stream::default();
-    for cells in sheet.rows() {
-        let cells = cells?;
-        let time_ns = cells.time_ns(time, 1)?;
-        if let Some(value) = cells.vector(axes)? {
-            stream.add(time_ns, value * factor, || [cells.place(time), cells.place(axes[0])])?;
-        }
-    }
-    Ok(stream)
+    sheet.stream(time, axes, |cells| cells.time_ns(time, 1))
 }
 
 /// 1 for Android's sign of gravity, -1 for Apple's.

@@ -1,15 +1,13 @@
 //! A text file as a table: delimiter and decimal mark found by looking, cells read with errors that name file, line and column.
 
 use super::document::Document;
-use crate::error::{LabError, Place};
+use super::session::Stream;
+use crate::error::{LabError, Place, shorten};
 use crate::time::MOST_NS;
 use csv::{ByteRecord, ReaderBuilder};
 use magcomp::nalgebra::Vector3;
 use std::io;
 use std::path::Path;
-
-/// Longest cell that an error shows, characters.
-const SHOWN: usize = 60;
 
 /// A header and where its rows are.
 pub(super) struct Sheet<'a> {
@@ -107,6 +105,25 @@ impl<'a> Sheet<'a> {
         self.cells(false)
     }
 
+    /// The events of a sensor whose axes these columns are; none where all three cells are empty. `time_ns` reads the time from the
+    /// column `time`.
+    pub fn stream(
+        &'a self,
+        time: usize,
+        axes: [usize; 3],
+        time_ns: impl Fn(&Cells<'a>) -> Result<i64, LabError>,
+    ) -> Result<Stream<Vector3<f64>>, LabError> {
+        let mut stream = Stream::default();
+        for cells in self.rows() {
+            let cells = cells?;
+            let time_ns = time_ns(&cells)?;
+            if let Some(value) = cells.vector(axes)? {
+                stream.add(time_ns, value, || [cells.place(time), cells.place(axes[0])])?;
+            }
+        }
+        Ok(stream)
+    }
+
     fn cells(&'a self, skip_header: bool) -> impl Iterator<Item = Result<Cells<'a>, LabError>> {
         self.records(skip_header).map(|record| {
             let unreadable = |error: csv::Error| io::Error::new(io::ErrorKind::InvalidData, error.to_string());
@@ -179,12 +196,6 @@ fn time_ns(text: &str, unit_ns: i64) -> Option<i64> {
     }
     let value = text.parse::<f64>().ok()? * unit_ns as f64;
     (value.abs() < MOST_NS as f64).then(|| value.round() as i64)
-}
-
-/// A text that an error can show.
-pub(super) fn shorten(text: &str) -> String {
-    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().count() <= SHOWN { text } else { text.chars().take(SHOWN).chain("...".chars()).collect() }
 }
 
 #[cfg(test)]

@@ -4,10 +4,18 @@
 //! adds `true_bx,true_by,true_bz`, the true hard iron (uT); `sys_mx,sys_my,sys_mz` is the field that the operating system
 //! calibrated (uT). A row may leave all cells of a sensor empty: each sensor then has its own times and rate.
 
+mod atomic;
+mod beside;
+mod columns;
 mod read;
 mod rows;
+mod source;
 mod write;
 
-pub use read::{Rows, Source, read, read_from, unzipped};
+pub use atomic::{AtomicFile, remove_unfinished_on_signals, write_atomically};
+pub use beside::{files_of, read_table};
+pub use read::Rows;
 pub use rows::{Extent, Inertial, Recording, Row, name_of};
-pub use write::{AtomicFile, remove_unfinished_on_signals, write_atomically, write_simulation};
+pub(crate) use source::GZIP;
+pub use source::{Source, read, read_from, unzipped};
+pub use write::write_recording;

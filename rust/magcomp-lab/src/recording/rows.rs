@@ -100,7 +100,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// A simulation as the recording that [`super::write_simulation`] makes of it: beside every magnetometer sample the latest
+    /// A simulation as a recording: beside every magnetometer sample the latest
     /// event of each other sensor, with the truth that a reference would give.
     #[must_use]
     pub fn of(simulation: &Simulation, name: &str) -> Self {

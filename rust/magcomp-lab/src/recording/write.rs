@@ -1,239 +1,52 @@
-//! Writing: beside the name first, then moved into place, so that a run that fails or is ended by a signal leaves no half file.
+//! Writing a recording.
 
+use super::atomic::write_atomically;
+use super::rows::{Recording, Row};
 use crate::error::LabError;
-use crate::simulate::Simulation;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use magcomp::nalgebra::Vector3;
-use std::collections::BTreeSet;
-use std::fs::{self, OpenOptions};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use tempfile::NamedTempFile;
+use std::io::{self, Write};
+use std::path::Path;
 
-/// Temporary files of this process that a signal must remove.
-static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Lets SIGINT, SIGTERM and SIGHUP remove the temporary files before they end the process as usual. A signal that is ignored
-/// from the start, such as SIGHUP under `nohup`, stays ignored where the system tells so (Linux).
-///
-/// # Errors
-/// When the system refuses a handler.
-#[cfg(unix)]
-pub fn remove_unfinished_on_signals() -> io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
-    let heard = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored.unwrap_or(0) >> (signal - 1) & 1 == 0);
-    let mut signals = signal_hook::iterator::Signals::new(heard)?;
-    std::thread::spawn(move || {
-        for signal in signals.forever() {
-            // held to the end, so that no other file is begun
-            let unfinished = unfinished();
-            for path in unfinished.iter() {
-                let _ = fs::remove_file(path);
-            }
-            let _ = signal_hook::low_level::emulate_default_handler(signal);
-        }
-    });
-    Ok(())
-}
-
-/// Elsewhere signals end the process as ever.
-///
-/// # Errors
-/// None.
-#[cfg(not(unix))]
-pub fn remove_unfinished_on_signals() -> io::Result<()> {
-    Ok(())
-}
-
-/// A file that appears under its name, whole, when it is finished; gzipped when the name ends in `.gz`. Until then, and when
-/// it is dropped, what was there before stays. A link stays one. A device, a pipe or standard output is written into
-/// directly.
-pub struct AtomicFile {
-    path: PathBuf,
-    content: Content,
-    temporary: Option<Temporary>,
-}
-
-/// A temporary file and the path that it gets in the end; a device or a pipe has none.
-type Temporary = (NamedTempFile, PathBuf);
-type Target = (Box<dyn Write>, Option<Temporary>);
-
-enum Content {
-    Plain(BufWriter<Box<dyn Write>>),
-    Zipped(GzEncoder<BufWriter<Box<dyn Write>>>),
-}
-
-impl AtomicFile {
-    /// Begins to write `path`.
-    ///
-    /// # Errors
-    /// [`LabError::Write`] names the file and why.
-    pub fn create(path: &Path) -> Result<Self, LabError> {
-        let begin = || -> io::Result<Target> {
-            match fs::metadata(path) {
-                Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-                Ok(there) if !there.is_file() => {
-                    return Ok((Box::new(OpenOptions::new().write(true).open(path)?), None));
-                }
-                // standard output that is redirected to a file
-                Ok(_) if same_file::Handle::from_path(path)? == same_file::Handle::stdout()? => {
-                    return Ok((Box::new(io::stdout()), None));
-                }
-                _ => {}
-            }
-            let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            let mut builder = tempfile::Builder::new();
-            builder.prefix(".magcomp-").suffix(".tmp");
-            #[cfg(unix)]
-            {
-                // an ordinary file's permissions (less the umask), not a secret's
-                use std::os::unix::fs::PermissionsExt;
-                builder.permissions(fs::Permissions::from_mode(0o666));
-            }
-            let mut unfinished = unfinished();
-            let temporary = builder.tempfile_in(folder)?;
-            unfinished.insert(temporary.path().to_owned());
-            Ok((Box::new(temporary.as_file().try_clone()?), Some((temporary, path))))
-        };
-        let (target, temporary) = begin().map_err(LabError::write(path))?;
-        let target = BufWriter::new(target);
-        let content = if path.extension().is_some_and(|extension| extension == "gz") {
-            Content::Zipped(GzEncoder::new(target, Compression::default()))
-        } else {
-            Content::Plain(target)
-        };
-        Ok(Self { path: path.to_owned(), content, temporary })
-    }
-
-    /// Writes through `content`.
-    ///
-    /// # Errors
-    /// [`LabError::Write`].
-    pub fn write(&mut self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
-        let written = match &mut self.content {
-            Content::Plain(out) => content(out),
-            Content::Zipped(out) => content(out),
-        };
-        written.map_err(LabError::write(&self.path))
-    }
-
-    /// Moves it into place.
-    ///
-    /// # Errors
-    /// [`LabError::Write`].
-    pub fn finish(self) -> Result<(), LabError> {
-        let finish = || -> io::Result<()> {
-            let mut target = match self.content {
-                Content::Plain(target) => target,
-                Content::Zipped(zipped) => zipped.finish()?,
-            };
-            target.flush()?;
-            if let Some((temporary, path)) = self.temporary {
-                let mut unfinished = unfinished();
-                let name = temporary.path().to_owned();
-                temporary.persist(path).map_err(|error| error.error)?;
-                unfinished.remove(&name);
-            }
-            Ok(())
-        };
-        finish().map_err(LabError::write(&self.path))
-    }
-}
-
-/// Writes `path` through `content`, as an [`AtomicFile`].
-///
-/// # Errors
-/// [`LabError::Write`] names the file and why.
-pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
-    let mut file = AtomicFile::create(path)?;
-    file.write(content)?;
-    file.finish()
-}
-
-/// Writes a simulation as a recording: the latest reading of each sensor beside every magnetometer sample, and the true
-/// orientation and hard iron.
+/// Writes a recording, one line for every magnetometer sample. Columns of a sensor that no row has are left out; events of the other
+/// sensors between two samples are not written.
 ///
 /// # Errors
 /// [`LabError::Write`].
-pub fn write_simulation(path: &Path, simulation: &Simulation) -> Result<(), LabError> {
-    let (rates, ups) = (&simulation.rotation_rates, &simulation.ups);
+pub fn write_recording(path: &Path, recording: &Recording) -> Result<(), LabError> {
+    let any = |has: fn(&Row) -> bool| recording.rows.iter().any(has);
+    let groups: [(bool, &str); 4] = [
+        (any(|row| row.up_m_s2.is_some()), ",ax,ay,az"),
+        (any(|row| row.rate_rad_s.is_some()), ",gx,gy,gz"),
+        (any(|row| row.attitude.is_some()), ",qw,qx,qy,qz"),
+        (any(|row| row.hard_iron_ut.is_some()), ",true_bx,true_by,true_bz"),
+    ];
+    let [has_up, has_rate, has_attitude, has_hard_iron] = groups.map(|(has, _)| has);
     write_atomically(path, |out| {
         write!(out, "t_s,mx,my,mz")?;
-        if !ups.is_empty() {
-            write!(out, ",ax,ay,az")?;
-        }
-        if !rates.is_empty() {
-            write!(out, ",gx,gy,gz")?;
-        }
-        writeln!(out, ",qw,qx,qy,qz,true_bx,true_by,true_bz")?;
-        let (mut rate, mut up) = (0, 0);
-        for (sample, truth) in simulation.magnetic.iter().zip(&simulation.truth) {
-            write!(out, "{}", sample.time_ns as f64 / 1e9)?;
-            vector(out, &sample.field_ut)?;
-            if !ups.is_empty() {
-                up = latest(ups, up, |event| event.time_ns <= sample.time_ns);
-                vector(out, &ups[up].up_m_s2)?;
+        groups.iter().filter(|(has, _)| *has).try_for_each(|(_, columns)| write!(out, "{columns}"))?;
+        writeln!(out)?;
+        for row in &recording.rows {
+            write!(out, "{}", row.time_s)?;
+            vector(out, Some(row.field_ut), true)?;
+            vector(out, row.up_m_s2, has_up)?;
+            vector(out, row.rate_rad_s, has_rate)?;
+            match row.attitude {
+                Some(q) => write!(out, ",{:.9},{:.9},{:.9},{:.9}", q.w, q.i, q.j, q.k)?,
+                None if has_attitude => write!(out, ",,,,")?,
+                None => {}
             }
-            if !rates.is_empty() {
-                rate = latest(rates, rate, |event| event.time_ns <= sample.time_ns);
-                vector(out, &rates[rate].rate_rad_s)?;
-            }
-            let q = truth.attitude;
-            write!(out, ",{:.9},{:.9},{:.9},{:.9}", q.w, q.i, q.j, q.k)?;
-            vector(out, &truth.hard_iron_ut)?;
+            vector(out, row.hard_iron_ut, has_hard_iron)?;
             writeln!(out)?;
         }
         Ok(())
     })
 }
 
-/// Micro-units: below the noise of every sensor.
-fn vector(out: &mut dyn Write, v: &Vector3<f64>) -> io::Result<()> {
-    write!(out, ",{:.6},{:.6},{:.6}", v.x, v.y, v.z)
-}
-
-/// The last event from `at` on that has happened.
-fn latest<T>(events: &[T], at: usize, happened: impl Fn(&T) -> bool) -> usize {
-    (at..events.len()).take_while(|k| happened(&events[*k])).last().unwrap_or(at)
-}
-
-#[cfg(all(test, unix))]
-mod tests {
-    use super::*;
-    use std::io::Read;
-    use std::os::unix::fs::{FileTypeExt, symlink};
-
-    #[test]
-    fn a_link_stays_a_link() {
-        let folder = tempfile::tempdir().unwrap();
-        let (file, link) = (folder.path().join("deep.csv"), folder.path().join("link.csv"));
-        fs::write(&file, "before").unwrap();
-        symlink("deep.csv", &link).unwrap();
-        write_atomically(&link, |out| out.write_all(b"after")).unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::read_to_string(&file).unwrap(), "after");
-    }
-
-    #[test]
-    fn a_pipe_is_written_into() {
-        let folder = tempfile::tempdir().unwrap();
-        let pipe = folder.path().join("pipe");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        // for reading and writing: a pipe opened so waits for nobody
-        let mut reader = OpenOptions::new().read(true).write(true).open(&pipe).unwrap();
-        write_atomically(&pipe, |out| out.write_all(b"after")).unwrap();
-        assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
-        let mut text = [0; 5];
-        reader.read_exact(&mut text).unwrap();
-        assert_eq!(&text, b"after");
+/// Micro-units: below the noise of every sensor. Empty cells where there is a column but no value.
+fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, has_column: bool) -> io::Result<()> {
+    match value {
+        Some(v) => write!(out, ",{:.6},{:.6},{:.6}", v.x, v.y, v.z),
+        None if has_column => write!(out, ",,,"),
+        None => Ok(()),
     }
 }

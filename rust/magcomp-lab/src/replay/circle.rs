@@ -22,6 +22,8 @@ pub struct HeadingError {
     pub constant_deg: f64,
     /// Root mean square.
     pub rms_deg: f64,
+    /// Root mean square without taking the constant out.
+    pub absolute_rms_deg: f64,
     /// 95th percentile of its size.
     pub p95_deg: f64,
     /// Share of the errors within one and within two of their sigmas; none where no sigma was given.
@@ -87,18 +89,21 @@ impl Circle {
         median(f64::sin).atan2(median(f64::cos)).to_degrees()
     }
 
-    /// The errors of the counted azimuths about the centre; none of fewer than 50.
-    pub fn heading_error(&self) -> Option<HeadingError> {
+    /// The errors of the counted azimuths about the centre; none of fewer than 50. `north_deg` is the azimuth that would be right.
+    pub fn heading_error(&self, north_deg: f64) -> Option<HeadingError> {
         let centre_deg = self.centre_deg();
-        let errors = self.counted.values();
-        let errors = Sorted::of(errors.map(|(azimuth_deg, count)| (off_deg(azimuth_deg, centre_deg).abs(), count)));
+        let about = |from_deg: f64| {
+            let azimuths = self.counted.values();
+            Sorted::of(azimuths.map(|(azimuth_deg, count)| (off_deg(azimuth_deg, from_deg).abs(), count)))
+        };
+        let errors = about(centre_deg);
         let count = errors.count();
-        let squares: f64 = errors.0.iter().map(|(error, count)| error * error * f64::from(*count)).sum();
         let share = |arcs: &Arcs| arcs.over(centre_deg) as f64 / self.with_sigma as f64;
         (count >= FEWEST as u64).then(|| HeadingError {
             // where north seems to lie too far clockwise, headings are too small
-            constant_deg: -centre_deg,
-            rms_deg: (squares / count as f64).sqrt(),
+            constant_deg: off_deg(north_deg, centre_deg),
+            rms_deg: errors.rms(),
+            absolute_rms_deg: about(north_deg).rms(),
             p95_deg: errors.at((count * 95 / 100).min(count - 1)).unwrap_or(0.0),
             within_sigma: (self.with_sigma >= FEWEST as u64).then(|| self.arcs.each_ref().map(share)),
         })
@@ -150,6 +155,11 @@ impl Sorted {
 
     fn count(&self) -> u64 {
         self.0.iter().map(|(_, count)| u64::from(*count)).sum()
+    }
+
+    fn rms(&self) -> f64 {
+        let squares: f64 = self.0.iter().map(|(value, count)| value * value * f64::from(*count)).sum();
+        (squares / self.count() as f64).sqrt()
     }
 
     /// The value with so many before it.
@@ -204,7 +214,7 @@ mod tests {
             azimuths[5].1 = 500.0;
             let mut circle = Circle::default();
             azimuths.iter().for_each(|(azimuth, sigma, counted)| circle.add(*azimuth, Some(*sigma), *counted));
-            let found = circle.heading_error().unwrap();
+            let found = circle.heading_error(0.0).unwrap();
             let [one, two] = found.within_sigma.unwrap();
             let expected = all_at_once(&azimuths);
             let found = [circle.centre_deg(), found.rms_deg, found.p95_deg, one, two];
@@ -220,9 +230,9 @@ mod tests {
         for azimuth in [179.0, -179.0, 178.0, -178.0, 180.0].iter().cycle().take(100) {
             circle.add(*azimuth, None, true);
         }
-        let found = circle.heading_error().unwrap();
+        let found = circle.heading_error(0.0).unwrap();
         assert!(found.p95_deg < 2.1 && found.within_sigma.is_none(), "{found:?}");
-        assert_eq!(Circle::default().heading_error(), None);
+        assert_eq!(Circle::default().heading_error(0.0), None);
     }
 
     #[test]
@@ -230,8 +240,8 @@ mod tests {
         let mut circle = Circle::default();
         (0..60).for_each(|_| circle.add(1.0, Some(0.0), true));
         (0..60).for_each(|_| circle.add(1.0, Some(f64::NAN), true));
-        assert_eq!(circle.heading_error().unwrap().within_sigma, None);
+        assert_eq!(circle.heading_error(0.0).unwrap().within_sigma, None);
         (0..50).for_each(|_| circle.add(1.0, Some(f64::INFINITY), true));
-        assert_eq!(circle.heading_error().unwrap().within_sigma, Some([1.0, 1.0]));
+        assert_eq!(circle.heading_error(0.0).unwrap().within_sigma, Some([1.0, 1.0]));
     }
 }

@@ -2,7 +2,7 @@
 //! with a reference the errors too. Then the sphere.
 
 use super::circle::{Circle, off_deg};
-use super::judge::azimuth_deg;
+use super::directions::azimuth_deg;
 use super::marks::marks;
 use super::player::Step;
 use super::sizes::Sizes;

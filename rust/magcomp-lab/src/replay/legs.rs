@@ -6,8 +6,8 @@
 
 use super::level::AveragedUp;
 use super::player::Step;
-use crate::error::{LabError, Place};
-use crate::recording::{Row, unzipped};
+use crate::error::LabError;
+use crate::recording::{Row, read_table};
 use magcomp::{ReferenceAxis, ScreenRotation, heading};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -41,13 +41,7 @@ pub struct LegJudgement {
 /// # Errors
 /// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
 pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, LabError> {
-    let file = std::fs::File::open(path).and_then(unzipped).map_err(LabError::read(path))?;
-    let wrong = |error: csv::Error| LabError::Recording {
-        place: Place { path: path.to_owned(), line: error.position().map_or(1, csv::Position::line), column: None },
-        expected: "waypoints with the columns t_s,x_m,y_m".to_owned(),
-        found: error.to_string(),
-    };
-    csv::Reader::from_reader(file).deserialize().collect::<Result<_, _>>().map_err(wrong)
+    read_table(path, "waypoints with the columns t_s,x_m,y_m")
 }
 
 /// Judges the headings of a replay row by row.

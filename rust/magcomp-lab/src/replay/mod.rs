@@ -1,32 +1,42 @@
 //! A recording through the compensator, row by row.
 
+mod absolute;
 mod changes;
 mod circle;
+mod directions;
 mod explain;
 mod export;
 mod figures;
 mod judge;
+mod judgement;
 mod kinds;
 mod legs;
 mod level;
 mod marks;
 mod output;
 mod player;
+mod sentences;
 mod sizes;
 mod sphere;
 mod sphere_view;
+mod spread;
 mod turns;
+mod vectors;
 mod view;
 
+pub use absolute::AbsoluteHeading;
 pub use changes::{DeviceChange, PlaceDiffered};
 pub use circle::HeadingError;
 pub use explain::ExplainOutput;
 pub use export::write_calibration;
 pub use figures::{Figures, figures};
-pub use judge::{Declared, Disturbance, Judge, Judgement, MeanSpread, Vectors, VectorsJudge, judge, usual_part};
+pub use judge::{Judge, judge, usual_part};
+pub use judgement::{Declared, Disturbance, Judgement};
 pub use kinds::Kinds;
 pub use legs::{LegJudgement, Legs, Waypoint, read_waypoints};
 pub use output::Output;
 pub use player::{Ignore, Player, Step, replay, replay_with};
+pub use spread::MeanSpread;
 pub use turns::TurnJudgement;
+pub use vectors::{Vectors, VectorsJudge};
 pub use view::table;

@@ -1,4 +1,4 @@
-"""Makes the binary sessions beside this file, which tests/import.rs reads, with other people's writers:
+"""Makes the binary sessions beside this file, which tests/import/ reads, with other people's writers:
 pip install mcap-ros2-support==0.6.0 pyarrow==26.0.1"""
 
 import pyarrow as pa

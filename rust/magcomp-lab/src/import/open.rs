@@ -1,0 +1,103 @@
+//! A recording as it is, or made of a session.
+
+use super::document::Document;
+use super::forms::is_packed;
+use super::input::Input;
+use super::make::{import_found, logger};
+use super::options::ImportOptions;
+use super::plausible;
+use super::session::Session;
+use super::sheet::Sheet;
+use super::summary::Summary;
+use crate::error::LabError;
+use crate::place::Day;
+use crate::recording::{Source, unzipped};
+use std::io::{BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes at the beginning of a file that show its form.
+const START: u64 = 4096;
+/// Rows of a recording that tell its units: at least, and at most.
+const FEWEST: usize = 20;
+const LOOKED_AT: usize = 5000;
+
+/// A recording to replay.
+#[derive(Debug)]
+pub struct Opened {
+    /// Its rows.
+    pub source: Source,
+    /// The content of the session that it was made from; none where the input is a recording already.
+    pub session: Option<Summary>,
+    /// Parts that were left out, or may be wrong.
+    pub warnings: Vec<String>,
+    /// The day of its first row (UTC), where its times say so.
+    pub day: Option<Day>,
+}
+
+/// Opens a recording, or makes a session into one.
+///
+/// # Errors
+/// Those of [`import`] and of [`Source::of`].
+pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabError> {
+    let found = Input::all(inputs)?;
+    if let [input] = &found[..]
+        && !is_session(input, options)?
+    {
+        let mut source = Source::of(&input.path, input.open()?)?;
+        let warnings = plausible::check(&beginning(&mut source)?)?;
+        let day = Day::of_unix_ns(source.extent().start_ns);
+        return Ok(Opened { source, session: None, warnings, day });
+    }
+    let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
+    let failed = || LabError::write(Path::new("a temporary file"));
+    let copy = file.try_clone().map_err(failed())?;
+    let mut out = BufWriter::new(file);
+    let summary = import_found(&found, options, |write| write(&mut out).map_err(failed()))?;
+    out.flush().map_err(failed())?;
+    let (warnings, day) = (summary.warnings.clone(), summary.day);
+    Ok(Opened { source: Source::of(&inputs[0], copy)?, session: Some(summary), warnings, day })
+}
+
+/// The first rows of a recording, to look at its units; none of a recording that is too short to tell.
+fn beginning(source: &mut Source) -> Result<Session, LabError> {
+    let mut session = Session::default();
+    if source.extent().rows < FEWEST {
+        return Ok(session);
+    }
+    let rows = source.rows()?;
+    let [time, raw, up, rate, system] = ["t_s", "mx", "ax", "gx", "sys_mx"].map(|name| rows.first_place(name));
+    for row in rows.take(LOOKED_AT) {
+        let row = row?;
+        session.raw.add(row.time_ns, row.field_ut, || [time.clone(), raw.clone()])?;
+        for event in row.inertial() {
+            if let Some(value) = event.up_m_s2 {
+                session.up.add(event.time_ns, value, || [time.clone(), up.clone()])?;
+            }
+            if let Some(value) = event.rate_rad_s {
+                session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()])?;
+            }
+        }
+        if let Some(value) = row.system_ut {
+            session.system.add(row.time_ns, value, || [time.clone(), system.clone()])?;
+        }
+    }
+    Ok(session)
+}
+
+/// Whether the input must be imported.
+fn is_session(input: &Input, options: &ImportOptions) -> Result<bool, LabError> {
+    if input.is_dir || *options != ImportOptions::default() {
+        return Ok(true);
+    }
+    let mut text = Vec::new();
+    // a cut gzip shows itself when it is read whole
+    let _ = unzipped(input.open()?).map_err(LabError::read(&input.path))?.take(START).read_to_end(&mut text);
+    let document = Document { path: input.path.clone(), text };
+    let sheet = Sheet::new(&document);
+    let header = &sheet.header;
+    Ok(is_packed(&document.text)
+        || logger(std::slice::from_ref(&document)).is_some()
+        // a recording's own form has commas between cells, plain CSV may have others
+        || sheet.has_decimal_commas()
+        || !header.iter().any(|name| name == "t_s") && !header.is_empty())
+}

@@ -1,0 +1,52 @@
+//! The recordings of a folder that have a reference.
+
+use crate::error::LabError;
+use crate::recording::{files_of, unzipped};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// Bytes of a header that are looked at.
+const HEADER: u64 = 1 << 16;
+/// Endings of the two halves of a trial: the raw field, and the operating system's of the same times.
+const RAW: &str = "_uncal";
+const SYSTEM: &str = "_oscal";
+
+/// The recordings of a folder whose header has a reference orientation, by name. A system's half of a pair is none.
+pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
+    let paths = files_of(folder)?;
+    let is_second_half = |path: &Path| {
+        let raw = path.to_string_lossy().replace(SYSTEM, RAW);
+        Path::new(&raw) != path && paths.binary_search(&PathBuf::from(raw)).is_ok()
+    };
+    let mut found = Vec::new();
+    for path in &paths {
+        if is_csv(path) && !is_second_half(path) && has_reference(path).map_err(LabError::read(path))? {
+            found.push(path.clone());
+        }
+    }
+    if found.is_empty() {
+        let why = "no recording (.csv, .csv.gz) with a reference orientation, columns qw,qx,qy,qz, is in this folder";
+        return Err(LabError::Usage(format!("{}: {why}", folder.display())));
+    }
+    Ok(found)
+}
+
+/// A recording's name in tables and for patterns: its file's without .csv or .csv.gz.
+pub(super) fn name_of(path: &Path) -> String {
+    let name = crate::recording::name_of(path);
+    let short = name.strip_suffix(".gz").unwrap_or(&name);
+    short.strip_suffix(".csv").unwrap_or(short).to_owned()
+}
+
+fn is_csv(path: &Path) -> bool {
+    let name = crate::recording::name_of(path);
+    name.ends_with(".csv") || name.ends_with(".csv.gz")
+}
+
+/// Whether the header names a reference; whatever else is wrong with the file, its reader will tell.
+fn has_reference(path: &Path) -> io::Result<bool> {
+    let mut header = Vec::new();
+    BufReader::new(unzipped(File::open(path)?)?.take(HEADER)).read_until(b'\n', &mut header)?;
+    Ok(String::from_utf8_lossy(&header).split(',').any(|name| name.trim() == "qw"))
+}

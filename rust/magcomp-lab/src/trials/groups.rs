@@ -1,0 +1,89 @@
+//! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
+//! recording,group[,declination_deg]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
+
+use crate::error::{LabError, Place};
+use crate::recording::read_table;
+use glob::Pattern;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The index that a folder has itself.
+const INDEX: &str = "INDEX.csv";
+/// The group of all, without an index; of those that no line fits, with one.
+const ALL: &str = "all";
+const OTHERS: &str = "others";
+
+#[derive(Deserialize)]
+struct Line {
+    recording: String,
+    group: String,
+    #[serde(default)]
+    declination_deg: Option<f64>,
+}
+
+/// A line of an index.
+struct Rule {
+    pattern: Pattern,
+    group: String,
+    declination_deg: f64,
+}
+
+/// The lines of an index, in order.
+pub(super) struct Groups {
+    path: Option<PathBuf>,
+    rules: Vec<Rule>,
+}
+
+impl Groups {
+    /// The index named, else the one of the folder, else none.
+    pub fn of(folder: &Path, index: Option<&Path>) -> Result<Self, LabError> {
+        let own = folder.join(INDEX);
+        let Some(path) = index.map(Path::to_owned).or_else(|| own.is_file().then_some(own)) else {
+            return Ok(Self { path: None, rules: Vec::new() });
+        };
+        let lines: Vec<Line> = read_table(&path, "an index with the columns recording,group[,declination_deg]")?;
+        let rule = |(k, line): (usize, Line)| {
+            let wrong = |expected: &str, found: String| LabError::Recording {
+                place: Place { path: path.clone(), line: k as u64 + 2, column: None },
+                expected: expected.to_owned(),
+                found,
+            };
+            let pattern = Pattern::new(line.recording.trim());
+            let pattern =
+                pattern.map_err(|error| wrong("a recording's name or a pattern with * and ?", error.to_string()))?;
+            let declination_deg = line.declination_deg.unwrap_or(0.0);
+            if !(-180.0..=180.0).contains(&declination_deg) {
+                return Err(wrong("a declination from -180 to 180 degrees", declination_deg.to_string()));
+            }
+            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg })
+        };
+        let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, _>>()?;
+        Ok(Self { path: Some(path), rules })
+    }
+
+    /// Group and declination (degrees, east positive; 0 where none is told) of a recording.
+    pub fn find(&self, recording: &str) -> (&str, f64) {
+        let rest = if self.path.is_some() { OTHERS } else { ALL };
+        let found = self.rules.iter().find(|rule| rule.pattern.matches(recording));
+        found.map_or((rest, 0.0), |rule| (rule.group.as_str(), rule.declination_deg))
+    }
+
+    /// The names of all groups, in the order of the index.
+    pub fn names(&self) -> Vec<&str> {
+        let mut names = Vec::new();
+        for name in self.rules.iter().map(|rule| rule.group.as_str()).chain([OTHERS, ALL]) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Warnings of lines that fit none of the recordings.
+    pub fn unused<'a>(&self, recordings: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+        let Some(path) = &self.path else { return Vec::new() };
+        let fits = |rule: &Rule| recordings.clone().any(|recording| rule.pattern.matches(recording));
+        let unused = self.rules.iter().filter(|rule| !fits(rule));
+        unused.map(|rule| format!("{}: '{}' fits no recording", path.display(), rule.pattern)).collect()
+    }
+}

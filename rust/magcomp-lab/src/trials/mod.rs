@@ -1,0 +1,40 @@
+//! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups.
+
+mod figures;
+mod folder;
+mod groups;
+mod score;
+mod view;
+
+pub use figures::{FIGURES, Figure};
+pub use score::{GroupScore, Score, Summary, Trials};
+
+use crate::error::LabError;
+use crate::{parallel, progress};
+use folder::recordings;
+use groups::Groups;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// Plays and judges every recording of `folder` that has a reference, on so many threads; `index` names groups and declinations
+/// (`magcomp evaluate --help`), the folder's own `INDEX.csv` when it is none. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`LabError::Read`] and [`LabError::Recording`] name the file that is at fault; [`LabError::Usage`] where no recording has a
+/// reference.
+pub fn judge_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Trials, LabError> {
+    let paths = recordings(folder)?;
+    let groups = Groups::of(folder, index)?;
+    let bar = progress::bar(paths.len(), "evaluate");
+    let scores = parallel::map(&paths, threads, |path| {
+        let score = Score::of(path, &groups);
+        bar.inc(1);
+        score
+    });
+    bar.finish_and_clear();
+    let scores: Vec<(Score, Vec<String>)> = scores.into_iter().collect::<Result<_, _>>()?;
+    let (scores, warnings): (Vec<Score>, Vec<Vec<String>>) = scores.into_iter().unzip();
+    let mut warnings = warnings.concat();
+    warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
+    Ok(Trials { groups: GroupScore::of_all(&scores, &groups), recordings: scores, warnings })
+}

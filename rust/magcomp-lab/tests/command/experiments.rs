@@ -1,0 +1,125 @@
+//! Demo, simulate, compare, evaluate.
+
+use crate::{magcomp, run, simulated, text};
+use std::fs;
+
+#[test]
+fn demo_needs_nothing_but_an_empty_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = magcomp().current_dir(folder.path()).args(["demo", "--runs", "1"]).output().unwrap();
+    let (out, error) = (String::from_utf8(found.stdout).unwrap(), String::from_utf8(found.stderr).unwrap());
+    assert_eq!((found.status.code(), error.as_str()), (Some(0), ""));
+    assert!(out.contains("broad_34") && out.ends_with("report: magcomp-report/index.html\n"), "{out}");
+    let pages = folder.path().join("magcomp-report");
+    let html = fs::read_to_string(pages.join("index.html")).unwrap();
+    let pictures = fs::read_dir(&pages).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let pictures: Vec<String> = pictures.filter(|name| name.ends_with(".svg")).collect();
+    assert!(pictures.len() > 4 && pictures.iter().all(|name| html.contains(name)), "{pictures:?}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn simulate_is_reproducible_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = |name: &str, seed: &str| {
+        let path = folder.path().join(name);
+        let arguments =
+            ["simulate", text(&path), "--seed", seed, "--seconds", "10", "--change", "step", "--spikes", "0.02"];
+        assert_eq!(run(&arguments).0, 0);
+        fs::read(path).unwrap()
+    };
+    let (first, again, other) = (written("a.csv", "5"), written("b.csv", "5"), written("c.csv", "6"));
+    assert!(first == again && first != other);
+    assert!(first.starts_with(b"t_s,mx,my,mz,ax,ay,az,gx,gy,gz,qw,qx,qy,qz,true_bx,true_by,true_bz\n"));
+}
+
+#[test]
+fn json_parses_and_the_report_shows_its_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("pages");
+    let (code, json, _) =
+        run(&["crb", "--runs", "5", "--samples", "100,200", "--snr", "35", "--json", "--report", text(&pages)]);
+    assert_eq!(code, 0);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(value["rows"].as_array().unwrap().len(), 2);
+    let html = fs::read_to_string(pages.join("index.html")).unwrap();
+    assert!(html.contains("fig2_bound.svg") && html.contains("magcomp crb --runs 5"));
+    assert!(fs::read_to_string(pages.join("fig2_bound.svg")).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn compare_says_who_is_better_as_markdown() {
+    let methods = ["--method", "adaptive,none", "--scenario", "constant,pulse", "--runs", "1"];
+    let (code, text, error) = run(&[&["compare", "--markdown"], methods.as_slice()].concat());
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(text.contains("|  | adaptive | none |\n|---|---|---|\n| constant | **"), "{text}");
+    assert!(text.contains("adaptive is the best or as good in all of them."), "{text}");
+}
+
+#[test]
+fn compare_judges_methods_with_gyroscope_by_themselves() {
+    let given = |arguments: &[&str]| {
+        let (code, text, error) = run(&[&["compare", "--json"], arguments].concat());
+        assert_eq!(code, 0, "{error}");
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()
+    };
+    let named = |value: &serde_json::Value, name: &str| {
+        value.as_array().unwrap().iter().find(|method| method["name"] == name).unwrap().clone()
+    };
+    let methods = ["--method", "none,aided,aided-sample,vqf-raw,vqf-ours,fusion"];
+    let phone = given(&[&["--scenario", "phone-walk,step", "--runs", "1"], methods.as_slice()].concat());
+    assert_eq!((phone[0]["methods"].as_array().unwrap().len(), phone[0]["aided"].as_array().unwrap().len()), (1, 5));
+    // no gyroscope there
+    assert_eq!(phone[1]["aided"].as_array().unwrap().len(), 0);
+    let after_deg = |name: &str| named(&phone[0]["aided"], name)["after_deg"].as_f64().unwrap();
+    assert!(after_deg("aided") < 2.0 && after_deg("vqf-ours") < 2.0, "{phone}");
+    assert!(after_deg("fusion") > 3.0 && after_deg("vqf-raw") > 3.0, "{phone}");
+
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
+    let recorded = given(&[&[path], methods.as_slice()].concat());
+    let rms = |name: &str| named(&recorded[0]["aided"], name)["vectors"]["heading"]["rms_deg"].as_f64().unwrap();
+    assert!(rms("aided") < rms("vqf-raw") && rms("vqf-raw") < rms("fusion"), "{recorded}");
+    // the same figure as `replay` has for c
+    let (_, text, _) = run(&["replay", "--json", path]);
+    let replayed = serde_json::from_str::<serde_json::Value>(&text).unwrap();
+    let replayed_deg = replayed["heading"]["rms_deg"].as_f64().unwrap();
+    assert!((rms("aided-sample") - replayed_deg).abs() < 1e-6, "{} {replayed_deg}", rms("aided-sample"));
+    // and as it has for the total field, in uT
+    let field = named(&recorded[0]["aided"], "aided-sample")["vectors"]["total_field_ut"].clone();
+    for part in ["mean", "spread"] {
+        let (found, replayed) = (&field[part], &replayed["total_field_ut"]["compensated"][part]);
+        assert!((found.as_f64().unwrap() - replayed.as_f64().unwrap()).abs() < 1e-6, "{part}: {found} {replayed}");
+    }
+    assert!(named(&recorded[0]["aided"], "vqf-raw")["vectors"]["total_field_ut"].is_null());
+}
+
+#[test]
+fn compare_on_a_recording_has_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (input, pages) = (simulated(folder.path(), "30"), folder.path().join("pages"));
+    let (code, table, error) =
+        run(&["compare", text(&input), "--method", "adaptive,network", "--report", text(&pages)]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    assert!(table.contains("adaptive") && table.contains("network"), "{table}");
+    assert!(table.contains("spread of |h| uT"), "{table}");
+    let picture = fs::read_to_string(pages.join("compare_in.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.contains("adaptive"), "{picture}");
+}
+
+/// docs/EVALUATION.md has the lines that the command prints.
+#[test]
+fn the_page_of_situations_has_the_lines_of_the_command() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/EVALUATION.md")).unwrap();
+    let lines = |page: &str| {
+        let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("|  |"));
+        rows.map(|line| line.split(" | ").next().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let (code, printed, error) = run(&["evaluate", "--runs", "1", "--markdown"]);
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(
+        lines(&printed),
+        lines(&page),
+        "run `cargo run --release -- evaluate --runs 10 --markdown > docs/EVALUATION.md`"
+    );
+    assert_eq!(lines(&page).len(), 51);
+}

@@ -1,0 +1,58 @@
+//! Replay explains every row.
+
+use crate::{run, text};
+use std::fs;
+use std::path::Path;
+
+/// `magcomp replay --explain` of `input`: the rows by their columns.
+fn explained(folder: &Path, input: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let output = folder.join("explained.csv");
+    let (code, _, error) = run(&["replay", text(input), "--explain", text(&output)]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    let written = fs::read_to_string(&output).unwrap();
+    assert!(!written.contains("NaN") && !written.contains("inf"));
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+    let mut lines = written.lines();
+    let columns = cells(lines.next().unwrap());
+    let rows: Vec<_> = lines.map(cells).collect();
+    assert!(rows.iter().all(|row| row.len() == columns.len()));
+    (columns, rows)
+}
+
+#[test]
+fn a_replay_explains_every_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.csv");
+    assert_eq!(run(&["simulate", text(&input), "--seconds", "30", "--change", "step", "--at", "20"]).0, 0);
+    let (columns, rows) = explained(folder.path(), &input);
+    let recording = fs::read_to_string(&input).unwrap();
+    assert_eq!(rows.len(), recording.lines().count() - 1);
+    for (row, raw) in rows.iter().zip(recording.lines().skip(1)) {
+        assert_eq!(row[0], raw.split(',').next().unwrap());
+    }
+    let cell = |row: usize, name: &str| rows[row][columns.iter().position(|column| column == name).unwrap()].as_str();
+    let number = |row: usize, name: &str| cell(row, name).parse::<f64>().unwrap();
+    assert_eq!((cell(50, "phase"), cell(50, "tries_both"), cell(50, "innovation_x_ut")), ("starting", "true", ""));
+    assert_eq!((cell(1999, "phase"), cell(1999, "sample"), cell(2000, "sample")), ("running", "used", "gated"));
+    assert!(number(1999, "test_ratio") < 1.0 && number(2000, "test_ratio") > 1.0);
+    // its story ends in the row of the decision
+    let decided = (0..rows.len()).find(|row| !cell(*row, "event").is_empty()).unwrap();
+    assert_eq!((cell(decided, "event"), cell(decided, "phase")), ("device_step", "running"));
+    assert!((number(decided, "event_onset_s") - 20.0).abs() < 0.1);
+    let before = decided - 1;
+    assert_eq!((cell(before, "phase"), cell(before, "sample")), ("undecided", "compared"));
+    assert_eq!((cell(before, "hypothesis_1_kind"), cell(before, "hypothesis_2_kind")), ("device", "place"));
+    assert_eq!(cell(before, "hypothesis_1_onset_s"), cell(decided, "event_onset_s"));
+    assert!(number(before, "hypothesis_2_log_odds") < -20.0);
+    assert_eq!((decided + 1..rows.len()).find(|row| !cell(*row, "event").is_empty()), None);
+}
+
+#[test]
+fn a_rejected_row_is_explained_as_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.csv");
+    fs::write(&input, "t_s,mx,my,mz\n0,1,2,3\n0.01,nan,2,3\n0.02,2,2,3\n").unwrap();
+    let (columns, rows) = explained(folder.path(), &input);
+    let sample = columns.iter().position(|column| column == "sample").unwrap();
+    assert_eq!(rows.iter().map(|row| row[sample].as_str()).collect::<Vec<_>>(), ["pooled", "rejected", "pooled"]);
+}
