@@ -121,6 +121,11 @@ impl Sphere {
         epochs.collect()
     }
 
+    /// The onsets of the events so far, s after the first row, each with the kinds that were decided for it.
+    pub(super) fn marks(&self) -> Vec<(f64, String)> {
+        marks(&self.events, self.extent.start_ns)
+    }
+
     /// The interactive page; `recording` is the recording's name.
     pub(super) fn page(&self, recording: &str) -> String {
         PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
@@ -157,7 +162,6 @@ impl Sphere {
             m: std::array::from_fn(|i| rounded(calibration.soft_iron()[(i / 3, i % 3)], 1e5)),
             f: rounded(calibration.field_strength_ut(), 1000.0),
         };
-        let marks = marks(&self.events, self.extent.start_ns).into_iter();
         let data = Data {
             title: recording,
             t: self.samples.iter().map(|sample| rounded(sample.time_s, 1000.0)).collect(),
@@ -165,7 +169,7 @@ impl Sphere {
             fixed: self.samples.iter().map(|sample| sample.corrected.as_ref().map(tenths)).collect(),
             fit: self.samples.iter().map(|sample| sample.calibration).collect(),
             fits: self.calibrations.iter().map(fit).collect(),
-            marks: marks.map(|(t, kind)| Mark { t: rounded(t, 1000.0), kind }).collect(),
+            marks: self.marks().into_iter().map(|(t, kind)| Mark { t: rounded(t, 1000.0), kind }).collect(),
             course: &self.course,
         };
         serde_json::to_string(&data).expect("numbers and names are JSON")

@@ -4,16 +4,15 @@
 //! of M M^T that belongs to the other two axes. From aside, w is out of the paper: a wire is in front where w > 0.
 
 use super::sphere::{Epoch, Sample, Sphere};
+use super::square::{PANEL, Square, text};
 use crate::plot::{Colour, with_dark_style};
 use crate::report::Report;
 use magcomp::nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
-use std::fmt::Write as _;
 
 /// Stretches that are shown, at most.
 const MOST_EPOCHS: usize = 6;
-/// Edge of a panel and height of the line above it, pixels.
-const PANEL: f64 = 275.0;
+/// Height of the line above a panel, pixels.
 const TITLE: f64 = 42.0;
 /// Points of a kind in a panel, at most.
 const MOST_POINTS: usize = 1500;
@@ -168,82 +167,6 @@ fn middle(samples: &[Sample]) -> Vector3<f64> {
 fn extent(samples: &[Sample]) -> f64 {
     let (low, high) = bounds(samples);
     (0.5 * (high - low).amax()).max(1.0)
-}
-
-/// A square panel whose middle is the origin.
-struct Square {
-    left: f64,
-    top: f64,
-    /// Pixels in a microtesla.
-    scale: f64,
-}
-
-impl Square {
-    fn begin(&self, out: &mut String, title: &str) {
-        let (x, y, edge) = (self.left + 6.0, self.top - 8.0, PANEL - 12.0);
-        text(out, x + 4.0, y, 12, title);
-        // an inner svg clips points outside its frame
-        let _ = writeln!(
-            out,
-            "<svg x=\"{x}\" y=\"{}\" width=\"{edge}\" height=\"{edge}\" viewBox=\"{x} {} {edge} {edge}\">\
-             <rect x=\"{x}\" y=\"{}\" width=\"{edge}\" height=\"{edge}\" fill=\"none\" stroke=\"#DDE1E6\"/>",
-            self.top, self.top, self.top
-        );
-        let (across, down) = (self.left + PANEL / 2.0, self.top + PANEL / 2.0 - 6.0);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{x} {down}h{edge}M{across} {}v{edge}\" fill=\"none\" stroke=\"#DDE1E6\"/>",
-            self.top
-        );
-    }
-
-    fn end(&self, out: &mut String) {
-        out.push_str("</svg>\n");
-    }
-
-    fn at(&self, v: &Vector2<f64>) -> (f64, f64) {
-        let size = |value: f64| (value * self.scale).clamp(-2.0 * PANEL, 2.0 * PANEL);
-        (self.left + PANEL / 2.0 + size(v.x), self.top + PANEL / 2.0 - 6.0 - size(v.y))
-    }
-
-    fn points(&self, out: &mut String, points: impl Iterator<Item = Vector2<f64>>, colour: Colour) {
-        let mut path = String::new();
-        for point in points {
-            let (x, y) = self.at(&point);
-            let _ = write!(path, "M{x:.1} {y:.1}h0");
-        }
-        let stroke = colour.hex();
-        let _ = writeln!(
-            out,
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"2.4\" stroke-linecap=\"round\" opacity=\"0.55\"/>"
-        );
-    }
-
-    fn line(&self, out: &mut String, points: impl Iterator<Item = Vector2<f64>>, colour: Colour, opacity: f64) {
-        let mut path = String::new();
-        for (k, point) in points.enumerate() {
-            let (x, y) = self.at(&point);
-            let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
-        }
-        let stroke = colour.hex();
-        let _ = writeln!(
-            out,
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.3\" opacity=\"{opacity}\"/>"
-        );
-    }
-
-    fn ring(&self, out: &mut String, at: Vector2<f64>, opacity: f64) {
-        let ((x, y), stroke) = (self.at(&at), Colour::Red.hex());
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.4\" opacity=\"{opacity}\"/>"
-        );
-    }
-}
-
-fn text(out: &mut String, x: f64, y: f64, size: u32, text: &str) {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"#22262B\">{text}</text>");
 }
 
 #[cfg(test)]

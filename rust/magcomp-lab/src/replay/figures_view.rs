@@ -1,0 +1,151 @@
+//! The picture of a replay over time, drawn: one panel below the other, all in one time, then the sphere.
+
+use super::figures::{Figures, LANES};
+use super::sphere_view::show;
+use crate::error::LabError;
+use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
+use crate::report::Report;
+
+/// Shown of the heading error: this many times the two sigmas that half of the readings stay below, degrees at least and at most.
+/// Of the total field: this many times the length that most corrected samples stay below.
+const ROOM: f64 = 2.0;
+const LEAST_DEG: f64 = 5.0;
+const MOST_DEG: f64 = 60.0;
+
+impl Figures {
+    /// Adds the pictures to a report; `recording` is the recording's name.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
+        let fine = self.extent.rows > FINE;
+        let series = |name: &str, colour, points| Series { fine, ..Series::new(name, colour, points) };
+        let usual = self.total_field.at(980);
+        // a raw field that is far larger is left out, so that the corrected one can be seen
+        let beyond = usual.zip(self.raw_field.at(500)).filter(|(usual, raw)| *raw > ROOM * usual);
+        let title = beyond.map_or_else(
+            || "total field".to_owned(),
+            |(_, raw)| format!("total field (raw: mostly {raw:.0} uT, beyond this)"),
+        );
+        let system = if self.extent.system { "the system's" } else { "" };
+        let mut panels = vec![
+            Panel {
+                y_range: Some((0.0, 360.0)),
+                layers: Layers { bands: vec![(Colour::Blue, self.heading_band)], ..Layers::default() },
+                ..panel("heading, and its 2-sigma band", "deg", vec![series("", Colour::Blue, self.heading)])
+            },
+            Panel {
+                y_range: beyond.map(|(usual, _)| (0.0, ROOM * usual)),
+                ..panel(
+                    &title,
+                    "uT",
+                    vec![
+                        series("raw", Colour::Grey, self.raw.points()),
+                        series(system, Colour::Green, self.system.points()),
+                        series("compensated", Colour::Blue, self.corrected.points()),
+                    ],
+                )
+            },
+            panel(
+                "dip: angle of the field below the horizon",
+                "deg",
+                vec![series("", Colour::Blue, self.dip.points())],
+            ),
+        ];
+        if self.extent.first_reference.is_some() {
+            // the heading errors of raw and corrected samples, then that of the published heading, closer, with its band
+            panels.push(panel(
+                "heading error against the reference",
+                "deg",
+                vec![
+                    series("raw", Colour::Grey, self.raw_error.points()),
+                    series("compensated", Colour::Blue, self.corrected_error.points()),
+                ],
+            ));
+            let range = (ROOM * self.two_sigma.at(500).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
+            panels.push(Panel {
+                y_range: Some((-range, range)),
+                layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
+                ..panel(
+                    "error of the heading given, and its 2-sigma band",
+                    "deg",
+                    vec![series("heading", Colour::Blue, self.heading_error.points())],
+                )
+            });
+        }
+        let truth = self.truth.map(Thin::points).into_iter().filter(|b| b.iter().any(|(_, b)| b.is_finite()));
+        let truth = truth.map(|b| Series { dashed: true, ..series("", Colour::Grey, b) });
+        let colours = [Colour::Blue, Colour::Orange, Colour::Green];
+        let mut lines = self.parameters.map(Thin::points).into_iter().zip(self.parameter_bands);
+        let mut three = |title: &str, unit: &str, names: [&str; 3], before: Vec<Series>| {
+            let (mut all, mut bands) = (before, Vec::new());
+            for ((name, colour), (line, band)) in names.into_iter().zip(colours).zip(lines.by_ref()) {
+                all.push(series(name, colour, line));
+                bands.push((colour, band));
+            }
+            Panel { layers: Layers { bands, ..Layers::default() }, ..panel(title, unit, all) }
+        };
+        panels.push(three("hard iron b, and one sigma", "uT", ["b_x", "b_y", "b_z"], truth.collect()));
+        panels.push(three("soft iron M less 1, and one sigma", "", ["M_xx", "M_yy", "M_zz"], Vec::new()));
+        panels.push(three("soft iron M, and one sigma", "", ["M_xy", "M_xz", "M_yz"], Vec::new()));
+        if self.any_sigma_t {
+            panels.push(panel(
+                "sigma_T, and window N / 2000",
+                "",
+                vec![
+                    series("N / 2000", Colour::Grey, self.window.points()),
+                    series("sigma_T", Colour::Blue, self.sigma_t.points()),
+                ],
+            ));
+        }
+        let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
+            spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
+        });
+        let marks = self.sphere.marks();
+        // the moments of the events in every panel; the lowest names them
+        for panel in &mut panels {
+            panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();
+        }
+        panels.push(Panel {
+            layers: Layers {
+                lanes: LANES.map(|(name, _)| name).to_vec(),
+                spans: spans.collect(),
+                marks,
+                ..Layers::default()
+            },
+            ..panel("status, and events since when", "", Vec::new())
+        });
+        let error = match self.extent.first_reference {
+            Some(_) => {
+                " heading errors against the reference, up to one constant, the lower with the band of two sigmas that was given \
+                 with it;"
+            }
+            None => "",
+        };
+        let band = match self.extent.first_reference {
+            Some(_) => {
+                " The heading's band also allows for errors that few references show: an uneven place, axes of the sensors that \
+                 differ, an accelerometer that leans. A steep field multiplies them, and at rest they do not average out, so the \
+                 band stays wide where the line is still."
+            }
+            None => "",
+        };
+        let caption = format!(
+            "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
+             true b, where it is known); status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
+        );
+        show(&self.sphere, report, name, recording);
+        report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
+        Ok(())
+    }
+}
+
+fn panel(title: &str, y_label: &str, series: Vec<Series>) -> Panel {
+    Panel {
+        title: title.to_owned(),
+        x_label: "time, s".to_owned(),
+        y_label: y_label.to_owned(),
+        series,
+        ..Panel::default()
+    }
+}
