@@ -14,6 +14,8 @@ const GRID_S: f64 = 1e-3;
 const TUMBLE_RAD_S: f64 = 1.0;
 /// Correlation time of a wandering motion, s: a hand changes its motion about once a second.
 const WANDER_S: f64 = 1.0;
+/// Time in which a hand follows such a motion, s: without it the attitude would have a jump of its rate at every point of the grid.
+const FOLLOWS_S: f64 = 0.2;
 /// Swing of pitch and roll of a pedestrian, degrees; the gait's sway on top keeps both within 20.
 const SWING_DEG: f64 = 17.0;
 /// Wandering of pitch and roll of a stroll, degrees; its gait's sway; the limit of both.
@@ -144,6 +146,17 @@ fn wandering(count: usize, sigma: f64, random: &mut Random) -> Vec<Vector3<f64>>
         .collect()
 }
 
+/// The same values, each drawn towards over [`FOLLOWS_S`] (a low-pass of the first order), so that their rates are those of a hand.
+fn followed(values: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let gain = 1.0 - (-GRID_S / FOLLOWS_S).exp();
+    let mut at = values.first().copied().unwrap_or_default();
+    let follow = |value: Vector3<f64>| {
+        at += (value - at) * gain;
+        at
+    };
+    values.into_iter().map(follow).collect()
+}
+
 /// Heading over time, rad: held between turns by 45 to 180 deg, for a time and turned over a time drawn from these ranges, s.
 fn heading(
     count: usize,
@@ -194,7 +207,8 @@ fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
 /// Heading held for 1.5 to 4.5 s, then turned in 1.5 s; pitch and roll wander and sway.
 fn stroll(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
     let heading = heading(count, (1.5, 4.5), (1.5, 1.5), (1.5, 4.5), random);
-    let wander = wandering(count, STROLL_DEG, random);
+    // the hand that follows it takes out as much of the wandering as is given more of it
+    let wander = followed(wandering(count, STROLL_DEG * (1.0 + FOLLOWS_S / WANDER_S).sqrt(), random));
     let tilt = |wander: f64, phase: f64| {
         (wander + STROLL_SWAY_DEG * phase.sin()).clamp(-STROLL_LIMIT_DEG, STROLL_LIMIT_DEG).to_radians()
     };
@@ -249,6 +263,25 @@ mod tests {
             for k in 0..6000 {
                 let (roll, pitch, _) = walk.at(f64::from(k) * 0.01).0.euler_angles();
                 assert!(roll.to_degrees().abs() <= 20.01 && pitch.to_degrees().abs() <= 20.01);
+            }
+        }
+    }
+
+    /// A phone's gyroscope reads up to 35 rad/s; a stroll turns by 180 deg in 1.5 s at most, which is 3.1 rad/s at its middle.
+    #[test]
+    fn no_motion_is_faster_than_a_phones_gyroscope() {
+        for (motion, most_rad_s) in [
+            (Motion::Uniform, 35.0),
+            (Motion::Tumble, 35.0),
+            (Motion::Pedestrian, 8.0),
+            (Motion::Stroll, 8.0),
+            (Motion::Planar, 35.0),
+            (Motion::Still, 35.0),
+        ] {
+            for seed in 1..20 {
+                let trajectory = motion.trajectory(60.0, 0.01, &mut Random::new(seed, Purpose::Motion));
+                let fastest = trajectory.rates_rad_s.iter().map(Vector3::norm).fold(0.0, f64::max);
+                assert!(fastest < most_rad_s, "{motion:?}, {seed}: {fastest} rad/s");
             }
         }
     }
