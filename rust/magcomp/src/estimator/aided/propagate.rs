@@ -44,6 +44,26 @@ pub(super) struct StepNoise {
     pub(super) seconds: f64,
 }
 
+/// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with what is added to the turn.
+struct Transition<A> {
+    m_by_m: Matrix3<f64>,
+    d_by_d: Matrix3<f64>,
+    m_by_turn: Matrix3<f64>,
+    d_by_turn: Matrix3<f64>,
+    added: A,
+}
+
+impl<A: Fn(&Parts) -> Vector3<f64>> Transition<A> {
+    /// F dx, of m and d.
+    #[inline(always)]
+    fn times(&self, dx: &Parts) -> Vector6<f64> {
+        let added = (self.added)(dx);
+        let m = self.m_by_m * dx.field - self.m_by_turn * added;
+        let d = self.d_by_d * dx.local - self.d_by_turn * added;
+        Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
+    }
+}
+
 impl ProcessNoise {
     /// Variance of a step's turn per axis, rad^2.
     pub(crate) fn turn_rad2(&self, dt_s: f64) -> f64 {
@@ -75,16 +95,10 @@ impl Filter {
         self.set_part(FIELD, &m);
         self.set_part(LOCAL, &d);
         let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
-        // F's rows of m and d
-        let times = |dx: &Parts| {
-            let added = added(dx);
-            let m = m_by_m * dx.field - m_by_turn * added;
-            let d = d_by_d * dx.local - d_by_turn * added;
-            Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
-        };
+        let f = Transition { m_by_m, d_by_d, m_by_turn, d_by_turn, added };
         // of P F^T and of F (P F^T) the columns of m and d
-        let mut columns = covariance(&self.covariance, times);
-        let rows = covariance(&columns.transpose(), times);
+        let mut columns = covariance(&self.covariance, |dx| f.times(dx));
+        let rows = covariance(&columns.transpose(), |dx| f.times(dx));
         columns.fixed_rows_mut::<3>(FIELD.start()).tr_copy_from(&rows.fixed_columns::<3>(0));
         columns.fixed_rows_mut::<3>(LOCAL.start()).tr_copy_from(&rows.fixed_columns::<3>(3));
         for (column, i) in columns.column_iter().zip(FIELD.range().chain(LOCAL.range())) {
