@@ -25,6 +25,8 @@ pub(crate) struct Earth {
     sd_ut: f64,
     /// w.
     probability: f64,
+    /// Seconds of motion for which the field of the place has been as strong and as deep.
+    alike_s: f64,
 }
 
 impl Earth {
@@ -34,7 +36,7 @@ impl Earth {
         let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
         let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
-        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0 }
+        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0, alike_s: 0.0 }
     }
 
     /// One sample; `filter` is as it was before it.
@@ -45,6 +47,14 @@ impl Earth {
         self.sd_ut = drifted_ut.hypot(size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
         self.probability *= (-step.dt_s * step.motion / tuning.new_place_time_s).exp();
         self.field_ut = step.turn * self.field_ut;
+    }
+
+    /// Whether m has been as strong and as deep as h for long: then m is h, and what was carried has been led astray.
+    pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
+        let off_ut = (m.norm() - self.field_ut.norm()).hypot((m - self.field_ut).dot(up));
+        let is_alike = off_ut < 0.5 * tuning.smallest_step_ut;
+        self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
+        self.alike_s > tuning.settled_s
     }
 
     /// The chain of rotations is broken, and the field of the place, which was `m`, is `now`: how far it is off is still known,

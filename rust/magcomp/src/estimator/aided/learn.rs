@@ -119,6 +119,7 @@ impl Aided {
             }
             self.begin_trial(false);
         } else if running.watch.share() < 0.5 * self.tuning.suspect_share {
+            running.look_for_earth(step, self.motion.up.as_ref(), &self.tuning);
             running.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }

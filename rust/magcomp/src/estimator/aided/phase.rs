@@ -14,6 +14,7 @@ use super::first_fit::{Before, FirstFit};
 use super::propagate::ProcessNoise;
 use super::quarantine::Quarantine;
 use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
+use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::Watch;
 
@@ -151,6 +152,12 @@ impl Running {
     /// Whether the field of `found` is the Earth's again. Then it is carried alone.
     pub(super) fn is_back_on_earth(&mut self, found: &Filter, tuning: &Tuning) -> bool {
         self.earth.take_if(|it| it.is_that_of(found, &self.filter, tuning)).is_some()
+    }
+
+    /// A sample that fits: where its field has long been as strong and as deep as the Earth's that is carried beside it, it is that.
+    pub(super) fn look_for_earth(&mut self, step: &Step<'_>, up: Option<&Vector3<f64>>, tuning: &Tuning) {
+        let (Some(up), m) = (up, self.filter.part(FIELD)) else { return };
+        let _ = self.earth.take_if(|earth| earth.is_astray(step, &m, up, tuning));
     }
 
     /// After the first sample of a new chain of rotations: the field is as strong as it was before.

@@ -1,5 +1,6 @@
 //! Tests of the aided estimator that look inside it.
 
+mod astray;
 mod filter;
 mod jacobians;
 mod mechanisms;
