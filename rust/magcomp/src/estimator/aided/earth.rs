@@ -27,6 +27,8 @@ pub(crate) struct Earth {
     probability: f64,
     /// Seconds of motion for which the field of the place has been as strong and as deep.
     alike_s: f64,
+    /// A break of the chain has made h but a sample.
+    is_lost: bool,
 }
 
 impl Earth {
@@ -36,7 +38,7 @@ impl Earth {
         let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
         let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
-        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0, alike_s: 0.0 }
+        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0, alike_s: 0.0, is_lost: false }
     }
 
     /// One sample; `filter` is as it was before it.
@@ -52,7 +54,7 @@ impl Earth {
     /// Whether m has been as strong and as deep as h for long: then m is h, and what was carried has been led astray.
     pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
         let off_ut = (m.norm() - self.field_ut.norm()).hypot((m - self.field_ut).dot(up));
-        let is_alike = off_ut < 0.5 * tuning.smallest_step_ut;
+        let is_alike = !self.is_lost && off_ut < 0.5 * tuning.smallest_step_ut;
         self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
         self.alike_s > tuning.settled_s
     }
@@ -62,6 +64,7 @@ impl Earth {
     pub(crate) fn lose(&mut self, m: &Vector3<f64>, now: &Vector3<f64>) {
         self.sd_ut = self.sd_ut.hypot((self.field_ut - m).norm() / 3.0_f64.sqrt());
         self.field_ut = *now;
+        self.is_lost = true;
     }
 
     /// f where the field of the place is `m`, and what its covariance has beyond that of m.
