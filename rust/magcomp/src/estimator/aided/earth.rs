@@ -38,7 +38,14 @@ impl Earth {
         let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
         let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
-        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0, alike_s: 0.0, is_lost: false }
+        Self {
+            since_ns,
+            field_ut,
+            sd_ut: variance_ut2.sqrt(),
+            probability: 1.0,
+            alike_s: 0.0,
+            is_lost: before.is_some_and(|it| it.is_lost),
+        }
     }
 
     /// One sample; `filter` is as it was before it.
