@@ -63,6 +63,7 @@ impl Aided {
             Verdict::Neither => {
                 self.bursts.begin();
                 self.bursts.was_the_place();
+                trial.must_hold(self.bursts.hold_s(&self.tuning));
             }
             Verdict::Open => {}
         }

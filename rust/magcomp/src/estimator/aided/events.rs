@@ -95,6 +95,11 @@ impl Trial {
         self.was_place
     }
 
+    /// How long a change must hold, s.
+    pub(crate) fn must_hold(&mut self, hold_s: f64) {
+        self.began.hold_s = hold_s;
+    }
+
     pub(crate) fn onset_ns(&self) -> i64 {
         self.onset_ns
     }
