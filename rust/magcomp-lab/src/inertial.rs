@@ -1,5 +1,5 @@
 //! Gyroscope and accelerometer that belong to a motion: each event reports the truth of `delay_s` ago, times its scale and skew,
-//! plus a constant bias and white noise, at a rate of its own.
+//! plus a bias that may walk and white noise, at a rate of its own. An accelerometer feels the acceleration of the motion too.
 
 use crate::motion::Trajectory;
 use crate::random::Random;
@@ -19,6 +19,8 @@ pub struct InertialSensor {
     pub noise: f64,
     /// Constant bias, in the sensor's unit.
     pub bias: Vector3<f64>,
+    /// How fast the bias walks, in the sensor's unit a root second.
+    pub bias_walk: f64,
     /// Reading over truth, per axis.
     pub scale: Vector3<f64>,
     /// Cross-axis and scale errors of one device, rows first: the share of each true component that an axis reads besides
@@ -36,6 +38,7 @@ impl InertialSensor {
             rate_hz: 100.0,
             noise: 0.003,
             bias: Vector3::zeros(),
+            bias_walk: 0.0,
             scale: Vector3::repeat(1.0),
             skew: Matrix3::zeros(),
             delay_s: 0.0,
@@ -56,11 +59,15 @@ impl InertialSensor {
         random: &mut Random,
     ) -> impl Iterator<Item = (i64, Vector3<f64>)> {
         let count = (duration_s * self.rate_hz).ceil() as usize + 1;
+        let (mut bias, walk) = (self.bias, self.bias_walk / self.rate_hz.sqrt());
         (0..count).map(move |k| {
             let time_s = k as f64 / self.rate_hz;
             let truth = truth(time_s - self.delay_s);
             let read = truth.component_mul(&self.scale) + self.skew * truth;
-            (time_ns(time_s), read + self.bias + random.normal3() * self.noise)
+            if walk > 0.0 {
+                bias += random.normal3() * walk;
+            }
+            (time_ns(time_s), read + bias + random.normal3() * self.noise)
         })
     }
 
@@ -72,17 +79,16 @@ impl InertialSensor {
         duration_s: f64,
         random: &mut Random,
     ) -> Vec<RotationRateSample> {
-        self.events(duration_s, |time_s| trajectory.at(time_s).1, random)
+        self.events(duration_s, |time_s| trajectory.rate_read(time_s), random)
             .map(|(time_ns, rate_rad_s)| RotationRateSample { time_ns, rate_rad_s })
             .collect()
     }
 
-    /// As an accelerometer: up in the device frame of a trajectory (no linear acceleration).
+    /// As an accelerometer: up in the device frame of a trajectory, and its acceleration.
     #[must_use]
     pub fn ups(&self, trajectory: &Trajectory, duration_s: f64, random: &mut Random) -> Vec<UpSample> {
         let up = Vector3::z() * GRAVITY_M_S2;
-        self.events(duration_s, |time_s| trajectory.at(time_s).0.inverse() * up, random)
-            .map(|(time_ns, up_m_s2)| UpSample { time_ns, up_m_s2 })
-            .collect()
+        let felt = |time_s| trajectory.at(time_s).0.inverse() * (up + trajectory.acceleration(time_s));
+        self.events(duration_s, felt, random).map(|(time_ns, up_m_s2)| UpSample { time_ns, up_m_s2 }).collect()
     }
 }

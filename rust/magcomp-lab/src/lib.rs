@@ -1,12 +1,14 @@
 //! The lab of magcomp: simulator, Cramer-Rao bound, the paper's experiments, recordings, plots, and the command
 //! `magcomp`, which is a thin shell over these modules.
 //!
-//! The arrows point one way: `random`, `parameters`, `schedule`, `motion`, `inertial` make up `simulate`, `phone` its usual
-//! streams; `crb` and `simulate` feed `experiment`; `import` makes loggers' sessions into a `recording`, which feeds
-//! `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results.
+//! The arrows point one way: `random`, `parameters`, `course`, `motion`, `surroundings`, `inertial` make up `simulate`, whose
+//! streams `catalogue` names and `score` judges; these and `crb` feed `experiment`; `import` makes loggers' sessions into a `recording`,
+//! which feeds `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results.
 
 pub mod baseline;
+pub mod catalogue;
 pub mod command;
+pub mod course;
 pub mod crb;
 pub mod error;
 pub mod experiment;
@@ -15,7 +17,6 @@ pub mod inertial;
 pub mod motion;
 pub mod parallel;
 pub mod parameters;
-pub mod phone;
 pub mod place;
 pub mod plot;
 pub mod progress;
@@ -23,9 +24,9 @@ pub mod random;
 pub mod recording;
 pub mod replay;
 pub mod report;
-pub mod scenario;
-pub mod schedule;
+pub mod score;
 pub mod simulate;
+pub mod surroundings;
 pub mod table;
 pub mod time;
 pub mod trials;

@@ -25,6 +25,10 @@ pub enum Purpose {
     Bootstrap = 7,
     /// Parameters of a phone, and the directions of the changes that it goes through.
     Parameters = 8,
+    /// Late, early and missing samples.
+    Timing = 9,
+    /// Errors of a phone's sensors.
+    Sensors = 10,
 }
 
 /// A generator with the few distributions the lab needs.
@@ -53,6 +57,11 @@ impl Random {
     /// Uniform in [low, high).
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.random::<f64>()
+    }
+
+    /// Exponentially distributed, of this mean.
+    pub fn exponential(&mut self, mean: f64) -> f64 {
+        -mean * (1.0 - self.uniform(0.0, 1.0)).ln()
     }
 
     /// An index below `count`.

@@ -1,16 +1,20 @@
 //! The simulator: h_m = M h + b + w (eq. 8 with white noise), the truth kept beside every sample.
 //!
-//! A scenario and its seed name a stream bit for bit. M, b, the place's field and the motion change on their own
-//! schedules, so that the truth shows whether the device or the place has changed.
+//! A scenario and its seed name a stream bit for bit. M, b, the place's field and the motion change on courses of their own, so that the
+//! truth shows whether the device or the place has changed.
 
+use crate::course::{Course, DevicePart};
 use crate::inertial::InertialSensor;
-use crate::motion::{Motion, Trajectory};
+use crate::motion::Trajectory;
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
-use crate::schedule::Schedule;
+use crate::surroundings::Surrounding;
 use crate::time::time_ns;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
+
+/// Samples whose stamps are nearer than this are one, s.
+const APART_S: f64 = 1e-4;
 
 /// White noise of the magnetometer, per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,29 +45,77 @@ pub struct Spikes {
     pub size_ut: (f64, f64),
 }
 
-/// Everything that makes a stream.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scenario {
-    /// Names the random numbers.
-    pub seed: u64,
-    /// Magnetometer samples.
-    pub samples: usize,
-    /// Magnetometer samples per second.
+/// The magnetometer and its oddities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnetometer {
+    /// Samples a second.
     pub rate_hz: f64,
-    /// How the device turns.
-    pub motion: Motion,
-    /// The place's field, uT, east-north-up. The strength at the start is the unit of `parameters`.
-    pub world_ut: Schedule<Vector3<f64>>,
-    /// M and b over time.
-    pub parameters: Schedule<Parameters>,
-    /// White noise of the magnetometer.
+    /// White noise.
     pub noise: Noise,
     /// Spikes, if any.
     pub spikes: Option<Spikes>,
+    /// How much later than it is measured a sample is stamped, s ...
+    pub late_s: f64,
+    /// ... and up to how much more, at random, s.
+    pub jitter_s: f64,
+    /// Share of samples that are missing.
+    pub missing: f64,
+    /// Steps of the reading, uT; 0 for none.
+    pub quantum_ut: f64,
+    /// Where each axis saturates softly, uT.
+    pub soft_limits_ut: Option<Vector3<f64>>,
+    /// Where each axis is cut off, uT.
+    pub full_scale_ut: Option<f64>,
+    /// The axes that measure, in the device's; the identity for a sensor without such errors.
+    pub axes: Matrix3<f64>,
+}
+
+impl Magnetometer {
+    /// One without oddities.
+    #[must_use]
+    pub fn plain(rate_hz: f64, noise: Noise) -> Self {
+        Self {
+            rate_hz,
+            noise,
+            spikes: None,
+            late_s: 0.0,
+            jitter_s: 0.0,
+            missing: 0.0,
+            quantum_ut: 0.0,
+            soft_limits_ut: None,
+            full_scale_ut: None,
+            axes: Matrix3::identity(),
+        }
+    }
+}
+
+/// Everything that makes a stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Names the random numbers of the sensors' noise.
+    pub seed: u64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// How the device turns and moves.
+    pub trajectory: Trajectory,
+    /// The Earth's field, uT, east-north-up. Its strength is the unit of `device`.
+    pub earth_ut: Vector3<f64>,
+    /// Fields besides it.
+    pub surroundings: Vec<Surrounding>,
+    /// M and b at the start.
+    pub device: Parameters,
+    /// What comes and goes.
+    pub device_parts: Vec<DevicePart>,
+    /// Changes that `device_parts` do not tell.
+    pub other_changes: Vec<Change>,
+    /// The magnetometer.
+    pub magnetometer: Magnetometer,
     /// The gyroscope, if there is one.
     pub gyroscope: Option<InertialSensor>,
     /// The accelerometer, if there is one.
     pub accelerometer: Option<InertialSensor>,
+    /// No sensor delivers anything from then on, until then, s.
+    pub pause_s: Option<(f64, f64)>,
 }
 
 /// A field of this strength (uT) and dip (degrees, positive down) towards magnetic north, east-north-up.
@@ -76,18 +128,44 @@ pub fn world_field_ut(strength_ut: f64, dip_deg: f64) -> Vector3<f64> {
 /// The truth at the time of a magnetometer sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// The place's field in the device frame, h, uT.
+    /// The field in the device frame at the time of the stamp, h, uT.
     pub field_ut: Vector3<f64>,
+    /// The same when it was measured: `clean_ut` is of this one.
+    pub measured_ut: Vector3<f64>,
     /// M.
     pub soft_iron: Matrix3<f64>,
     /// b, uT.
     pub hard_iron_ut: Vector3<f64>,
     /// M h + b, uT: the raw sample without noise and spikes.
     pub clean_ut: Vector3<f64>,
-    /// Device to east-north-up.
+    /// Device to east-north-up at the time of the stamp.
     pub attitude: UnitQuaternion<f64>,
     /// Whether a spike hit.
     pub spike: bool,
+}
+
+/// A change, as the truth tells it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Change {
+    /// s.
+    pub begins_s: f64,
+    /// s.
+    pub ends_s: f64,
+    /// Of b, uT.
+    pub size_ut: f64,
+    /// What changed.
+    pub kind: ChangeKind,
+}
+
+/// What changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum ChangeKind {
+    /// The device.
+    Device,
+    /// The device, while no sensor saw it: a step may be declared, and need not be.
+    Unseen,
+    /// A vehicle closed around it: no step of the device.
+    Vehicle,
 }
 
 /// A stream and its truth.
@@ -101,89 +179,184 @@ pub struct Simulation {
     pub rotation_rates: Vec<RotationRateSample>,
     /// Events of the accelerometer; empty without one.
     pub ups: Vec<UpSample>,
+    /// The Earth's field, east-north-up, uT.
+    pub earth_ut: Vector3<f64>,
+    /// Samples of the magnetometer a second.
+    pub rate_hz: f64,
+    /// Changes, in order.
+    pub changes: Vec<Change>,
 }
 
 impl Scenario {
+    /// M and b at a time, s: b in uT.
+    #[must_use]
+    pub fn device_at(&self, time_s: f64) -> (Matrix3<f64>, Vector3<f64>) {
+        let start = (self.device.soft_iron, self.device.hard_iron * self.earth_ut.norm());
+        self.device_parts.iter().map(|part| part.at(time_s)).fold(start, |(m, b), (dm, db)| (m + dm, b + db))
+    }
+
+    /// The field at a time, s, east-north-up, uT.
+    #[must_use]
+    pub fn world_at(&self, time_s: f64) -> Vector3<f64> {
+        let besides = self.surroundings.iter().map(|it| it.at(time_s, &self.trajectory, &self.earth_ut));
+        self.earth_ut + besides.sum::<Vector3<f64>>()
+    }
+
     /// The stream this scenario names.
     #[must_use]
     pub fn run(&self) -> Simulation {
-        let mut random = Random::new(self.seed, Purpose::Motion);
-        self.along(&self.motion.trajectory(self.duration_s(), 1.0 / self.rate_hz, &mut random))
-    }
-
-    /// Length, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        self.samples as f64 / self.rate_hz
-    }
-
-    /// The stream with this trajectory instead of that of `motion`.
-    #[must_use]
-    pub fn along(&self, trajectory: &Trajectory) -> Simulation {
         let random = |purpose| Random::new(self.seed, purpose);
-        let duration_s = self.duration_s();
-        let unit_ut = self.world_ut.start.norm();
-        let sigma_ut = self.noise.sigma_ut(unit_ut);
-        let (mut noise, mut spikes) = (random(Purpose::MagnetometerNoise), random(Purpose::Spikes));
-
-        let (mut magnetic, mut truth) = (Vec::with_capacity(self.samples), Vec::with_capacity(self.samples));
-        for k in 0..self.samples {
-            let time_s = k as f64 / self.rate_hz;
-            let (attitude, _) = trajectory.at(time_s);
-            let Parameters { soft_iron, hard_iron } = self.parameters.at(time_s);
-            let field_ut = attitude.inverse() * self.world_ut.at(time_s);
-            let hard_iron_ut = hard_iron * unit_ut;
-            let clean_ut = soft_iron * field_ut + hard_iron_ut;
-            let mut raw_ut = clean_ut + noise.normal3() * sigma_ut;
-            let mut spike = false;
-            if let Some(Spikes { share, size_ut: (low, high) }) = self.spikes {
-                // always three draws, so that the share does not change where the others fall
-                let (hit, size, direction) = (spikes.uniform(0.0, 1.0), spikes.uniform(low, high), spikes.direction());
-                spike = hit < share;
-                raw_ut += direction * if spike { size } else { 0.0 };
-            }
-            magnetic.push(MagneticSample { time_ns: time_ns(time_s), field_ut: raw_ut });
-            truth.push(Truth { field_ut, soft_iron, hard_iron_ut, clean_ut, attitude, spike });
-        }
+        let (magnetic, truth) = self.magnetic();
+        let (trajectory, duration_s) = (&self.trajectory, self.duration_s);
         let rotation_rates = self.gyroscope.map_or_else(Vec::new, |sensor| {
             sensor.rotation_rates(trajectory, duration_s, &mut random(Purpose::GyroscopeNoise))
         });
         let ups = self.accelerometer.map_or_else(Vec::new, |sensor| {
             sensor.ups(trajectory, duration_s, &mut random(Purpose::AccelerometerNoise))
         });
-        Simulation { magnetic, truth, rotation_rates, ups }
+        let mut simulation = Simulation {
+            magnetic,
+            truth,
+            rotation_rates,
+            ups,
+            earth_ut: self.earth_ut,
+            rate_hz: self.magnetometer.rate_hz,
+            changes: self.changes(),
+        };
+        if let Some((from_s, until_s)) = self.pause_s {
+            simulation.pause(from_s, until_s);
+        }
+        simulation
+    }
+
+    /// Every magnetometer sample and its truth.
+    fn magnetic(&self) -> (Vec<MagneticSample>, Vec<Truth>) {
+        let random = |purpose| Random::new(self.seed, purpose);
+        let (mut noise, mut spikes, mut timing) =
+            (random(Purpose::MagnetometerNoise), random(Purpose::Spikes), random(Purpose::Timing));
+        let sensor = &self.magnetometer;
+        let sigma_ut = sensor.noise.sigma_ut(self.earth_ut.norm());
+        let count = (self.duration_s * sensor.rate_hz).round() as usize;
+        let (mut magnetic, mut truth) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut latest_s = f64::NEG_INFINITY;
+        for k in 0..count {
+            let measured_s = k as f64 / sensor.rate_hz;
+            let (missed, jitter) = (timing.uniform(0.0, 1.0), timing.uniform(0.0, 1.0));
+            let stamped_s = measured_s + sensor.late_s + jitter * sensor.jitter_s;
+            if missed < sensor.missing || stamped_s - latest_s <= APART_S || stamped_s >= self.duration_s {
+                continue;
+            }
+            latest_s = stamped_s;
+            let attitude = self.trajectory.at(stamped_s).0;
+            let field = |time_s: f64| self.trajectory.at(time_s).0.inverse() * self.world_at(time_s);
+            let (field_ut, measured_ut) = (field(stamped_s), field(measured_s));
+            let (soft_iron, hard_iron_ut) = self.device_at(measured_s);
+            let soft_iron = sensor.axes * soft_iron;
+            let mut clean_ut = soft_iron * measured_ut + hard_iron_ut;
+            if let Some(limits) = sensor.soft_limits_ut {
+                clean_ut = clean_ut.zip_map(&limits, |v, limit| limit * (v / limit).tanh());
+            }
+            let mut raw_ut = clean_ut + noise.normal3() * sigma_ut;
+            let mut spike = false;
+            if let Some(Spikes { share, size_ut: (low, high) }) = sensor.spikes {
+                // always three draws, so that the share does not change where the others fall
+                let (hit, size, direction) = (spikes.uniform(0.0, 1.0), spikes.uniform(low, high), spikes.direction());
+                spike = hit < share;
+                raw_ut += direction * if spike { size } else { 0.0 };
+            }
+            if sensor.quantum_ut > 0.0 {
+                raw_ut = raw_ut.map(|v| (v / sensor.quantum_ut).round() * sensor.quantum_ut);
+            }
+            if let Some(limit) = sensor.full_scale_ut {
+                raw_ut = raw_ut.map(|v| v.clamp(-limit, limit));
+            }
+            magnetic.push(MagneticSample { time_ns: time_ns(stamped_s), field_ut: raw_ut });
+            truth.push(Truth { field_ut, measured_ut, soft_iron, hard_iron_ut, clean_ut, attitude, spike });
+        }
+        (magnetic, truth)
+    }
+
+    /// What the parts of the device do, and the others, in order.
+    fn changes(&self) -> Vec<Change> {
+        let mut changes = self.other_changes.clone();
+        for part in &self.device_parts {
+            if let Course::Held { at_s, over_s, until_s } = part.course {
+                let size_ut = part.hard_iron_ut.norm();
+                let change =
+                    |begins_s| Change { begins_s, ends_s: begins_s + over_s, size_ut, kind: ChangeKind::Device };
+                changes.extend([Some(at_s), until_s].into_iter().flatten().map(change));
+            }
+        }
+        // a change beyond the full scale is not seen whole
+        let full_scale_ut = self.magnetometer.full_scale_ut.unwrap_or(f64::INFINITY);
+        let unseen =
+            |change: &Change| self.pause_s.is_some_and(|(from_s, to_s)| (from_s..to_s).contains(&change.begins_s));
+        changes
+            .iter_mut()
+            .filter(|change| unseen(change) || change.size_ut >= full_scale_ut)
+            .for_each(|change| change.kind = ChangeKind::Unseen);
+        changes.sort_by(|a, b| a.begins_s.total_cmp(&b.begins_s));
+        changes
+    }
+}
+
+impl Simulation {
+    /// Removes the events of every sensor between two times, s.
+    fn pause(&mut self, from_s: f64, until_s: f64) {
+        let is_gone = |at_ns: i64| (time_ns(from_s)..time_ns(until_s)).contains(&at_ns);
+        let mut times = self.magnetic.iter().map(|sample| sample.time_ns);
+        self.truth.retain(|_| times.next().is_some_and(|at_ns| !is_gone(at_ns)));
+        drop(times);
+        self.magnetic.retain(|sample| !is_gone(sample.time_ns));
+        self.rotation_rates.retain(|event| !is_gone(event.time_ns));
+        self.ups.retain(|event| !is_gone(event.time_ns));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::Motion;
 
     fn scenario() -> Scenario {
+        let mut random = Random::new(7, Purpose::Motion);
+        let other_place = world_field_ut(45.0, 50.0) - world_field_ut(50.0, 60.0);
+        let stronger = DevicePart {
+            soft_iron: Matrix3::identity() * 0.5,
+            ..DevicePart::offset(Course::step(5.0), Vector3::zeros())
+        };
         Scenario {
             seed: 7,
-            samples: 2000,
-            rate_hz: 100.0,
-            motion: Motion::Tumble,
-            world_ut: Schedule::ramp(world_field_ut(50.0, 60.0), 10.0, 2.0, world_field_ut(45.0, 50.0)),
-            parameters: Schedule::step(Parameters::none(), 5.0, Parameters::none().times(1.5)),
-            noise: Noise::SnrDb(40.0),
-            spikes: Some(Spikes { share: 0.02, size_ut: (30.0, 150.0) }),
+            duration_s: 20.0,
+            trajectory: Motion::Tumble.trajectory(20.0, 0.01, &mut random),
+            earth_ut: world_field_ut(50.0, 60.0),
+            surroundings: vec![Surrounding::Shift {
+                course: Course::Even { from_s: 10.0, over_s: 2.0 },
+                field_ut: other_place,
+            }],
+            device: Parameters::none(),
+            device_parts: vec![stronger],
+            other_changes: Vec::new(),
+            magnetometer: Magnetometer {
+                spikes: Some(Spikes { share: 0.02, size_ut: (30.0, 150.0) }),
+                ..Magnetometer::plain(100.0, Noise::SnrDb(40.0))
+            },
             gyroscope: Some(InertialSensor { rate_hz: 200.0, ..InertialSensor::gyroscope() }),
             accelerometer: Some(InertialSensor::accelerometer()),
+            pause_s: None,
         }
+    }
+
+    fn with(change: impl Fn(&mut Magnetometer)) -> Simulation {
+        let mut scenario = scenario();
+        change(&mut scenario.magnetometer);
+        scenario.run()
     }
 
     #[test]
     fn the_same_seed_gives_the_same_bits() {
         assert_eq!(scenario().run(), scenario().run());
         assert_ne!(Scenario { seed: 8, ..scenario() }.run().magnetic, scenario().run().magnetic);
-    }
-
-    #[test]
-    fn more_noise_does_not_change_the_motion() {
-        let other = Scenario { noise: Noise::Ut(3.0), spikes: None, gyroscope: None, ..scenario() }.run();
-        assert_eq!(other.truth[1500].attitude, scenario().run().truth[1500].attitude);
     }
 
     #[test]
@@ -206,10 +379,13 @@ mod tests {
 
     #[test]
     fn the_place_changes_without_the_device() {
-        let truth = scenario().run().truth;
+        let stream = scenario().run();
+        let truth = &stream.truth;
         assert!((truth[999].field_ut.norm() - 50.0).abs() < 1e-9);
         assert!((truth[1300].field_ut.norm() - 45.0).abs() < 1e-9);
         assert_eq!(truth[999].soft_iron, truth[1300].soft_iron);
+        assert!(truth[499].soft_iron == Matrix3::identity() && truth[500].soft_iron == Matrix3::identity() * 1.5);
+        assert_eq!(stream.changes.len(), 1);
     }
 
     #[test]
@@ -220,5 +396,47 @@ mod tests {
         let (late, prompt) = (run(late), run(prompt));
         assert!((late[105].rate_rad_s - prompt[100].rate_rad_s).norm() < 1e-2);
         assert_eq!(late[105].time_ns, 1_050_000_000);
+    }
+
+    #[test]
+    fn a_late_sample_tells_of_the_field_before_its_stamp() {
+        let stream = with(|sensor| sensor.late_s = 0.02);
+        let plain = scenario().run();
+        // the same measurements, two samples later
+        assert_eq!(stream.magnetic[100].time_ns, 1_020_000_000);
+        assert!((stream.truth[100].measured_ut - plain.truth[100].field_ut).norm() < 1e-9);
+        assert!((stream.truth[100].field_ut - plain.truth[102].field_ut).norm() < 1e-9);
+    }
+
+    #[test]
+    fn samples_go_missing_come_in_steps_and_are_cut_off() {
+        let count = with(|sensor| sensor.missing = 0.1).magnetic.len() as f64;
+        // binomial: 1800 +- 13
+        assert!((count - 1800.0).abs() < 50.0, "{count}");
+        let stream = with(|sensor| sensor.quantum_ut = 0.6);
+        let off = |v: &f64| (v / 0.6 - (v / 0.6).round()).abs();
+        assert!(stream.magnetic.iter().all(|sample| sample.field_ut.iter().all(|v| off(v) < 1e-9)));
+        let cut = with(|sensor| sensor.full_scale_ut = Some(30.0));
+        assert!(cut.magnetic.iter().all(|sample| sample.field_ut.amax() <= 30.0));
+        let stamps = with(|sensor| sensor.jitter_s = 0.005).magnetic;
+        assert!(stamps.windows(2).all(|pair| pair[1].time_ns - pair[0].time_ns > 100_000));
+    }
+
+    #[test]
+    fn no_sensor_speaks_in_a_pause_and_the_truth_stays_with_its_sample() {
+        let offset = DevicePart::offset(Course::step(9.0), Vector3::x() * 20.0);
+        let stream = Scenario { pause_s: Some((8.0, 10.0)), device_parts: vec![offset], ..scenario() }.run();
+        let gap_s = |times: Vec<i64>| times.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / 1e9).fold(0.0, f64::max);
+        for times in [
+            stream.magnetic.iter().map(|sample| sample.time_ns).collect(),
+            stream.rotation_rates.iter().map(|event| event.time_ns).collect(),
+            stream.ups.iter().map(|event| event.time_ns).collect::<Vec<_>>(),
+        ] {
+            assert!((gap_s(times) - 2.0).abs() < 0.02);
+        }
+        assert_eq!(stream.magnetic.len(), stream.truth.len());
+        let off = stream.magnetic.iter().zip(&stream.truth).filter(|(_, truth)| !truth.spike);
+        assert!(off.map(|(raw, truth)| (raw.field_ut - truth.clean_ut).norm()).fold(0.0, f64::max) < 4.0);
+        assert_eq!(stream.changes[0].kind, ChangeKind::Unseen);
     }
 }

@@ -2,14 +2,16 @@
 //! they give without it.
 
 use magcomp::{Compensator, Config, EventQueue, Reading, SensorEvent};
-use magcomp_lab::phone::Phone;
+use magcomp_lab::catalogue::find;
 use magcomp_lab::simulate::Simulation;
 
 const MS: i64 = 1_000_000;
 
 /// A minute of a phone in a hand, all sensors at 100 Hz.
 fn stream(seed: u64) -> Simulation {
-    Phone { seed, gyro_bias_deg_s: 1.0, ..Phone::default() }.scenario().run()
+    let mut phone = find("phone-steady").unwrap();
+    phone.sensors.gyro_bias_deg_s = (1.0, 1.0);
+    phone.stream(seed)
 }
 
 /// All events with the time at which the system delivers them: at the end of the batch they fall into.

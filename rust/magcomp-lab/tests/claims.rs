@@ -4,13 +4,14 @@ use assert_cmd::Command;
 use clap::Parser;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Normalisation, uniformity};
+use magcomp_lab::catalogue::{Group, Variant};
 use magcomp_lab::command::Cli;
 use magcomp_lab::experiment::bound::{self, BoundOptions};
-use magcomp_lab::experiment::evaluate::{self, EvaluateOptions, Runs};
-use magcomp_lab::experiment::situation::Group;
+use magcomp_lab::experiment::evaluate::{self, EvaluateOptions};
 use magcomp_lab::experiment::step::{self, StepOptions};
 use magcomp_lab::motion::Motion;
 use magcomp_lab::random::{Purpose, Random};
+use magcomp_lab::score::Runs;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -219,23 +220,25 @@ fn the_readmes_situations_are_those_of_the_command() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/EVALUATION.md");
     let page = fs::read_to_string(page).expect("docs/EVALUATION.md");
     let rows = measured();
-    let options = EvaluateOptions { groups: vec![Group::Ordinary, Group::Alone], runs: 3, seed: 1, gyro_skew_deg: 0.0 };
+    let shown = |variant: &Variant| rows.iter().any(|row| row[0] == variant.about);
+    let groups = [Group::Ordinary, Group::Alone].map(Group::variants).concat();
+    let options = EvaluateOptions::of(groups.into_iter().filter(shown).collect(), 1..=3);
     let mut compared = 0;
     let all = evaluate::run(&options).unwrap();
     // the second group's part of the table begins with its title
     let second = rows.iter().position(|row| row[0].starts_with("**magnetometer")).expect("a title");
     for (group, rows) in all.groups.iter().zip([&rows[..second], &rows[second..]]) {
         let lines = page.split(&format!("## {}", group.title)).nth(1).expect("a table");
-        for line in &group.situations {
-            let Some(row) = rows.iter().find(|row| row[0] == line.name) else { continue };
+        for line in &group.variants {
+            let Some(row) = rows.iter().find(|row| row[0] == line.about) else { continue };
             compared += 1;
-            let whole = lines.lines().find(|whole| whole.starts_with(&format!("| {} |", line.name))).expect("a line");
+            let whole = lines.lines().find(|whole| whole.starts_with(&format!("| {} |", line.about))).expect("a line");
             let whole: Vec<&str> = whole.split('|').map(str::trim).collect();
             assert_eq!(row[1..], [whole[3], whole[4], whole[5], whole[6], whole[8]], "{}", line.name);
             let few = |runs: Runs| (runs.median.unwrap_or(f64::INFINITY), runs.worst.unwrap_or(f64::INFINITY));
-            agree(&line.name, few(line.settled_s), (figure(&row[1]), figure(&row[2])), 1.0);
-            agree(&line.name, few(line.error_deg), (figure(&row[3]), figure(&row[4])), 0.2);
-            let [_, two] = line.within_sigma.expect("headings");
+            agree(&line.name, few(line.line.settled_s), (figure(&row[1]), figure(&row[2])), 1.0);
+            agree(&line.name, few(line.line.heading_deg), (figure(&row[3]), figure(&row[4])), 0.2);
+            let [_, two] = line.line.within.expect("headings");
             assert!((100.0 * two - figure(&row[5])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
         }
     }
@@ -249,11 +252,10 @@ fn the_readmes_steps_are_those_of_the_command() {
     for row in &rows {
         let command = row[0].trim_matches('`').replace("--runs 20", "--runs 3");
         let result = magcomp(&command.split_whitespace().skip(1).collect::<Vec<_>>());
-        let rate_hz = result["rate_hz"].as_f64().expect("a rate");
         for (name, at) in [("windowed, c", 1), ("aided, c", 3)] {
-            let methods = result["methods"].as_array().expect("methods");
-            let seconds = &methods.iter().find(|method| method["name"] == name).expect("the method")["below_2_deg"];
-            let few = (printed(&seconds["median"]) / rate_hz, printed(&seconds["worst"]) / rate_hz);
+            let answers = result["answers"].as_array().expect("answers");
+            let seconds = &answers.iter().find(|answer| answer["name"] == name).expect("the answer")["below_2_deg"];
+            let few = (printed(&seconds["median"]), printed(&seconds["worst"]));
             agree(&format!("{command}, {name}"), few, (figure(&row[at]), figure(&row[at + 1])), 0.0);
         }
     }

@@ -2,24 +2,21 @@
 //! a device whose hard iron does, and recordings where nothing does. The accelerometer is that of a shaking hand.
 
 use magcomp::nalgebra::Vector3;
-use magcomp::{Calibration, Compensator, Config, Method, Status};
-use magcomp_lab::inertial::InertialSensor;
+use magcomp::{Compensator, Config, Method, Status};
+use magcomp_lab::catalogue::{By, CHANGE_S, Happening, PLACE_S, PhoneChange, Variant, phone};
 use magcomp_lab::motion::Motion;
-use magcomp_lab::parameters::Parameters;
-use magcomp_lab::phone::{CHANGE_S, PLACE_S, Phone, PhoneChange};
 use magcomp_lab::recording::read;
 use magcomp_lab::replay::{Ignore, replay};
-use magcomp_lab::schedule::Schedule;
 use magcomp_lab::simulate::Simulation;
 
 /// Standard deviation of the accelerometer's noise, m/s^2: a hand that shakes, not the sensor.
 const SHAKE_M_S2: f64 = 0.3;
 
 fn stream(seed: u64, motion: Motion, change: PhoneChange) -> Simulation {
-    let mut scenario = Phone { seed, motion, change, ..Phone::default() }.scenario();
-    scenario.gyroscope = None;
-    scenario.accelerometer = Some(InertialSensor { noise: SHAKE_M_S2, ..InertialSensor::accelerometer() });
-    scenario.run()
+    let mut variant = phone("shaken", motion, change);
+    variant.sensors = variant.sensors.without_gyroscope();
+    variant.sensors.accel_noise = SHAKE_M_S2;
+    variant.stream(seed)
 }
 
 struct Seen {
@@ -96,12 +93,16 @@ fn with_gravity_a_disturbed_place_is_reported_and_not_learned() {
 fn late_drift(motion: Motion, rate_ut_s: f64, begins_s: f64) -> ([f64; 2], usize) {
     let mut errors = Vec::new();
     for seed in 900..916 {
-        let mut scenario = Phone { seed, duration_s: begins_s + 60.0, motion, ..Phone::default() }.scenario();
-        let (start, field_ut) = (scenario.parameters.start, scenario.world_ut.start.norm());
-        let hard_iron = start.hard_iron + Vector3::new(0.6, -0.5, 0.62).normalize() * (rate_ut_s * 30.0 / field_ut);
-        scenario.parameters = Schedule::ramp(start, begins_s, 30.0, Parameters { hard_iron, ..start });
-        let known = Calibration::new(start.soft_iron, start.hard_iron * field_ut, field_ut).ok();
-        let initial = known.filter(|_| motion != Motion::Tumble);
+        let gone_ut = Vector3::new(0.6, -0.5, 0.62).normalize() * (rate_ut_s * 30.0);
+        let by = By::Offset([gone_ut.x, gone_ut.y, gone_ut.z]);
+        let variant = Variant {
+            duration_s: begins_s + 60.0,
+            happens: vec![Happening::Ramp { from_s: begins_s, over_s: 30.0, by }],
+            is_known: motion != Motion::Tumble,
+            ..phone("late-drift", motion, PhoneChange::Nothing)
+        };
+        let scenario = variant.scenario(seed);
+        let initial = variant.initial(&scenario);
         let config = Config { method: Method::Adaptive, initial, ..Config::default() };
         errors.push(follow_by(config, &scenario.run(), false).errors_deg);
     }

@@ -3,14 +3,13 @@
 use assert_cmd::Command;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use magcomp::{Config, EventKind, HeadingConfig, ReferenceAxis, Status};
-use magcomp_lab::inertial::InertialSensor;
-use magcomp_lab::motion::Motion;
+use magcomp_lab::catalogue::{Variant, find};
+use magcomp_lab::course::{Course, DevicePart};
 use magcomp_lab::parallel::cores;
 use magcomp_lab::parameters::Parameters;
 use magcomp_lab::recording::{Recording, read, write_recording};
 use magcomp_lab::replay::{Ignore, Step, replay};
-use magcomp_lab::schedule::Schedule;
-use magcomp_lab::simulate::{Noise, Scenario, world_field_ut};
+use magcomp_lab::simulate::Noise;
 use magcomp_lab::trials::{Score, Trials, judge_folder};
 use serde_json::Value;
 use std::fs;
@@ -28,18 +27,14 @@ const LIE_DEG: f64 = 60.0;
 fn simulated(name: &str, seed: u64) -> Recording {
     let start = Parameters { hard_iron: Vector3::new(0.4, -0.2, 0.3), ..Parameters::none() };
     let stepped = Parameters { hard_iron: Vector3::new(-0.5, 0.4, -0.3), ..start };
-    let scenario = Scenario {
-        seed,
-        samples: 4500,
-        rate_hz: 50.0,
-        motion: if name == "lie" { Motion::Pedestrian } else { Motion::Tumble },
-        world_ut: Schedule::constant(world_field_ut(48.0, 60.0)),
-        parameters: if name == "step" { Schedule::step(start, 50.0, stepped) } else { Schedule::constant(start) },
-        noise: Noise::Ut(0.5),
-        spikes: None,
-        gyroscope: Some(InertialSensor::gyroscope()),
-        accelerometer: Some(InertialSensor::accelerometer()),
-    };
+    let phone = find(if name == "lie" { "phone-walk-steady" } else { "phone-steady" }).unwrap();
+    let sensors = phone.sensors.at_rate(50.0);
+    let variant = Variant { duration_s: 90.0, earth: (48.0, 60.0), sensors, ..phone }.with_noise(Some(Noise::Ut(0.5)));
+    let mut scenario = variant.scenario(seed);
+    scenario.device = start;
+    if name == "step" {
+        scenario.device_parts = vec![DevicePart::between(Course::step(50.0), &start, &stepped, 48.0)];
+    }
     let mut recording = Recording::of(&scenario.run(), name);
     for row in &mut recording.rows {
         let lie = if name == "lie" && (60.0..64.0).contains(&row.time_s) { LIE_DEG } else { 0.0 };

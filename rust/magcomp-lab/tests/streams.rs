@@ -2,7 +2,7 @@
 
 use magcomp::nalgebra::Vector3;
 use magcomp::{Compensator, Config, HeadingConfig, Reading, SensorMode};
-use magcomp_lab::phone::Phone;
+use magcomp_lab::catalogue::find;
 use magcomp_lab::random::{Purpose, Random};
 use magcomp_lab::recording;
 use magcomp_lab::replay::{Ignore, replay};
@@ -22,13 +22,16 @@ fn picked<T: Clone>(fine: &[T], rate_hz: f64, random: &mut Random) -> Vec<T> {
 
 /// A minute of tumbling, magnetometer, gyroscope and accelerometer at rates of their own.
 fn stream(seed: u64, [magnetometer, gyroscope, accelerometer]: [f64; 3]) -> Simulation {
-    let fine = Phone { seed, rate_hz: FINE_HZ, gyro_bias_deg_s: 1.0, ..Phone::default() }.scenario().run();
+    let mut phone = find("phone-steady").unwrap();
+    phone.sensors = phone.sensors.at_rate(FINE_HZ);
+    phone.sensors.gyro_bias_deg_s = (1.0, 1.0);
+    let fine = phone.stream(seed);
     let mut random = Random::new(seed, Purpose::Bootstrap);
     let samples: Vec<_> = fine.magnetic.iter().copied().zip(fine.truth.iter().copied()).collect();
     let (magnetic, truth) = picked(&samples, magnetometer, &mut random).into_iter().unzip();
     let rotation_rates = picked(&fine.rotation_rates, gyroscope, &mut random);
     let ups = picked(&fine.ups, accelerometer, &mut random);
-    Simulation { magnetic, truth, rotation_rates, ups }
+    Simulation { magnetic, truth, rotation_rates, ups, rate_hz: magnetometer, ..fine }
 }
 
 /// Every event in the order of its time; what came out, and how far its direction is off, degrees.

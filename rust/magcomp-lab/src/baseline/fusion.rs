@@ -99,12 +99,12 @@ impl Baseline for Fusion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phone::Phone;
+    use crate::catalogue::find;
 
     #[test]
     fn it_finds_the_hard_iron_of_a_turning_device_and_its_north() {
-        let mut scenario = Phone::default().scenario();
-        scenario.parameters.start.soft_iron = Matrix3::identity();
+        let mut scenario = find("phone-steady").unwrap().scenario(1);
+        scenario.device.soft_iron = Matrix3::identity();
         let stream = scenario.run();
         let mut fusion = Fusion::new(0.3);
         for k in 0..stream.magnetic.len() {

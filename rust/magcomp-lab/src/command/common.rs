@@ -3,10 +3,13 @@
 use crate::error::LabError;
 use crate::report::Report;
 use crate::table::Table;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use magcomp::Method;
 use serde::Serialize;
 use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
+use std::str::FromStr;
 
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
@@ -48,6 +51,55 @@ impl Common {
         }
         out.flush()?;
         Ok(())
+    }
+}
+
+/// How M and b are estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum MethodChoice {
+    /// The best that the recording's sensors allow
+    #[default]
+    Auto,
+    /// The same as auto
+    Aided,
+    /// The magnetometer alone, changes noticed by themselves
+    Adaptive,
+    /// The paper's: an ellipsoid over the latest N samples
+    Windowed,
+    /// The paper's first step alone: one calibration, then kept
+    Constant,
+}
+
+impl MethodChoice {
+    /// As the core calls it.
+    pub fn method(self) -> Method {
+        match self {
+            Self::Auto => Method::Auto,
+            Self::Adaptive => Method::Adaptive,
+            Self::Windowed => Method::Windowed,
+            Self::Constant => Method::Constant,
+            Self::Aided => Method::Aided,
+        }
+    }
+}
+
+/// Seeds from the first to the last, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Seeds(pub u64, pub u64);
+
+impl Seeds {
+    pub fn range(self) -> RangeInclusive<u64> {
+        self.0..=self.1
+    }
+}
+
+impl FromStr for Seeds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let seeds = first.parse().ok().zip(last.parse().ok()).filter(|(first, last)| first <= last);
+        seeds.map(|(first, last)| Self(first, last)).ok_or_else(|| "expected seeds such as 1-10 or 7".to_owned())
     }
 }
 

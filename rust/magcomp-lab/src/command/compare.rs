@@ -2,15 +2,16 @@
 
 use super::common::{Common, finite, refuse_outputs, warn};
 use crate::baseline::Contestant;
+use crate::catalogue::{COMPARED, Variant, find};
 use crate::error::LabError;
-use crate::experiment::compare::{MethodScore, run_case, tune};
+use crate::experiment::compare::{MethodScore, run_variant, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_recording};
 use crate::experiment::compare_view::{Given, add_case, case_table, overview, recording_figure, recording_table};
 use crate::import::{ImportOptions, open};
 use crate::progress;
 use crate::recording::name_of;
 use crate::report::Report;
-use crate::scenario::Case;
+use crate::simulate::Noise;
 use clap::{Args, ValueEnum, value_parser};
 use serde::Serialize;
 use std::io::Write;
@@ -25,9 +26,9 @@ pub(super) struct Compare {
     /// Recordings instead of scenarios
     #[arg(value_name = "IN")]
     recordings: Vec<PathBuf>,
-    /// Scenarios; all when none is named
-    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "recordings")]
-    scenario: Vec<Case>,
+    /// Variants of the catalogue (`magcomp evaluate --list`); the paper's and the usual phones when none is named
+    #[arg(long, value_name = "VARIANT", value_delimiter = ',', conflicts_with = "recordings", value_parser = find)]
+    scenario: Vec<Variant>,
     /// Methods; all when none is named
     #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<Contestant>,
@@ -79,23 +80,25 @@ impl Compare {
     }
 
     fn scenarios(self) -> Result<(), LabError> {
-        let cases = if self.scenario.is_empty() { Case::value_variants().to_vec() } else { self.scenario.clone() };
+        let usual = || COMPARED.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>().map_err(LabError::Usage);
+        let variants = if self.scenario.is_empty() { usual()? } else { self.scenario.clone() };
         let methods = self.methods();
         let seeds = self.common.seed..self.common.seed + u64::from(self.runs);
-        let bar = progress::bar(cases.len() * methods.len(), "compare");
+        let bar = progress::bar(variants.len() * methods.len(), "compare");
         let mut all = Vec::new();
-        for case in cases {
+        for variant in variants {
+            let variant = variant.with_noise(self.snr.map(Noise::SnrDb));
             let (mut scores, mut aided) = (Vec::new(), Vec::new());
             for contestant in &methods {
-                let value = tune(case, self.common.seed, self.snr, *contestant)?;
-                if let Some((before, runs)) = run_case(case, seeds.clone(), self.snr, *contestant, value)? {
+                let value = tune(&variant, self.common.seed, *contestant)?;
+                if let Some((before, runs)) = run_variant(&variant, seeds.clone(), *contestant, value)? {
                     let tuned = (contestant.grid().len() > 1).then_some(value);
                     let score = MethodScore::of(&contestant.name(), tuned, before, &runs);
                     if contestant.is_aided() { aided.push(score) } else { scores.push(score) }
                 }
                 bar.inc(1);
             }
-            all.push(Scenario { scenario: case.name(), runs: self.runs, methods: scores, aided });
+            all.push(Scenario { scenario: variant.name, runs: self.runs, methods: scores, aided });
         }
         bar.finish_and_clear();
         let overview: Vec<_> =

@@ -2,10 +2,9 @@
 
 use super::common::Common;
 use crate::error::LabError;
-use crate::experiment::aided::{self, AidedOptions, AidedResult};
+use crate::experiment::follow::{self, FollowOptions, FollowResult};
 use crate::experiment::step::{StepOptions, StepResult, run as run_step};
 use crate::motion::Motion;
-use crate::phone::Phone;
 use crate::recording::{self, Recording};
 use crate::replay::{Ignore, Judgement, figures, judge, replay, usual_part};
 use crate::report::Report;
@@ -64,7 +63,7 @@ struct Shown {
 #[derive(Serialize)]
 struct Everything {
     recordings: Vec<Shown>,
-    aided: Vec<AidedResult>,
+    aided: Vec<FollowResult>,
     step: StepResult,
 }
 
@@ -87,9 +86,8 @@ impl Demo {
 
         let mut aided = Vec::new();
         for (motion, figure) in [(Motion::Tumble, "step_tumble"), (Motion::Pedestrian, "step_pedestrian")] {
-            let Some(options) = AidedOptions::of(motion) else { continue };
-            let phone = Phone { seed: self.common.seed, ..options.phone };
-            let result = aided::run(&AidedOptions { phone, runs: AIDED_RUNS })?;
+            let Some(options) = FollowOptions::of(motion) else { continue };
+            let result = follow::run(&FollowOptions { seed: self.common.seed, runs: AIDED_RUNS, ..options })?;
             report.section(&result.scenario, "A simulated phone from a cold start; the picture shows the first run.");
             result.add_to(&mut report, figure)?;
             aided.push(result);
@@ -105,7 +103,7 @@ impl Demo {
 
         let [parameters, angles] = step.tables();
         let mut tables = vec![table];
-        tables.extend(aided.iter().map(AidedResult::table));
+        tables.extend(aided.iter().flat_map(FollowResult::tables));
         tables.extend([parameters, angles]);
         let everything = Everything { recordings, aided, step };
         self.common.finish(&tables, &everything, || Ok(report))

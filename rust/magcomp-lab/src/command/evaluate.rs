@@ -1,52 +1,81 @@
 //! `magcomp evaluate`.
 
-use super::common::{Common, between};
+use super::common::{Common, MethodChoice, Seeds};
 use super::evaluate_recordings::EvaluateRecordings;
+use crate::catalogue::{self, Group, Variant};
 use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
-use crate::experiment::situation::Group;
+use crate::parallel::cores;
+use crate::replay::Ignore;
 use crate::report::Report;
-use clap::{Args, ValueEnum, value_parser};
+use crate::table::Table;
+use clap::Args;
 use std::io::Write;
+use std::num::NonZero;
+use std::path::PathBuf;
 
 /// Simulated phones in many situations with the default config: how wrong, how sure, how soon; docs/EVALUATION.md
 #[derive(Debug, Args)]
 pub(super) struct Evaluate {
-    /// Tables; all when none is named
+    /// Tables; all when neither a table nor a variant is named
     #[arg(long, value_enum, value_delimiter = ',')]
     group: Vec<Group>,
-    /// Runs of each situation; run k has the seed --seed + k
-    #[arg(long, default_value_t = 20, value_parser = value_parser!(u32).range(1..))]
-    runs: u32,
-    /// How far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = |text: &str| between(text, 0.0, 5.0))]
-    gyro_skew: f64,
+    /// Variants by name, or a name's begin followed by *
+    #[arg(long, value_delimiter = ',')]
+    variant: Vec<String>,
+    /// A run for each of these seeds
+    #[arg(long, value_name = "FIRST-LAST", default_value = "1-10")]
+    seeds: Seeds,
+    /// How M and b are estimated
+    #[arg(long, value_enum, default_value_t)]
+    method: MethodChoice,
+    /// Leave the gyroscope out
+    #[arg(long)]
+    without_gyroscope: bool,
+    /// Threads that share the work; as many as there are cores when not given
+    #[arg(long)]
+    threads: Option<NonZero<usize>>,
+    /// Print the names of the variants and run nothing
+    #[arg(long)]
+    list: bool,
     /// Print the page docs/EVALUATION.md: the meaning of the columns, the tables, a list of the bad lines
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
     #[command(flatten)]
     recordings: EvaluateRecordings,
-    #[command(flatten)]
-    common: Common,
+    /// Print the numbers, each run's too, as JSON instead of a table
+    #[arg(long)]
+    json: bool,
+    /// Write one HTML page with the tables into this folder
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
 }
 
 impl Evaluate {
     pub fn run(self) -> Result<(), LabError> {
+        let common = Common { seed: self.seeds.0, json: self.json, report: self.report.clone() };
         if let Some(folder) = self.recordings.folder() {
-            return self.recordings.run(folder, &self.common);
+            return self.recordings.run(folder, &common);
         }
-        let groups = if self.group.is_empty() { Group::value_variants().to_vec() } else { self.group.clone() };
+        let variants = self.variants()?;
+        if self.list {
+            let mut table = Table::new("variants", &["name", "what happens"]);
+            variants.iter().for_each(|variant| table.row(vec![variant.name.clone(), variant.about.clone()]));
+            let names: Vec<&String> = variants.iter().map(|variant| &variant.name).collect();
+            return common.finish(std::slice::from_ref(&table), &names, || Ok(Report::new("Variants", "")));
+        }
         let result = run(&EvaluateOptions {
-            groups,
-            runs: self.runs as usize,
-            seed: self.common.seed,
-            gyro_skew_deg: self.gyro_skew,
+            variants,
+            seeds: self.seeds.range(),
+            method: self.method.method(),
+            ignore: Ignore { gyroscope: self.without_gyroscope, accelerometer: false },
+            threads: self.threads.unwrap_or_else(cores),
         })?;
         if self.markdown {
             write!(std::io::stdout(), "{}", result.markdown())?;
             return Ok(());
         }
-        self.common.finish(&result.tables(), &result, || {
+        common.finish(&result.tables(), &result, || {
             let mut report = Report::new(
                 "Evaluation",
                 "Published headings of simulated phones with the default config, against the truth.",
@@ -54,5 +83,24 @@ impl Evaluate {
             result.tables().iter().for_each(|table| report.table(table));
             Ok(report)
         })
+    }
+
+    fn variants(&self) -> Result<Vec<Variant>, LabError> {
+        let fits = |variant: &Variant, pattern: &str| match pattern.strip_suffix('*') {
+            Some(begin) => variant.name.starts_with(begin),
+            None => variant.name == pattern,
+        };
+        let all = catalogue::all();
+        if let Some(unknown) = self.variant.iter().find(|pattern| !all.iter().any(|variant| fits(variant, pattern))) {
+            let why = format!("no variant is called {unknown}; `magcomp evaluate --list` has all names");
+            return Err(LabError::Usage(why));
+        }
+        let everything = self.group.is_empty() && self.variant.is_empty();
+        let is_chosen = |variant: &Variant| {
+            everything
+                || self.group.contains(&variant.group)
+                || self.variant.iter().any(|pattern| fits(variant, pattern))
+        };
+        Ok(all.into_iter().filter(is_chosen).collect())
     }
 }

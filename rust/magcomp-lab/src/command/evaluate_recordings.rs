@@ -15,7 +15,7 @@ pub(super) struct EvaluateRecordings {
     ///
     /// Each .csv or .csv.gz with the columns of `magcomp replay`, qw,qx,qy,qz among them, goes through the default config. Other files are
     /// passed over, and so is NAME_oscal beside NAME_uncal. Rows: a recording, then a group.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "runs", "gyro_skew", "markdown"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "seeds", "method", "without_gyroscope", "threads", "list", "markdown"])]
     recordings: Option<PathBuf>,
     /// Groups of the recordings: CSV with the columns recording,group[,declination_deg]; DIR/INDEX.csv when not given
     ///

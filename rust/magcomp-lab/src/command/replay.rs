@@ -1,6 +1,6 @@
 //! `magcomp replay`.
 
-use super::common::{Common, between, refuse_outputs, warn};
+use super::common::{Common, MethodChoice, between, refuse_outputs, warn};
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::import::{ImportOptions, Opened, Summary, open};
@@ -14,7 +14,7 @@ use crate::replay::{
 use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
-use magcomp::{Config, HeadingConfig, Method, ReferenceAxis, WindowedConfig};
+use magcomp::{Config, HeadingConfig, ReferenceAxis, WindowedConfig};
 use std::path::{Path, PathBuf};
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
@@ -94,21 +94,6 @@ pub(super) struct Replay {
     common: Common,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum MethodChoice {
-    /// The best that the recording's sensors allow
-    #[default]
-    Auto,
-    /// The same as auto
-    Aided,
-    /// The magnetometer alone, changes noticed by themselves
-    Adaptive,
-    /// The paper's: an ellipsoid over the latest N samples
-    Windowed,
-    /// The paper's first step alone: one calibration, then kept
-    Constant,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Sensor {
     /// Gyroscope
@@ -126,18 +111,6 @@ enum AxisChoice {
     Camera,
     /// The horizontal direction between both
     Auto,
-}
-
-impl MethodChoice {
-    fn method(self) -> Method {
-        match self {
-            Self::Auto => Method::Auto,
-            Self::Adaptive => Method::Adaptive,
-            Self::Windowed => Method::Windowed,
-            Self::Constant => Method::Constant,
-            Self::Aided => Method::Aided,
-        }
-    }
 }
 
 impl Replay {

@@ -1,7 +1,7 @@
 //! `magcomp sensitivity`.
 
 use crate::error::LabError;
-use crate::experiment::sensitivity::run;
+use crate::experiment::sensitivity::{SEEDS, run};
 use clap::Args;
 use std::io::Write;
 
@@ -12,7 +12,7 @@ pub(super) struct Sensitivity {}
 impl Sensitivity {
     pub fn run(self) -> Result<(), LabError> {
         let mut out = std::io::stdout().lock();
-        write!(out, "{}", run()?.markdown())?;
+        write!(out, "{}", run(SEEDS)?.markdown())?;
         out.flush()?;
         Ok(())
     }

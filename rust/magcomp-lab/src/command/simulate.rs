@@ -1,15 +1,17 @@
 //! `magcomp simulate`.
 
 use super::common::{Common, between, finite, refuse_outputs};
+use crate::course::{Course, DevicePart};
 use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
-use crate::parameters::{Numbers, ParameterSet, Parameters, TrueParameters};
+use crate::parameters::{Numbers, ParameterSet, TrueParameters};
 use crate::plot::{Colour, Panel, Series, draw};
+use crate::random::{Purpose, Random};
 use crate::recording::{Recording, write_recording};
 use crate::report::Report;
-use crate::schedule::Schedule;
-use crate::simulate::{Noise, Scenario, Simulation, Spikes, world_field_ut};
+use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, Spikes, world_field_ut};
+use crate::surroundings::Surrounding;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
@@ -115,7 +117,7 @@ impl Simulate {
             output: self.output.display().to_string(),
             rows: stream.magnetic.len(),
             seconds: self.seconds,
-            noise_ut: scenario.noise.sigma_ut(scenario.world_ut.start.norm()),
+            noise_ut: scenario.magnetometer.noise.sigma_ut(scenario.earth_ut.norm()),
             spikes: stream.truth.iter().filter(|truth| truth.spike).count(),
         };
         let mut table = Table::new("simulated recording", &["file", "rows", "seconds", "noise uT", "spikes"]);
@@ -144,27 +146,37 @@ impl Simulate {
         let start = self.truth.parameters(ParameterSet::Mid)?;
         let changed = start.times(self.factor);
         let world = |numbers: Numbers<2>| world_field_ut(numbers.0[0], numbers.0[1]);
-        let periods = (self.seconds / at_s).ceil() as usize;
+        let earth_ut = world(self.field);
+        let held = |at_s, over_s, until_s| Course::Held { at_s, over_s, until_s };
+        let courses = match self.change {
+            ChangeKind::None => Vec::new(),
+            ChangeKind::Step => vec![Course::step(at_s)],
+            ChangeKind::Ramp => vec![Course::Even { from_s: at_s, over_s: self.over }],
+            ChangeKind::Pulse => vec![held(at_s, 0.0, Some(at_s + self.over))],
+            ChangeKind::Repeated => {
+                let there = (0..).map(|k| (2 * k + 1) as f64 * at_s).take_while(|from_s| *from_s < self.seconds);
+                there.map(|from_s| held(from_s, 0.0, Some(from_s + at_s))).collect()
+            }
+        };
+        let part = |course| DevicePart::between(course, &start, &changed, earth_ut.norm());
+        let surroundings = self.field_to.map(|to| Surrounding::Shift {
+            course: Course::Even { from_s: at_s, over_s: self.over },
+            field_ut: world(to) - earth_ut,
+        });
+        let spikes = (self.spikes > 0.0).then_some(Spikes { share: self.spikes, size_ut: (30.0, 150.0) });
+        let noise = self.noise_ut.map_or(Noise::SnrDb(self.snr), Noise::Ut);
+        let mut random = Random::new(self.common.seed, Purpose::Motion);
         Ok(Scenario {
             seed: self.common.seed,
-            samples: (self.seconds * self.rate).round() as usize,
-            rate_hz: self.rate,
-            motion: self.motion,
-            world_ut: match self.field_to {
-                None => Schedule::constant(world(self.field)),
-                Some(to) => Schedule::ramp(world(self.field), at_s, self.over, world(to)),
-            },
-            parameters: match self.change {
-                ChangeKind::None => Schedule::<Parameters>::constant(start),
-                ChangeKind::Step => Schedule::step(start, at_s, changed),
-                ChangeKind::Ramp => Schedule::ramp(start, at_s, self.over, changed),
-                ChangeKind::Pulse => Schedule::pulse(start, at_s, self.over, changed),
-                ChangeKind::Repeated => {
-                    Schedule::repeated(start, at_s, (0..periods).map(|k| if k % 2 == 0 { changed } else { start }))
-                }
-            },
-            noise: self.noise_ut.map_or(Noise::SnrDb(self.snr), Noise::Ut),
-            spikes: (self.spikes > 0.0).then_some(Spikes { share: self.spikes, size_ut: (30.0, 150.0) }),
+            duration_s: self.seconds,
+            trajectory: self.motion.trajectory(self.seconds, 1.0 / self.rate, &mut random),
+            earth_ut,
+            surroundings: surroundings.into_iter().collect(),
+            device: start,
+            device_parts: courses.into_iter().map(part).collect(),
+            other_changes: Vec::new(),
+            pause_s: None,
+            magnetometer: Magnetometer { spikes, ..Magnetometer::plain(self.rate, noise) },
             gyroscope: Some(InertialSensor {
                 rate_hz: self.rate,
                 noise: self.gyro_noise,

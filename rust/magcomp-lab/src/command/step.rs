@@ -1,17 +1,16 @@
 //! `magcomp step`.
 
 use super::common::{Common, between, finite};
+use crate::catalogue::{PhoneChange, Sensors, Variant, find, phone};
 use crate::error::LabError;
-use crate::experiment::adaptive::{self, AdaptiveOptions};
-use crate::experiment::aided::{self, AidedOptions};
-use crate::experiment::compare_view::{Given, add_case};
+use crate::experiment::follow::{self, FollowOptions};
 use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::TrueParameters;
-use crate::phone::{Phone, PhoneChange};
 use crate::report::Report;
-use crate::scenario::Case;
+use crate::simulate::Noise;
 use clap::{Args, ValueEnum, value_parser};
+use magcomp::Method;
 
 /// The device's disturbance steps while it turns, and the methods follow.
 ///
@@ -74,12 +73,9 @@ pub(super) struct Step {
     /// Which methods; those that belong to the motion when not given
     #[arg(long, value_enum)]
     method: Option<StepMethod>,
-    /// Adaptive: the scenario, instead of the one that belongs to the motion
-    #[arg(long, value_enum, requires = "method", conflicts_with = "motion")]
-    scenario: Option<Case>,
-    /// Adaptive: runs of each stream; the shortest time of each sample counts, which takes the scheduler out
-    #[arg(long, default_value_t = 1, requires = "method", value_parser = value_parser!(u32).range(1..=100))]
-    repeats: u32,
+    /// Adaptive: a variant of the catalogue, instead of the one that belongs to the motion
+    #[arg(long, value_name = "VARIANT", requires = "method", conflicts_with = "motion", value_parser = |name: &str| find(name).map(Box::new))]
+    scenario: Option<Box<Variant>>,
     #[command(flatten)]
     common: Common,
 }
@@ -116,7 +112,7 @@ impl Step {
             ("--gyro-skew", self.gyro_skew.is_some()),
             ("--spikes", self.spikes.is_some()),
         ];
-        let phone = AidedOptions::of(self.motion).filter(|_| !adaptive);
+        let phone = FollowOptions::of(self.motion).filter(|_| !adaptive);
         let strange = of_figures.iter().filter(|_| adaptive || phone.is_some());
         let strange = strange.chain(of_phones.iter().filter(|_| phone.is_none()));
         let given: Vec<&str> = strange.filter(|(_, given)| *given).map(|(name, _)| *name).collect();
@@ -133,55 +129,52 @@ impl Step {
 
     fn adaptive(self) -> Result<(), LabError> {
         let of_motion = match self.motion {
-            Motion::Uniform => Case::Step,
-            Motion::Tumble => Case::PhoneHand,
-            Motion::Pedestrian => Case::PhoneWalkKnown,
-            Motion::Stroll => Case::StepWalk,
-            Motion::Planar => Case::PhonePlanar,
-            Motion::Still => Case::PhoneStill,
+            Motion::Tumble => "phone-hand",
+            Motion::Pedestrian => "phone-walk-known",
+            Motion::Stroll => "step-walk",
+            Motion::Planar => "phone-planar",
+            Motion::Still => "phone-still",
+            _ => "step",
         };
-        let result = adaptive::run(&AdaptiveOptions {
-            case: self.scenario.unwrap_or(of_motion),
-            runs: self.runs.map_or(50, |runs| runs as usize),
-            seed: self.common.seed,
-            snr_db: self.snr,
-            repeats: self.repeats as usize,
-        })?;
-        self.common.finish(&result.tables(), &result, || {
-            let mut report = Report::new(
-                "Following a change with the magnetometer alone",
-                "Direction error of the adaptive method's calibration, rms over the runs.",
-            );
-            let score = std::slice::from_ref(&result.score);
-            add_case(&mut report, &result.scenario, result.runs as u32, score, Given::Magnetometer)?;
-            if let Some(table) = result.tables().last() {
-                report.table(table);
-            }
-            Ok(report)
-        })
+        let variant = match self.scenario {
+            Some(variant) => *variant,
+            None => find(of_motion).map_err(LabError::Usage)?,
+        };
+        Self::follow(
+            &self.common,
+            FollowOptions {
+                variant: variant.with_noise(self.snr.map(Noise::SnrDb)),
+                methods: vec![Method::Adaptive],
+                runs: self.runs.map_or(50, |runs| runs as usize),
+                seed: self.common.seed,
+            },
+        )
     }
 
-    fn aided(self, options: AidedOptions) -> Result<(), LabError> {
-        let phone = Phone {
-            seed: self.common.seed,
-            change: self.change.unwrap_or(options.phone.change),
-            snr_db: self.snr.unwrap_or(options.phone.snr_db),
-            spikes: self.spikes.unwrap_or(0.0) / 100.0,
-            rate_hz: self.rate.unwrap_or(options.phone.rate_hz),
-            gyro_bias_deg_s: self.gyro_bias.unwrap_or(0.0),
-            gyro_scale_percent: self.gyro_scale.unwrap_or(0.0),
-            gyro_late_ms: self.gyro_late.unwrap_or(0.0),
-            gyro_skew_deg: self.gyro_skew.unwrap_or(0.0),
-            ..options.phone
+    fn aided(self, options: FollowOptions) -> Result<(), LabError> {
+        let mut variant = self.change.map_or(options.variant, |change| phone("step", self.motion, change));
+        let exactly = |deg_s: f64| (deg_s, deg_s);
+        // an even distribution of the same root mean square as was asked for
+        let lean_deg = self.gyro_skew.unwrap_or(0.0) * 3f64.sqrt();
+        variant.sensors = Sensors {
+            gyro_bias_deg_s: exactly(self.gyro_bias.unwrap_or(0.0)),
+            gyro_scale: self.gyro_scale.unwrap_or(0.0) / 100.0,
+            gyro_late_s: self.gyro_late.unwrap_or(0.0) / 1000.0,
+            gyro_lean_deg: lean_deg,
+            gyro_axis_scale: lean_deg.to_radians(),
+            ..variant.sensors.at_rate(self.rate.unwrap_or(100.0))
         };
+        let variant = variant.with_noise(self.snr.map(Noise::SnrDb)).with_spikes(self.spikes.unwrap_or(0.0) / 100.0);
         let runs = self.runs.map_or(options.runs, |runs| runs as usize);
-        let result = aided::run(&AidedOptions { phone, runs })?;
-        self.common.finish(&result.tables(), &result, || {
-            let mut report = Report::new(
-                "Following a step with the gyroscope's help",
-                "Something changes for a simulated phone after 30 s. Below the tables: the aided method in the first run.",
-            );
-            result.add_to(&mut report, "step_aided")?;
+        Self::follow(&self.common, FollowOptions { variant, runs, seed: self.common.seed, ..options })
+    }
+
+    fn follow(common: &Common, options: FollowOptions) -> Result<(), LabError> {
+        let result = follow::run(&options)?;
+        common.finish(&result.tables(), &result, || {
+            let lead = "Something changes for a simulated phone. Below the tables: the first method in the first run.";
+            let mut report = Report::new("Following a change", lead);
+            result.add_to(&mut report, "step_first_run")?;
             Ok(report)
         })
     }

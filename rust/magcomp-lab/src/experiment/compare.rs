@@ -2,16 +2,17 @@
 //!
 //! Direction error: the angle between the true field and the method's correction of the noise-free raw sample, so that it is
 //! the calibration that is judged; 90 deg where it has no answer. Held: the calibration that the method
-//! itself had before the latest change.
+//! itself had before the latest change. Settled is what `score` says.
 //!
 //! Methods with gyroscope and accelerometer are judged by the heading: the angle between the azimuths that the true attitude gives
 //! what they answer and the true field.
 
 use crate::baseline::{Baseline, Contestant, Known};
+use crate::catalogue::Variant;
 use crate::crb::FisherInformation;
 use crate::error::LabError;
 use crate::parameters::{GROUPS, Parameters};
-use crate::scenario::{Case, Plan};
+use crate::score::{Runs, rms as root_mean_square, settled};
 use crate::simulate::Simulation;
 use magcomp::Calibration;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
@@ -47,15 +48,7 @@ pub struct Run {
     /// Squared errors of theta at [`BOUND_AT`], and the bounds.
     bound: Vec<([f64; 9], [f64; 9])>,
     times_ns: Vec<u64>,
-}
-
-impl Run {
-    /// Of two runs of the same stream, the shorter time of each sample.
-    pub fn keep_fastest(&mut self, other: &Self) {
-        for (mine, theirs) in self.times_ns.iter_mut().zip(&other.times_ns) {
-            *mine = (*mine).min(*theirs);
-        }
-    }
+    rate_hz: f64,
 }
 
 /// A method on a scenario over all runs.
@@ -73,8 +66,8 @@ pub struct MethodScore {
     pub steady_deg: f64,
     /// Rms over the runs at [`TOLD_AT`] (the 50 samples that end there), degrees.
     pub told_deg: Vec<f64>,
-    /// Samples after the change until the 95th percentile over the runs stays below 5, 2 and 1 deg; none when never.
-    pub settled: [Option<usize>; 3],
+    /// Seconds after the change until the 95th percentile over the trailing second stays below 5, 2 and 1 deg.
+    pub settled_s: [Runs; 3],
     /// Largest ratio of the rms over runs and 50 samples to that of holding.
     pub worst_over_held: f64,
     /// The same over single runs, its 99th percentile.
@@ -89,13 +82,14 @@ pub struct MethodScore {
 }
 
 /// Follows the stream of a plan; `aided`: with the events of gyroscope and accelerometer, judged by the heading.
-pub fn follow(stream: &Simulation, plan: &Plan, method: &mut dyn Baseline, field_ut: f64, aided: bool) -> Run {
-    let before = plan.before;
-    let mut run = Run::default();
+pub fn follow(stream: &Simulation, before: usize, method: &mut dyn Baseline, field_ut: f64, aided: bool) -> Run {
+    let mut run = Run { rate_hz: stream.rate_hz, ..Run::default() };
+    let sample_at = |at_s: f64| (at_s * stream.rate_hz).round() as usize;
+    let changes_at = |k: usize| stream.changes.iter().any(|change| sample_at(change.begins_s) == k);
     let mut held: Option<Calibration> = None;
     let (mut rates, mut ups) = (stream.rotation_rates.iter().peekable(), stream.ups.iter().peekable());
     for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
-        if k == before || plan.steps_at(k) {
+        if k == before || changes_at(k) {
             held = method.calibration();
         }
         if k < before {
@@ -159,41 +153,38 @@ fn bound(
     Some((std::array::from_fn(|i| (found[i] - truth[i]).powi(2)), variances))
 }
 
-/// A stream of a case, its change, and the facts that a method is given.
-fn prepare(case: Case, seed: u64, snr_db: Option<f64>) -> (Simulation, Plan, Known) {
-    let plan = case.plan(seed, snr_db);
-    let stream = plan.scenario.run();
-    let field_ut = plan.scenario.world_ut.start.norm();
+/// A stream of a variant, and the facts that a method is given.
+fn prepare(variant: &Variant, seed: u64) -> (Simulation, Known) {
+    let scenario = variant.scenario(seed);
+    let field_ut = scenario.earth_ut.norm();
     let known = Known {
         seed,
-        noise_ut: plan.scenario.noise.sigma_ut(field_ut),
+        noise_ut: scenario.magnetometer.noise.sigma_ut(field_ut),
         field_ut,
-        parameters: Some(plan.scenario.parameters.start),
-        reference: plan.before > 0,
-        initial: case.initial(&plan),
+        parameters: Some(scenario.device),
+        reference: variant.change_s > 0.0,
+        initial: variant.initial(&scenario),
     };
-    (stream, plan, known)
+    (scenario.run(), known)
 }
 
 /// Runs a method over seeds; none where it cannot take part.
 ///
 /// # Errors
 /// [`LabError::Config`].
-pub fn run_case(
-    case: Case,
+pub fn run_variant(
+    variant: &Variant,
     seeds: std::ops::Range<u64>,
-    snr_db: Option<f64>,
     contestant: Contestant,
     value: f64,
 ) -> Result<Option<(usize, Vec<Run>)>, LabError> {
-    let mut before = 0;
+    let before = (variant.change_s * variant.sensors.magnetometer.rate_hz).round() as usize;
+    let takes_part = !contestant.is_aided() || variant.sensors.has_gyroscope;
     let mut runs = Vec::new();
     for seed in seeds {
-        let (stream, plan, known) = prepare(case, seed, snr_db);
-        before = plan.before;
-        let takes_part = !contestant.is_aided() || plan.scenario.gyroscope.is_some();
+        let (stream, known) = prepare(variant, seed);
         let Some(mut method) = contestant.make(value, &known)?.filter(|_| takes_part) else { return Ok(None) };
-        runs.push(follow(&stream, &plan, method.as_mut(), known.field_ut, contestant.is_aided()));
+        runs.push(follow(&stream, before, method.as_mut(), known.field_ut, contestant.is_aided()));
     }
     Ok(Some((before, runs)))
 }
@@ -202,14 +193,12 @@ pub fn run_case(
 ///
 /// # Errors
 /// [`LabError::Config`].
-pub fn tune(case: Case, seed: u64, snr_db: Option<f64>, contestant: Contestant) -> Result<f64, LabError> {
+pub fn tune(variant: &Variant, seed: u64, contestant: Contestant) -> Result<f64, LabError> {
     let grid = contestant.grid();
     let mut best = (f64::INFINITY, grid[0]);
     for value in grid.iter().filter(|_| grid.len() > 1) {
         let first = seed.wrapping_add(TUNING_SEEDS);
-        let Some((before, runs)) = run_case(case, first..first + TUNING_RUNS, snr_db, contestant, *value)? else {
-            break;
-        };
+        let Some((before, runs)) = run_variant(variant, first..first + TUNING_RUNS, contestant, *value)? else { break };
         let after = rms(runs.iter().flat_map(|run| &run.errors_deg[before..]));
         if after < best.0 {
             best = (after, *value);
@@ -219,12 +208,7 @@ pub fn tune(case: Case, seed: u64, snr_db: Option<f64>, contestant: Contestant) 
 }
 
 fn rms<'a>(errors: impl Iterator<Item = &'a f32>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0usize);
-    for error in errors {
-        sum += f64::from(*error).powi(2);
-        count += 1;
-    }
-    (sum / count.max(1) as f64).sqrt()
+    root_mean_square(errors.map(|error| f64::from(*error))).unwrap_or(0.0)
 }
 
 fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
@@ -241,13 +225,12 @@ impl MethodScore {
     pub fn of(name: &str, tuned: Option<f64>, before: usize, runs: &[Run]) -> Self {
         let over = |range: std::ops::Range<usize>| rms(runs.iter().flat_map(|run| &run.errors_deg[range.clone()]));
         let end = runs.first().map_or(0, |run| run.errors_deg.len());
-        let p95 = |k: usize| percentile(runs.iter().map(|run| f64::from(run.errors_deg[k])).collect(), 0.95);
-        let p95: Vec<f64> = (before..end).map(p95).collect();
-        let settled = [5.0, 2.0, 1.0].map(|limit| match p95.iter().rposition(|error| *error >= limit) {
-            Some(last) if last + 1 == p95.len() => None,
-            Some(last) => Some(last + 1),
-            None => Some(0),
-        });
+        let below = |run: &Run, limit: f64| {
+            let since = run.errors_deg[before..].iter().enumerate();
+            let errors: Vec<_> = since.map(|(k, error)| ((k + 1) as f64 / run.rate_hz, f64::from(*error))).collect();
+            settled(&errors, run.rate_hz as usize, limit)
+        };
+        let settled_s = [5.0, 2.0, 1.0].map(|limit| Runs::of(runs.iter().map(|run| below(run, limit))));
         let windows = || (before..end.saturating_sub(COMPARED)).step_by(COMPARED / 2);
         let ratio = |error: f64, held: f64| error.max(HARMLESS_DEG) / held.max(HARMLESS_DEG);
         let worst = windows().map(|k| {
@@ -279,7 +262,7 @@ impl MethodScore {
             after_deg: over(before..end),
             steady_deg: over(before + STEADY..end),
             told_deg: TOLD_AT.map(|k| over(before + k - COMPARED..(before + k).min(end))).to_vec(),
-            settled,
+            settled_s,
             worst_over_held: worst.fold(0.0, f64::max),
             p99_over_held: percentile(single.collect(), 0.99),
             over_bound: has_bound.then(|| over_bound.collect()),

@@ -59,7 +59,7 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
     let told = TOLD_AT.map(|k| format!("at {k}"));
     let mut columns = vec!["", "tuned", "before", "after", "steady"];
     columns.extend(told.iter().map(String::as_str));
-    columns.extend(["< 5 deg", "< 2 deg", "< 1 deg", "/ held", "us", "99.9 %", "max"]);
+    columns.extend(["< 5 deg s", "< 2 deg s", "< 1 deg s", "/ held", "us", "99.9 %", "max"]);
     let mut table = Table::new(&format!("{scenario}: {} rms, deg ({runs} runs)", given.error()), &columns);
     let best = |value: &dyn Fn(&MethodScore) -> f64| methods.iter().map(value).fold(f64::INFINITY, f64::min);
     let (best_after, best_steady) = (best(&|m| m.after_deg), best(&|m| m.steady_deg));
@@ -72,15 +72,15 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
         cells.push(number(Some(m.before_deg), 2));
         cells.extend([marked(m.after_deg, best_after), marked(m.steady_deg, best_steady)]);
         cells.extend(m.told_deg.iter().map(|v| number(Some(*v), 2)));
-        cells.extend(m.settled.map(|s| s.map_or_else(|| "never".to_owned(), |s| s.to_string())));
+        cells.extend(m.settled_s.map(|s| s.median.map_or_else(|| "never".to_owned(), |s| format!("{s:.1}"))));
         cells.push(number(Some(m.worst_over_held), 2));
         cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
         table.row(cells);
     }
     table.note(
         "Tuned: the method's one free number. Before: the last 1000 samples before the change. After: all samples after it. Steady: \
-         from 1000 samples after it on. *: the best of all. At n: n samples after the change. < 5 deg: samples after the change until \
-         the 95th percentile over the runs stays below for good. / held: the largest ratio, over 50 samples, to the error of the \
+         from 1000 samples after it on. *: the best of all. At n: n samples after the change. < 5 deg: seconds after the change until the 95th \
+         percentile over the trailing second stays below for good, median run. / held: the largest ratio, over 50 samples, to the error of the \
          method's own parameters from before. us: time for a sample in microseconds: mean, 99.9th percentile, maximum.",
     );
     if given == Given::Inertial {

@@ -1,35 +1,56 @@
-//! The paper's experiments and the aided method beside it, each a function from options to a result that prints as a table, JSON and figures.
+//! The paper's experiments, methods side by side, and the catalogue judged by the truth, each a function from options to a result that
+//! prints as a table, JSON and figures.
 
-pub mod adaptive;
-pub mod aided;
-mod aided_change;
-pub mod aided_score;
-mod aided_view;
 pub mod bound;
 pub mod compare;
 pub mod compare_recording;
 pub mod compare_view;
 pub mod evaluate;
 mod evaluate_view;
+pub mod follow;
+mod follow_view;
 pub mod nees;
 pub mod sensitivity;
-pub mod situation;
 pub mod step;
 mod step_course;
 mod step_score;
 mod step_trace;
 mod step_view;
-pub mod surroundings;
 
-use magcomp::{Config, HeadingConfig, Method};
+use crate::catalogue::Variant;
+use crate::error::LabError;
+use crate::recording::Recording;
+use crate::replay::{Ignore, Step, replay};
+use crate::score::Figures;
+use crate::simulate::Simulation;
+use magcomp::{Config, Method};
 use serde::Serialize;
 
-/// The config of every run: the default, but with a tilt sigma of 0. Headings are judged by the true attitude here, so sigma
-/// must not count the tilt of `up`.
-#[must_use]
-pub fn config(method: Method) -> Config {
-    let heading = HeadingConfig { tilt_sigma_deg: 0.0, ..HeadingConfig::default() };
-    Config { method, heading, ..Config::default() }
+/// A variant's stream, and what a method makes of it.
+///
+/// # Errors
+/// [`LabError::Config`] when the config is refused.
+pub fn answers(
+    variant: &Variant,
+    seed: u64,
+    method: Method,
+    ignore: Ignore,
+) -> Result<(Simulation, Recording, Vec<Step>), LabError> {
+    let scenario = variant.scenario(seed);
+    let simulation = scenario.run();
+    let config = Config { method, initial: variant.initial(&scenario), ..variant.config() };
+    let recording = Recording::of(&simulation, &variant.name);
+    let steps = replay(&recording, &config, ignore)?;
+    Ok((simulation, recording, steps))
+}
+
+/// One run of a variant, judged.
+///
+/// # Errors
+/// As of [`answers`].
+pub fn judge(variant: &Variant, seed: u64, method: Method, ignore: Ignore) -> Result<Figures, LabError> {
+    let (simulation, _, steps) = answers(variant, seed, method, ignore)?;
+    Ok(Figures::of(&simulation, &steps))
 }
 
 /// Mean and spread over runs.

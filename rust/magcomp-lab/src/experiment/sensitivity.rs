@@ -1,164 +1,184 @@
-//! The worth of each choice of the estimators: a fixed benchmark with the choice halved and doubled.
+//! The worth of each choice of the estimators: a part of the catalogue with the choice halved and doubled.
 //!
-//! * error: angle between the truth, corrected, and the field, deg, at most 30; root mean square from 10 s on; the geometric
-//!   mean over the streams, 0.05 deg at the least;
-//! * beyond: share of corrected samples whose direction is off by more than 2.45 of their sigma per axis, which is one in twenty
-//!   where sigma is right.
+//! * error: the heading's, from 20 s on, as `score` says, 30 degrees at most and where there is no heading; geometric mean over variants and
+//!   seeds, 0.1 deg at the least;
+//! * z2: the mean square of error over sigma, geometric mean, 0.01 at the least;
+//! * noise: how far the change of a figure strays between two halves of the seeds, over two: that is the standard deviation of what is shown. Root mean
+//!   square over the choices that change anything. A choice that moves no figure by more than twice that is not seen here.
 
+use super::Spread;
+use crate::catalogue::{Variant, find};
 use crate::error::LabError;
-use crate::motion::Motion;
-use crate::phone::{Phone, PhoneChange};
+use crate::parallel::{cores, map};
 use crate::progress;
+use crate::recording::Recording;
+use crate::replay::{Player, Step};
+use crate::score::{Figures, rms};
 use crate::simulate::Simulation;
 use crate::table::Table;
-use magcomp::{Choice, Compensator, Config, Method, Tunings};
+use magcomp::{Choice, Method, Tunings};
+use std::ops::RangeInclusive;
 
-/// Errors count from here on, s, and no error counts more, deg.
-const FROM_S: f64 = 10.0;
+/// Seeds of development.
+pub const SEEDS: RangeInclusive<u64> = 1..=8;
+/// What each estimator is tried on: motions, a step, a place, a drift, sensors, nothing at all.
+const AIDED: [&str; 6] =
+    ["motion.walk", "steps.b50-m", "places.uneven5", "places.room10s", "sensors.late40-game", "phone-walk-drift"];
+/// A walker who turns seldom is no task without a gyroscope.
+const ADAPTIVE: [&str; 4] = ["alone.step", "alone.stroll-steady", "alone.place", "alone.drift"];
+/// No error counts more, or less, degrees; no z2 less.
 const MOST_DEG: f64 = 30.0;
-const LEAST_DEG: f64 = 0.05;
-/// 95 % of vectors of two normal components are no longer, in standard deviations of a component.
-const LONG: f64 = 2.45;
+const LEAST_DEG: f64 = 0.1;
+const LEAST_Z2: f64 = 0.01;
+/// A choice changes nothing when the logarithm of a figure changes by no more than this.
+const NOTHING: f64 = 1e-3;
 
-/// One line of the benchmark.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The streams of one estimator, each with the half of the seeds that it belongs to.
+struct Benchmark {
+    estimator: &'static str,
+    method: Method,
+    streams: Vec<(Variant, Simulation, Recording, usize)>,
+}
+
+/// Logarithms of error and z2, the mean of each half of the seeds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Score {
-    error_deg: f64,
-    beyond: f64,
+    error: [f64; 2],
+    z2: [f64; 2],
 }
 
-/// The streams: seeds of development. A walker who turns seldom is no task without a gyroscope.
-fn streams(estimator: &str) -> Vec<Simulation> {
-    let motions = [Motion::Tumble, if estimator == "adaptive" { Motion::Stroll } else { Motion::Pedestrian }];
-    let changes = [PhoneChange::Parameters, PhoneChange::Offset, PhoneChange::Place, PhoneChange::Drift];
-    let each = motions.into_iter().flat_map(|motion| changes.map(|change| (motion, change)));
-    each.enumerate()
-        .map(|(k, (motion, change))| {
-            let spikes = if k % 4 == 1 { 0.01 } else { 0.0 };
-            Phone { seed: 1 + k as u64, motion, change, spikes, ..Phone::default() }.scenario().run()
-        })
-        .collect()
-}
-
-/// The benchmark of one estimator.
-fn score(streams: &[Simulation], estimator: &str, tunings: Tunings) -> Result<Score, LabError> {
-    let (mut log, mut beyond, mut count) = (0.0, 0.0, 0.0);
-    for stream in streams {
-        let method = if estimator == "adaptive" { Method::Adaptive } else { Method::Auto };
-        let mut compensator = Compensator::tuned(Config { method, ..Config::default() }, tunings)?;
-        let mut ups = stream.ups.iter().peekable();
-        let mut rates = stream.rotation_rates.iter().filter(|_| method == Method::Auto).peekable();
-        let (mut square, mut errors) = (0.0, 0.0);
-        for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {
-            while let Some(up) = ups.next_if(|up| up.time_ns <= sample.time_ns) {
-                let _ = compensator.push_up(*up);
-            }
-            while let Some(rate) = rates.next_if(|rate| rate.time_ns <= sample.time_ns) {
-                let _ = compensator.push_rotation_rate(*rate);
-            }
-            let reading = compensator.push(*sample);
-            if (sample.time_ns as f64) < FROM_S * 1e9 {
-                continue;
-            }
-            let off = |known: magcomp::Calibration| known.correct(&truth.clean_ut).angle(&truth.field_ut).to_degrees();
-            square += compensator.calibration().map_or(MOST_DEG, off).min(MOST_DEG).powi(2);
-            errors += 1.0;
-            if let (Some(field), Some(sigma), false) = (reading.field_ut, reading.field_sigma_ut, truth.spike) {
-                beyond += f64::from(u8::from(field.angle(&truth.field_ut) > LONG * sigma / field.norm()));
-                count += 1.0;
+impl Benchmark {
+    fn new(
+        estimator: &'static str,
+        method: Method,
+        names: &[&str],
+        seeds: RangeInclusive<u64>,
+    ) -> Result<Self, LabError> {
+        let mut streams = Vec::new();
+        for name in names {
+            let variant = find(name).map_err(LabError::Usage)?;
+            for (k, seed) in seeds.clone().enumerate() {
+                let simulation = variant.stream(seed);
+                let recording = Recording::of(&simulation, name);
+                streams.push((variant.clone(), simulation, recording, k % 2));
             }
         }
-        log += (square / errors).sqrt().max(LEAST_DEG).ln() / streams.len() as f64;
+        Ok(Self { estimator, method, streams })
     }
-    Ok(Score { error_deg: log.exp(), beyond: 100.0 * beyond / f64::max(count, 1.0) })
+
+    fn score(&self, tunings: Tunings) -> Result<Score, LabError> {
+        let mut score = Score::default();
+        let each = self.streams.len() as f64 / 2.0;
+        for (variant, simulation, recording, half) in &self.streams {
+            let mut player = Player::tuned(variant.config(), self.method, tunings)?;
+            let steps: Vec<Step> = recording.rows.iter().map(|row| player.play(row)).collect();
+            let figures = Figures::of(simulation, &steps);
+            let answered = figures.error.heading_deg.unwrap_or(MOST_DEG).min(MOST_DEG);
+            // where there is no heading the error counts in full
+            let share = figures.answered.unwrap_or(1.0);
+            let error = (share * answered.powi(2) + (1.0 - share) * MOST_DEG.powi(2)).sqrt();
+            score.error[*half] += error.max(LEAST_DEG).ln() / each;
+            score.z2[*half] += figures.z2.unwrap_or(1.0).max(LEAST_Z2).ln() / each;
+        }
+        Ok(score)
+    }
 }
 
-/// The figures with a choice halved and doubled.
+/// A choice, halved and doubled: how the logarithms change in each half of the seeds.
 struct Line {
     estimator: &'static str,
     choice: &'static Choice,
-    scores: [Score; 2],
+    changes: [Score; 2],
+}
+
+/// Mean of both halves, as a change in per cent.
+fn percent(halves: [f64; 2]) -> f64 {
+    100.0 * ((halves[0] + halves[1]) / 2.0).exp_m1()
 }
 
 /// Every choice, as markdown: docs/TUNING.md.
 ///
 /// # Errors
 /// [`LabError::Config`].
-pub fn run() -> Result<Table, LabError> {
-    let streams = ["adaptive", "aided"].map(|estimator| (estimator, streams(estimator)));
-    let of = |estimator: &str, tunings: Tunings| {
-        let own = streams.iter().find(|(name, _)| *name == estimator).map_or(&[][..], |(_, own)| own);
-        score(own, estimator, tunings)
-    };
+pub fn run(seeds: RangeInclusive<u64>) -> Result<Table, LabError> {
+    let benchmarks = [
+        Benchmark::new("adaptive", Method::Adaptive, &ADAPTIVE, seeds.clone())?,
+        Benchmark::new("aided", Method::Auto, &AIDED, seeds.clone())?,
+    ];
     let choices: Vec<_> = Tunings::list().collect();
-    let bar = progress::bar(choices.len(), "sensitivity");
-    let line = |(estimator, choice): &(&'static str, &'static Choice)| {
-        let with = |factor: f64| {
-            let mut tunings = Tunings::default();
-            assert!(tunings.set(estimator, choice.name, choice.value * factor), "a choice that is listed");
-            of(estimator, tunings)
-        };
-        let scores = [with(0.5)?, with(2.0)?];
+    let bar = progress::bar(2 * choices.len(), "sensitivity");
+    let usual = map(&benchmarks, cores(), |benchmark| benchmark.score(Tunings::default()));
+    let usual: Vec<Score> = usual.into_iter().collect::<Result<_, _>>()?;
+    let of = |estimator: &str| benchmarks.iter().position(|one| one.estimator == estimator).expect("an estimator");
+    let jobs: Vec<_> = choices.iter().flat_map(|choice| [0.5, 2.0].map(|factor| (*choice, factor))).collect();
+    let changed = map(&jobs, cores(), |(one, factor)| {
+        let (estimator, choice) = *one;
+        let mut tunings = Tunings::default();
+        let value = choice.value * factor;
+        assert!(tunings.set(estimator, choice.name, value), "a choice that is listed");
+        let score = benchmarks[of(estimator)].score(tunings);
         bar.inc(1);
-        Ok(Line { estimator, choice, scores })
-    };
-    // two at a time
-    let (even, odd): (Vec<Result<Line, LabError>>, Vec<_>) = std::thread::scope(|scope| {
-        let halves = [0, 1].map(|half| {
-            let (choices, line) = (&choices, &line);
-            scope.spawn(move || choices.iter().skip(half).step_by(2).map(line).collect())
-        });
-        let [even, odd] = halves.map(|half| half.join().expect("no panic"));
-        (even, odd)
+        score.map(|score| {
+            let usual = usual[of(estimator)];
+            let less = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+            Score { error: less(score.error, usual.error), z2: less(score.z2, usual.z2) }
+        })
     });
     bar.finish_and_clear();
-    let mut odd = odd.into_iter();
-    let lines = even.into_iter().flat_map(|line| std::iter::once(line).chain(odd.next()));
-    let mut table = Table::new(
-        "# Choices of the estimators, and what each is worth",
-        &[
-            "estimator",
-            "choice",
-            "value",
-            "unit",
-            "error, half",
-            "double",
-            "beyond, half",
-            "double",
-            "what it is",
-            "source",
-        ],
-    );
-    let mut usual = Vec::new();
-    for estimator in ["adaptive", "aided"] {
-        let score = of(estimator, Tunings::default())?;
-        table.note(&format!("{estimator}: error {:.2} deg, beyond {:.1} %\\", score.error_deg, score.beyond));
-        usual.push((estimator, score));
+    let changed: Vec<Score> = changed.into_iter().collect::<Result<_, _>>()?;
+    let lines: Vec<Line> = choices
+        .iter()
+        .zip(changed.chunks(2))
+        .map(|((estimator, choice), pair)| Line { estimator, choice, changes: [pair[0], pair[1]] })
+        .collect();
+    Ok(table(&benchmarks, &usual, &lines, &seeds))
+}
+
+fn table(benchmarks: &[Benchmark], usual: &[Score], lines: &[Line], seeds: &RangeInclusive<u64>) -> Table {
+    let columns =
+        ["estimator", "choice", "value", "unit", "error, half", "double", "z2, half", "double", "what it is", "source"];
+    let mut table = Table::new("# Choices of the estimators, and what each is worth", &columns);
+    for (benchmark, usual) in benchmarks.iter().zip(usual) {
+        let own: Vec<&Line> = lines.iter().filter(|line| line.estimator == benchmark.estimator).collect();
+        let noise = |halves: fn(&Score) -> [f64; 2]| {
+            let all = own.iter().flat_map(|line| &line.changes).map(halves);
+            let moved = all.filter(|[even, odd]| even.abs() > NOTHING || odd.abs() > NOTHING);
+            100.0 * (rms(moved.map(|[even, odd]| even - odd)).unwrap_or(0.0) / 2.0).exp_m1()
+        };
+        let mean = |halves: [f64; 2]| Spread::of(&halves).mean.exp();
+        table.note(&format!(
+            "{}: error {:.2} deg, z2 {:.2}; noise of a change: {:.1} % of the error, {:.1} % of z2\\",
+            benchmark.estimator,
+            mean(usual.error),
+            mean(usual.z2),
+            noise(|score| score.error),
+            noise(|score| score.z2),
+        ));
     }
-    table.note(
-        "Error: what is corrected against the field, root mean square of each stream, geometric mean of all. Beyond: share of \
-         corrected samples whose direction is off by more than 2.45 of their sigma, 5 % where it is right; in points. Half and double: the choice \
-         half and twice as large. Made by `cargo run --release -- sensitivity`: streams of a phone that is turned about and \
-         carried, whose soft and hard iron, hard iron, place or drift changes.",
-    );
-    for line in lines {
-        let Line { estimator, choice, scores } = line?;
-        let base = usual.iter().find(|(name, _)| *name == estimator).map_or(scores[0], |(_, score)| *score);
-        let error = |score: Score| format!("{:+.0} %", 100.0 * (score.error_deg / base.error_deg - 1.0));
-        let beyond = |score: Score| format!("{:+.1}", score.beyond - base.beyond);
-        let [half, double] = scores;
+    table.note(&format!(
+        "Error: of the published heading against the truth, root mean square of each run, geometric mean of all. z2: mean square of error over \
+         sigma, 1 where sigma is right. Half and double: the change of both with the choice half and twice as large. Noise: what a change strays by \
+         between two halves of the seeds, over two, root mean square over the choices that change anything; a change of less than twice that is none. Made by `cargo run --release -- sensitivity`: seeds {} to {} \
+         of {} for aided, of {} for adaptive.",
+        seeds.start(),
+        seeds.end(),
+        AIDED.join(", "),
+        ADAPTIVE.join(", "),
+    ));
+    for Line { estimator, choice, changes: [half, double] } in lines {
+        let shown = |halves: [f64; 2]| format!("{:+.0} %", percent(halves));
         table.row(vec![
-            estimator.to_owned(),
+            (*estimator).to_owned(),
             choice.name.to_owned(),
             format!("{}", choice.value),
             choice.unit.to_owned(),
-            error(half),
-            error(double),
-            beyond(half),
-            beyond(double),
+            shown(half.error),
+            shown(double.error),
+            shown(half.z2),
+            shown(double.z2),
             choice.meaning.trim().to_owned(),
             choice.source.to_owned(),
         ]);
     }
-    Ok(table)
+    table
 }

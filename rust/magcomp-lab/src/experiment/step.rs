@@ -6,13 +6,13 @@
 use super::bound::fit_options;
 use super::step_score::{AFTER, NormalisationResult, Score};
 use super::step_trace::{BEFORE, FIELD_UT, Trace};
+use crate::course::{Course, DevicePart};
 use crate::error::LabError;
 use crate::motion::Motion;
 use crate::parameters::{ParameterSet, Parameters, TrueParameters};
 use crate::progress;
 use crate::random::{Purpose, Random};
-use crate::schedule::Schedule;
-use crate::simulate::{Noise, Scenario, Simulation, world_field_ut};
+use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, world_field_ut};
 use clap::ValueEnum;
 use magcomp::{Calibration, Compensator, Config, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid};
 use serde::Serialize;
@@ -161,17 +161,22 @@ pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
 
 /// The stream of a run.
 fn scenario(options: &StepOptions, before: &Parameters, seed: u64) -> Scenario {
+    let duration_s = (BEFORE + AFTER) as f64 / RATE_HZ;
+    let step = Course::step(BEFORE as f64 / RATE_HZ);
+    let mut random = Random::new(seed, Purpose::Motion);
     Scenario {
         seed,
-        samples: BEFORE + AFTER,
-        rate_hz: RATE_HZ,
-        motion: options.motion,
-        world_ut: Schedule::constant(world_field_ut(FIELD_UT, DIP_DEG)),
-        parameters: Schedule::step(*before, BEFORE as f64 / RATE_HZ, before.times(options.factor)),
-        noise: Noise::SnrDb(options.snr_db),
-        spikes: None,
+        duration_s,
+        trajectory: options.motion.trajectory(duration_s, 1.0 / RATE_HZ, &mut random),
+        earth_ut: world_field_ut(FIELD_UT, DIP_DEG),
+        surroundings: Vec::new(),
+        device: *before,
+        device_parts: vec![DevicePart::between(step, before, &before.times(options.factor), FIELD_UT)],
+        other_changes: Vec::new(),
+        magnetometer: Magnetometer::plain(RATE_HZ, Noise::SnrDb(options.snr_db)),
         gyroscope: None,
         accelerometer: None,
+        pause_s: None,
     }
 }
 

@@ -100,27 +100,33 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// A simulation as a recording: beside every magnetometer sample the latest
-    /// event of each other sensor, with the truth that a reference would give.
+    /// A simulation as a recording, with the truth that a reference would give: each sensor's events at their own times. Events behind the
+    /// last sample are left out.
     #[must_use]
     pub fn of(simulation: &Simulation, name: &str) -> Self {
-        let (mut rate, mut up) = (None, None);
         let (mut rates, mut ups) = (simulation.rotation_rates.iter().peekable(), simulation.ups.iter().peekable());
         let samples = simulation.magnetic.iter().zip(&simulation.truth);
         let rows = samples.map(|(sample, truth)| {
-            while let Some(event) = rates.next_if(|event| event.time_ns <= sample.time_ns) {
-                rate = Some(event.rate_rad_s);
+            let mut events = Vec::new();
+            loop {
+                let next_ns = [rates.peek().map(|event| event.time_ns), ups.peek().map(|event| event.time_ns)];
+                let Some(time_ns) = next_ns.into_iter().flatten().min().filter(|time| *time <= sample.time_ns) else {
+                    break;
+                };
+                events.push(Inertial {
+                    time_ns,
+                    rate_rad_s: rates.next_if(|event| event.time_ns == time_ns).map(|event| event.rate_rad_s),
+                    up_m_s2: ups.next_if(|event| event.time_ns == time_ns).map(|event| event.up_m_s2),
+                });
             }
-            while let Some(event) = ups.next_if(|event| event.time_ns <= sample.time_ns) {
-                up = Some(event.up_m_s2);
-            }
+            let now = events.pop_if(|event| event.time_ns == sample.time_ns);
             Row {
                 time_s: sample.time_ns as f64 / 1e9,
                 time_ns: sample.time_ns,
                 field_ut: sample.field_ut,
-                before: Vec::new(),
-                up_m_s2: up,
-                rate_rad_s: rate,
+                before: events,
+                up_m_s2: now.and_then(|event| event.up_m_s2),
+                rate_rad_s: now.and_then(|event| event.rate_rad_s),
                 system_ut: None,
                 attitude: Some(truth.attitude),
                 hard_iron_ut: Some(truth.hard_iron_ut),

@@ -2,7 +2,9 @@
 
 use crate::error::LabError;
 use crate::recording::{Inertial, Recording, Row};
-use magcomp::{Calibration, Compensator, Config, MagneticSample, Reading, RotationRateSample, UpSample};
+use magcomp::{
+    Calibration, Compensator, Config, MagneticSample, Method, Reading, RotationRateSample, Tunings, UpSample,
+};
 use std::time::Instant;
 
 /// Sensors of the recording that are left out.
@@ -42,6 +44,15 @@ impl Player {
     /// [`LabError::Config`] when the config is refused.
     pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
         Ok(Self { compensator: Compensator::new(config.clone())?, ignore })
+    }
+
+    /// One whose choices are not the usual ones.
+    ///
+    /// # Errors
+    /// [`LabError::Config`] when the config is refused.
+    pub fn tuned(config: Config, method: Method, tunings: Tunings) -> Result<Self, LabError> {
+        let compensator = Compensator::tuned(Config { method, ..config }, tunings)?;
+        Ok(Self { compensator, ignore: Ignore::default() })
     }
 
     /// Plays the next row.

@@ -106,7 +106,7 @@ fn compare_on_a_recording_has_a_picture() {
     assert!(picture.starts_with("<svg") && picture.contains("adaptive"), "{picture}");
 }
 
-/// docs/EVALUATION.md has the lines that the command prints.
+/// docs/EVALUATION.md has the lines of the catalogue, and the command prints them.
 #[test]
 fn the_page_of_situations_has_the_lines_of_the_command() {
     let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/EVALUATION.md")).unwrap();
@@ -114,12 +114,45 @@ fn the_page_of_situations_has_the_lines_of_the_command() {
         let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("|  |"));
         rows.map(|line| line.split(" | ").next().unwrap().to_owned()).collect::<Vec<_>>()
     };
-    let (code, printed, error) = run(&["evaluate", "--runs", "1", "--markdown"]);
+    let expected: Vec<String> = magcomp_lab::catalogue::all().iter().map(|one| format!("| {}", one.about)).collect();
+    let hint = "run `cargo run --release -- evaluate --markdown > docs/EVALUATION.md`";
+    assert_eq!(expected, lines(&page), "{hint}");
+    let part = ["evaluate", "--variant", "phone-walk,pause.*", "--seeds", "1"];
+    let (code, printed, error) = run(&[&part[..], &["--markdown"]].concat());
     assert_eq!(code, 0, "{error}");
-    assert_eq!(
-        lines(&printed),
-        lines(&page),
-        "run `cargo run --release -- evaluate --runs 10 --markdown > docs/EVALUATION.md`"
-    );
-    assert_eq!(lines(&page).len(), 51);
+    assert_eq!(lines(&printed).len(), 11);
+    assert!(lines(&printed).iter().all(|line| expected.contains(line)), "{printed}");
+    let columns = |page: &str| page.lines().find(|line| line.starts_with("|  | answered")).map(str::to_owned);
+    assert_eq!(columns(&printed), columns(&page), "{hint}");
+}
+
+/// The same figures from one thread and from three, each run's too; and a name that there is not is told.
+#[test]
+fn evaluate_gives_the_same_whatever_the_number_of_threads() {
+    let with = |threads| {
+        let part = ["evaluate", "--json", "--variant", "steps.b20,places.doors,alone.step", "--seeds", "3-5"];
+        let (code, printed, error) = run(&[&part[..], &["--threads", threads]].concat());
+        assert_eq!(code, 0, "{error}");
+        printed
+    };
+    let one = with("1");
+    assert_eq!(one, with("3"));
+    let value: serde_json::Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(value["seeds"], serde_json::json!([3, 5]));
+    let names: Vec<&str> = value["groups"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|group| group["variants"][0]["name"].as_str().unwrap())
+        .collect();
+    // in the order of the catalogue
+    assert_eq!(names, ["alone.step", "steps.b20", "places.doors"]);
+    assert_eq!(value["groups"][1]["variants"][0]["runs"].as_array().unwrap().len(), 3);
+    let (code, _, error) = run(&["evaluate", "--variant", "steps.nothing"]);
+    assert!(code == 2 && error.contains("--list"), "{code} {error}");
+    for seeds in ["5-3", "x", "1-"] {
+        assert_eq!(run(&["evaluate", "--seeds", seeds]).0, 2, "{seeds}");
+    }
+    let (_, list, _) = run(&["evaluate", "--list"]);
+    assert!(list.contains("long.mixed30min") && list.contains("walking, b steps by 27 uT"), "{list}");
 }

@@ -2,13 +2,10 @@
 
 use crate::{HEADER, folder, run};
 use magcomp::{Calibration, Compensator, Config};
-use magcomp_lab::inertial::InertialSensor;
-use magcomp_lab::motion::Motion;
-use magcomp_lab::parameters::ParameterSet;
+use magcomp_lab::catalogue::{Variant, find};
 use magcomp_lab::recording;
 use magcomp_lab::replay::{Ignore, replay};
-use magcomp_lab::schedule::Schedule;
-use magcomp_lab::simulate::{Noise, Scenario, Simulation, world_field_ut};
+use magcomp_lab::simulate::{Simulation, world_field_ut};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -32,19 +29,10 @@ fn events_out_of_order_and_twice_are_said() {
 
 /// Three sensors at three rates that do not divide one another.
 fn three_rates() -> Simulation {
-    let scenario = Scenario {
-        seed: 7,
-        samples: 50 * 30,
-        rate_hz: 50.0,
-        motion: Motion::Tumble,
-        world_ut: Schedule::constant(world_field_ut(50.0, 60.0)),
-        parameters: Schedule::step(ParameterSet::Mid.parameters(), 15.0, ParameterSet::Mid.parameters().times(1.3)),
-        noise: Noise::Ut(0.5),
-        spikes: None,
-        gyroscope: Some(InertialSensor { rate_hz: 173.0, ..InertialSensor::gyroscope() }),
-        accelerometer: Some(InertialSensor { rate_hz: 71.0, ..InertialSensor::accelerometer() }),
-    };
-    scenario.run()
+    let mut phone = Variant { duration_s: 30.0, ..find("phone-steady").unwrap() };
+    phone.sensors.magnetometer.rate_hz = 50.0;
+    (phone.sensors.gyro_hz, phone.sensors.accel_hz) = (173.0, 71.0);
+    phone.stream(7)
 }
 
 #[test]

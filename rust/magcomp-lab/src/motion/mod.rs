@@ -1,12 +1,18 @@
 //! How the device turns: attitudes (device to east-north-up) and the body rates that connect them.
 //!
 //! A smooth motion is laid out on a grid of 1 ms with the body rate constant in between, so that attitude and rate
-//! belong to each other exactly at any time: q(t) = q_k exp(w_k (t - t_k) / 2).
+//! belong to each other exactly at any time: q(t) = q_k exp(w_k (t - t_k) / 2). How people carry phones (`people`) is laid out on a
+//! grid of 2.5 ms, with the accelerations and the way that belong to it.
+
+pub mod noise;
+mod people;
 
 use crate::random::Random;
 use clap::ValueEnum;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
-use std::f64::consts::{PI, TAU};
+use noise::{Grid, Turns};
+use people::Mover;
+use std::f64::consts::TAU;
 
 /// Grid of the smooth motions, s.
 const GRID_S: f64 = 1e-3;
@@ -41,25 +47,94 @@ pub enum Motion {
     Planar,
     /// At rest
     Still,
+    /// Walking, the phone in the hand before the chest
+    Text,
+    /// Walking, the phone at the ear, after 9 s in the hand
+    Call,
+    /// Walking, the phone upside down in a trouser pocket, after 9 s in the hand
+    Pocket,
+    /// In a mount in a car, after 9 s in the hand
+    Drive,
+    /// In the hand of a passenger of a car
+    DriveHand,
+    /// Turned about in both hands: augmented reality, a game
+    Game,
+    /// On a table, picked up now and then
+    Table,
+    /// Standing, turning on the spot with the phone nearly flat
+    Look,
+    /// Rest, walking and turning over in the hands, in turns of 15 to 70 s
+    Mixed,
 }
 
-/// Attitude and body rate over time.
-#[derive(Clone, Debug)]
+/// Attitude and body rate over time, and for people and cars the acceleration and the way.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     step_s: f64,
     attitudes: Vec<UnitQuaternion<f64>>,
     rates_rad_s: Vec<Vector3<f64>>,
+    /// Besides gravity, east-north-up; empty where the device only turns.
+    acceleration_m_s2: Vec<Vector3<f64>>,
+    /// East-north-up; empty where the device stays in its place.
+    positions_m: Vec<Vector3<f64>>,
+    /// Yaw of the vehicle, rad, counter-clockwise from north; empty without one.
+    vehicle_yaw: Vec<f64>,
+    /// When it is picked up from a table, and laid down again, s.
+    pub picked_up_s: Vec<(f64, f64)>,
 }
 
 impl Trajectory {
     /// Attitude (device to east-north-up) and body rate (rad/s, device frame) at a time, s; held beyond both ends.
     #[must_use]
     pub fn at(&self, time_s: f64) -> (UnitQuaternion<f64>, Vector3<f64>) {
+        let (k, share) = self.point(time_s);
+        let rate = self.rates_rad_s[k];
+        (self.attitudes[k] * UnitQuaternion::from_scaled_axis(rate * (share * self.step_s)), rate)
+    }
+
+    /// The body rate that a gyroscope reads, rad/s. For people: the mean over one step of the grid, since their grid is coarse.
+    #[must_use]
+    pub fn rate_read(&self, time_s: f64) -> Vector3<f64> {
+        if self.acceleration_m_s2.is_empty() {
+            return self.at(time_s).1;
+        }
+        let [before, after] = [-0.5, 0.5].map(|steps| self.at(time_s + steps * self.step_s).0);
+        (before.inverse() * after).scaled_axis() / self.step_s
+    }
+
+    /// Acceleration besides gravity, east-north-up, m/s^2.
+    #[must_use]
+    pub fn acceleration(&self, time_s: f64) -> Vector3<f64> {
+        self.between(&self.acceleration_m_s2, time_s, |from, to, share| from.lerp(&to, share))
+    }
+
+    /// Where the device is, east-north-up, m.
+    #[must_use]
+    pub fn position(&self, time_s: f64) -> Vector3<f64> {
+        self.between(&self.positions_m, time_s, |from, to, share| from.lerp(&to, share))
+    }
+
+    /// Yaw of the vehicle, rad; 0 without one.
+    #[must_use]
+    pub fn vehicle_yaw(&self, time_s: f64) -> f64 {
+        self.between(&self.vehicle_yaw, time_s, |from, to, share| from + (to - from) * share)
+    }
+
+    /// The point of the grid at or before a time, and the share of the step that has gone by since.
+    fn point(&self, time_s: f64) -> (usize, f64) {
         // a millionth of a step forward, so that times on the grid are not rounded down to the step before
         let k = ((time_s / self.step_s + 1e-6).max(0.0) as usize).min(self.attitudes.len() - 1);
-        let rate = self.rates_rad_s[k];
-        let elapsed_s = (time_s - k as f64 * self.step_s).clamp(0.0, self.step_s);
-        (self.attitudes[k] * UnitQuaternion::from_scaled_axis(rate * elapsed_s), rate)
+        (k, ((time_s - k as f64 * self.step_s) / self.step_s).clamp(0.0, 1.0))
+    }
+
+    fn between<T: Copy + Default>(&self, values: &[T], time_s: f64, mix: impl Fn(T, T, f64) -> T) -> T {
+        let (k, share) = self.point(time_s);
+        let Some(value) = values.get(k) else { return T::default() };
+        values.get(k + 1).map_or(*value, |next| mix(*value, *next, share))
+    }
+
+    fn at_positions(self, positions_m: Vec<Vector3<f64>>) -> Self {
+        Self { positions_m, ..self }
     }
 
     /// Turns about one axis of the world, at 1 rad/s rms: the vertical or a random one. The axis wobbles: two slow swings across it,
@@ -80,7 +155,7 @@ impl Trajectory {
             angle += rates[k].x * GRID_S;
             UnitQuaternion::from_scaled_axis(tilt) * turned * start
         });
-        Self::from_attitudes(attitudes.collect())
+        Self::from_attitudes(attitudes.collect(), GRID_S)
     }
 
     fn from_rates(start: UnitQuaternion<f64>, rates_rad_s: Vec<Vector3<f64>>) -> Self {
@@ -94,14 +169,14 @@ impl Trajectory {
                 now
             })
             .collect();
-        Self { step_s: GRID_S, attitudes, rates_rad_s }
+        Self { step_s: GRID_S, attitudes, rates_rad_s, ..Self::default() }
     }
 
-    fn from_attitudes(attitudes: Vec<UnitQuaternion<f64>>) -> Self {
+    fn from_attitudes(attitudes: Vec<UnitQuaternion<f64>>, step_s: f64) -> Self {
         let mut rates: Vec<_> =
-            attitudes.windows(2).map(|pair| (pair[0].inverse() * pair[1]).scaled_axis() / GRID_S).collect();
+            attitudes.windows(2).map(|pair| (pair[0].inverse() * pair[1]).scaled_axis() / step_s).collect();
         rates.push(Vector3::zeros());
-        Self { step_s: GRID_S, attitudes, rates_rad_s: rates }
+        Self { step_s, attitudes, rates_rad_s: rates, ..Self::default() }
     }
 }
 
@@ -114,20 +189,30 @@ impl Motion {
             Self::Uniform => {
                 let count = (duration_s / sample_period_s).ceil() as usize + 1;
                 let attitudes = (0..count).map(|_| random.attitude()).collect();
-                Trajectory { step_s: sample_period_s, attitudes, rates_rad_s: vec![Vector3::zeros(); count] }
+                let rates_rad_s = vec![Vector3::zeros(); count];
+                Trajectory { step_s: sample_period_s, attitudes, rates_rad_s, ..Trajectory::default() }
             }
             Self::Tumble => {
                 let start = random.attitude();
                 Trajectory::from_rates(start, wandering(count, TUMBLE_RAD_S / 3f64.sqrt(), random))
             }
-            Self::Pedestrian => Trajectory::from_attitudes(walk(count, random)),
-            Self::Stroll => Trajectory::from_attitudes(stroll(count, random)),
+            Self::Pedestrian => Trajectory::from_attitudes(walk(count, random), GRID_S),
+            Self::Stroll => Trajectory::from_attitudes(stroll(count, random), GRID_S),
             Self::Planar => {
                 let (start, axis) = (random.attitude(), random.direction());
                 let rates = wandering(count, TUMBLE_RAD_S, random).iter().map(|rate| axis * rate.x).collect();
                 Trajectory::from_rates(start, rates)
             }
             Self::Still => Trajectory::from_rates(random.attitude(), vec![Vector3::zeros(); count]),
+            Self::Text => Mover::new(duration_s, random).text(),
+            Self::Call => Mover::new(duration_s, random).call(),
+            Self::Pocket => Mover::new(duration_s, random).pocket(),
+            Self::Drive => Mover::new(duration_s, random).drive(false),
+            Self::DriveHand => Mover::new(duration_s, random).drive(true),
+            Self::Game => Mover::new(duration_s, random).game(),
+            Self::Table => Mover::new(duration_s, random).table(),
+            Self::Look => Mover::new(duration_s, random).look(),
+            Self::Mixed => Mover::new(duration_s, random).mixed(),
         }
     }
 }
@@ -157,30 +242,11 @@ fn followed(values: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     values.into_iter().map(follow).collect()
 }
 
-/// Heading over time, rad: held between turns by 45 to 180 deg, for a time and turned over a time drawn from these ranges, s.
-fn heading(
-    count: usize,
-    held_s: (f64, f64),
-    turned_s: (f64, f64),
-    first_s: (f64, f64),
-    random: &mut Random,
-) -> Vec<f64> {
-    let duration_s = count as f64 * GRID_S;
-    let start = random.uniform(-PI, PI);
-    let mut turns = Vec::new();
-    let mut at_s = random.uniform(first_s.0, first_s.1);
-    while at_s < duration_s {
-        let angle = random.uniform(45.0, 180.0).to_radians() * random.sign();
-        let over_s = random.uniform(turned_s.0, turned_s.1);
-        turns.push((at_s, over_s, angle));
-        at_s += over_s + random.uniform(held_s.0, held_s.1);
-    }
-    let turned = |t: f64, (at_s, over_s, angle): &(f64, f64, f64)| {
-        let u = ((t - at_s) / over_s).clamp(0.0, 1.0);
-        angle * u * u * (3.0 - 2.0 * u)
-    };
-    (0..count).map(|k| start + turns.iter().map(|turn| turned(k as f64 * GRID_S, turn)).sum::<f64>()).collect()
-}
+/// Turns of somebody who walks: by 45 to 180 deg.
+const WALKED: Turns =
+    Turns { held_s: (3.0, 8.0), angle_deg: (45.0, 180.0), over_s: (1.0, 2.0), first_s: (2.0, 5.0), is_eased: false };
+/// And of somebody who strolls.
+const STROLLED: Turns = Turns { held_s: (1.5, 4.5), over_s: (1.5, 1.5), first_s: (1.5, 4.5), ..WALKED };
 
 /// Phase of the steps at a point of the grid, rad.
 fn gait(k: usize) -> f64 {
@@ -189,7 +255,7 @@ fn gait(k: usize) -> f64 {
 
 /// Heading held for 3 to 8 s, then turned in 1 to 2 s; slow swings of pitch and roll; a sway at the rate of the steps.
 fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
-    let heading = heading(count, (3.0, 8.0), (1.0, 2.0), (2.0, 5.0), random);
+    let heading = Grid { count, step_s: GRID_S }.turns(&WALKED, random);
     let (pitch, roll) = (swing(count, random), swing(count, random));
     let degrees = |deg: f64| deg.to_radians();
     (0..count)
@@ -206,7 +272,7 @@ fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
 
 /// Heading held for 1.5 to 4.5 s, then turned in 1.5 s; pitch and roll wander and sway.
 fn stroll(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
-    let heading = heading(count, (1.5, 4.5), (1.5, 1.5), (1.5, 4.5), random);
+    let heading = Grid { count, step_s: GRID_S }.turns(&STROLLED, random);
     // the hand that follows it takes out as much of the wandering as is given more of it
     let wander = followed(wandering(count, STROLL_DEG * (1.0 + FOLLOWS_S / WANDER_S).sqrt(), random));
     let tilt = |wander: f64, phase: f64| {

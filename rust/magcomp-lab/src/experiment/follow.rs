@@ -1,0 +1,155 @@
+//! A change that methods follow: one variant of the catalogue, the answers of some methods side by side, from a cold start.
+
+use super::answers;
+use crate::catalogue::{PhoneChange, Variant, phone};
+use crate::error::LabError;
+use crate::motion::Motion;
+use crate::parallel::{cores, map};
+use crate::progress;
+use crate::recording::Recording;
+use crate::replay::{Ignore, Step};
+use crate::score::{Begin, Figures, Line, Runs, Stretch};
+use magcomp::Method;
+use serde::Serialize;
+
+/// Options of the experiment.
+#[derive(Clone, Debug)]
+pub struct FollowOptions {
+    /// The scenario.
+    pub variant: Variant,
+    /// Aided and windowed beside each other, or the magnetometer alone.
+    pub methods: Vec<Method>,
+    /// Runs; run k has the seed `seed + k`.
+    pub runs: usize,
+    /// The first seed.
+    pub seed: u64,
+}
+
+impl FollowOptions {
+    /// The step that belongs to a motion; none where the aided method has nothing to show.
+    #[must_use]
+    pub fn of(motion: Motion) -> Option<Self> {
+        let change = match motion {
+            Motion::Tumble => PhoneChange::Parameters,
+            Motion::Pedestrian => PhoneChange::Offset,
+            _ => return None,
+        };
+        let variant = phone("step", motion, change);
+        Some(Self { variant, methods: vec![Method::Aided, Method::Windowed], runs: 20, seed: 1 })
+    }
+}
+
+/// One answer of one method: f, or what its calibration makes of the sample without noise.
+#[derive(Clone, Debug, Serialize)]
+pub struct AnswerResult {
+    /// Method and answer.
+    pub name: String,
+    /// Error over the last 10 s before the change, degrees.
+    pub before_deg: Runs,
+    /// Seconds after a change until its 95th percentile over the trailing second stays below 5 degrees.
+    pub below_5_deg: Runs,
+    /// The same for 2 degrees.
+    pub below_2_deg: Runs,
+    /// |b - true b| 3 s after a change, uT.
+    pub hard_iron_ut: Runs,
+}
+
+/// One method.
+#[derive(Clone, Debug, Serialize)]
+pub struct FollowMethod {
+    /// The method.
+    pub method: Method,
+    /// Published headings, events, losses.
+    pub line: Line,
+    /// From a change to the status suspect or disturbed, s.
+    pub alarm_s: Runs,
+    /// Largest error of f, or of the calibration, from a change on, degrees.
+    pub worst_deg: Runs,
+}
+
+/// The experiment as numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct FollowResult {
+    /// What was run.
+    pub scenario: String,
+    /// Runs.
+    pub runs: usize,
+    /// Their answers.
+    pub answers: Vec<AnswerResult>,
+    /// The methods.
+    pub methods: Vec<FollowMethod>,
+    /// The first method in the first run, for the picture.
+    #[serde(skip)]
+    pub first: Option<(Recording, Vec<Step>)>,
+}
+
+/// Runs the experiment.
+///
+/// # Errors
+/// [`LabError`] when a config is refused.
+pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
+    let FollowOptions { variant, methods, runs, seed } = options;
+    let bar = progress::bar(runs * methods.len(), "step");
+    let jobs: Vec<usize> = (0..runs * methods.len()).collect();
+    let done = map(&jobs, cores(), |k| {
+        let (simulation, recording, steps) =
+            answers(variant, seed.wrapping_add((k % runs) as u64), methods[k / runs], Ignore::default())?;
+        bar.inc(1);
+        let figures = Figures::of(&simulation, &steps);
+        Ok::<_, LabError>((figures, (*k == 0).then_some((recording, steps))))
+    });
+    bar.finish_and_clear();
+    let mut done: Vec<_> = done.into_iter().collect::<Result<_, _>>()?;
+    let first = done.first_mut().and_then(|(_, picture)| picture.take());
+    let figures: Vec<Figures> = done.into_iter().map(|(figures, _)| figures).collect();
+    let (mut answers, mut results) = (Vec::new(), Vec::new());
+    for (method, own) in methods.iter().zip(figures.chunks(*runs)) {
+        if *method == Method::Aided || *method == Method::Auto {
+            answers.push(AnswerResult::carried(*method, own));
+        }
+        answers.push(AnswerResult::corrected(*method, own));
+        let changes = || changed(own);
+        results.push(FollowMethod {
+            method: *method,
+            line: Line::of(own),
+            alarm_s: Runs::of(changes().map(|one| one.alarm_s)),
+            worst_deg: Runs::of(changes().map(|one| one.worst_deg)),
+        });
+    }
+    Ok(FollowResult { scenario: variant.about.clone(), runs: *runs, answers, methods: results, first })
+}
+
+/// The stretches behind a change; those from the start where nothing changes.
+fn changed(runs: &[Figures]) -> impl Iterator<Item = &Stretch> {
+    let is_changed = |one: &&Stretch| one.begin != Begin::Start;
+    let some = runs.iter().flat_map(|run| &run.stretches).any(|one| is_changed(&one));
+    runs.iter().flat_map(|run| &run.stretches).filter(move |one| !some || is_changed(one))
+}
+
+impl AnswerResult {
+    fn carried(method: Method, runs: &[Figures]) -> Self {
+        let settled = |limit: usize| changed(runs).map(move |one| one.settled?.main_s[limit]);
+        Self {
+            name: format!("{}, f", name(method)),
+            before_deg: Runs::of(runs.iter().map(|run| run.before.carried_deg)),
+            below_5_deg: Runs::of(settled(0)),
+            below_2_deg: Runs::of(settled(1)),
+            hard_iron_ut: Runs::of(changed(runs).map(|one| one.hard_iron_ut)),
+        }
+    }
+
+    fn corrected(method: Method, runs: &[Figures]) -> Self {
+        let settled = |limit: usize| changed(runs).map(move |one| one.settled?.calibration_s[limit]);
+        Self {
+            name: format!("{}, c", name(method)),
+            before_deg: Runs::of(runs.iter().map(|run| run.before.calibration_deg)),
+            below_5_deg: Runs::of(settled(0)),
+            below_2_deg: Runs::of(settled(1)),
+            hard_iron_ut: Runs::of(changed(runs).map(|one| one.hard_iron_ut)),
+        }
+    }
+}
+
+pub(super) fn name(method: Method) -> String {
+    format!("{method:?}").to_lowercase()
+}

@@ -1,0 +1,146 @@
+//! Fields besides that of the Earth: of a place, of a door that is passed, of the body of a vehicle.
+
+use crate::course::Course;
+use crate::motion::{Trajectory, noise::ease};
+use crate::random::Random;
+use magcomp::nalgebra::{Rotation3, Vector3};
+use std::f64::consts::TAU;
+
+/// Waves of an uneven place, and their lengths, m: the correlation length is a fifth to a quarter of them.
+const WAVES: usize = 40;
+const LENGTHS_M: (f64, f64) = (4.0, 14.0);
+/// Unevenness comes over this long, s, a vehicle's body over this long.
+const COMES_S: f64 = 3.0;
+const CLOSES_S: f64 = 2.0;
+/// The mean square of an uneven place is taken at points so far apart, s.
+const LOOKED_AT_S: f64 = 0.1;
+
+/// A field besides that of the Earth.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surrounding {
+    /// Another place, or something large that is brought near.
+    Shift {
+        /// When.
+        course: Course,
+        /// East-north-up, uT.
+        field_ut: Vector3<f64>,
+    },
+    /// A curl-free random field of the position.
+    Uneven {
+        /// Waves: wave vector, 1/m, phase, size.
+        waves: Vec<(Vector3<f64>, f64, f64)>,
+        /// s.
+        from_s: f64,
+    },
+    /// Steel that is passed: a dipole that comes, turns and goes.
+    Door {
+        /// When it is nearest, s.
+        at_s: f64,
+        /// Half of the time for which it matters, s.
+        half_s: f64,
+        /// Its moment, so scaled that its largest field is the one asked for.
+        moment: Vector3<f64>,
+    },
+    /// The body of a vehicle around the device: a field that turns with it, less a part of the Earth's that it keeps out.
+    Vehicle {
+        /// s.
+        at_s: f64,
+        /// In the vehicle's frame, uT.
+        field_ut: Vector3<f64>,
+        /// Share of the Earth's field that is kept out.
+        shield: f64,
+    },
+}
+
+impl Surrounding {
+    /// A place that is uneven by `rms_ut` along the way of this trajectory, a vector's root mean square.
+    pub fn uneven(rms_ut: f64, from_s: f64, duration_s: f64, trajectory: &Trajectory, random: &mut Random) -> Self {
+        let mut waves: Vec<_> = (0..WAVES)
+            .map(|_| {
+                let wave = random.direction() * (TAU / random.uniform(LENGTHS_M.0, LENGTHS_M.1));
+                (wave, random.uniform(0.0, TAU), random.normal())
+            })
+            .collect();
+        let points = (duration_s / LOOKED_AT_S) as usize;
+        let square = |k: usize| sum(&waves, &trajectory.position(k as f64 * LOOKED_AT_S)).norm_squared();
+        let rms = ((0..points).map(square).sum::<f64>() / points.max(1) as f64).sqrt();
+        waves.iter_mut().for_each(|(_, _, size)| *size *= rms_ut / rms);
+        Self::Uneven { waves, from_s }
+    }
+
+    /// A door that is passed at `at_s`, its largest field `size_ut`.
+    pub fn door(at_s: f64, size_ut: f64, for_s: f64, random: &mut Random) -> Self {
+        let moment = random.direction();
+        let largest = (-400..=400).map(|k| door(&moment, f64::from(k) * 0.01).norm()).fold(0.0, f64::max);
+        Self::Door { at_s, half_s: for_s / 2.0, moment: moment * (size_ut / largest) }
+    }
+
+    /// What it adds at a time, s, east-north-up, uT.
+    #[must_use]
+    pub fn at(&self, time_s: f64, trajectory: &Trajectory, earth_ut: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Shift { course, field_ut } => field_ut * course.at(time_s),
+            Self::Uneven { waves, from_s } => {
+                let share = ease((time_s - from_s) / COMES_S);
+                if share > 0.0 { sum(waves, &trajectory.position(time_s)) * share } else { Vector3::zeros() }
+            }
+            Self::Door { at_s, half_s, moment } => door(moment, (time_s - at_s) / half_s),
+            Self::Vehicle { at_s, field_ut, shield } => {
+                let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), trajectory.vehicle_yaw(time_s)) * field_ut;
+                (turned - earth_ut * *shield) * ease((time_s - at_s) / CLOSES_S)
+            }
+        }
+    }
+}
+
+fn sum(waves: &[(Vector3<f64>, f64, f64)], position: &Vector3<f64>) -> Vector3<f64> {
+    waves.iter().map(|(wave, phase, size)| wave * (size * (wave.dot(position) + phase).cos())).sum()
+}
+
+/// Field of a door's moment, `along` from where it is nearest.
+fn door(moment: &Vector3<f64>, along: f64) -> Vector3<f64> {
+    let r = Vector3::new(along, 0.8, 0.3);
+    let distance = r.norm();
+    r * (3.0 * r.dot(moment) / distance.powi(5)) - moment / distance.powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Motion;
+    use crate::random::Purpose;
+
+    #[test]
+    fn fields_come_after_their_start_and_are_as_large_as_they_say() {
+        let earth = Vector3::new(0.0, 25.0, -43.0);
+        for seed in 0..3 {
+            let random = &mut Random::new(seed, Purpose::Motion);
+            let walk = Motion::Text.trajectory(60.0, 0.01, random);
+            let sizes = |what: &Surrounding, from: u32, to: u32| {
+                (from..to).map(|k| what.at(f64::from(k) * 0.1, &walk, &earth).norm()).collect::<Vec<_>>()
+            };
+            let largest = |sizes: &[f64]| sizes.iter().copied().fold(0.0, f64::max);
+            let door = Surrounding::door(30.0, 25.0, 2.0, random);
+            assert!((largest(&sizes(&door, 290, 310)) - 25.0).abs() < 0.5);
+            assert!(largest(&sizes(&door, 0, 250)) < 1.0);
+            let uneven = Surrounding::uneven(5.0, 20.0, 60.0, &walk, random);
+            assert_eq!(largest(&sizes(&uneven, 0, 200)), 0.0);
+            let square = sizes(&uneven, 230, 600).iter().map(|size| size * size).sum::<f64>() / 370.0;
+            assert!((3.5..6.5).contains(&square.sqrt()), "{square}");
+            // curl-free: a closed way has no work, which for a sum of waves along their own direction is exact; here by its slopes
+            let Surrounding::Uneven { waves, .. } = &uneven else { panic!("uneven") };
+            let at = |x, y| sum(waves, &Vector3::new(x, y, 1.0));
+            let curl = (at(1.0001, 1.0).y - at(1.0, 1.0).y) - (at(1.0, 1.0001).x - at(1.0, 1.0).x);
+            assert!(curl.abs() < 1e-6, "{curl}");
+            let car = Motion::Drive.trajectory(60.0, 0.01, random);
+            let body = Surrounding::Vehicle { at_s: 30.0, field_ut: Vector3::x() * 30.0, shield: 0.0 };
+            let field = |time_s| body.at(time_s, &car, &earth);
+            assert!(field(29.0).norm() == 0.0 && (field(40.0).norm() - 30.0).abs() < 1e-9);
+            let turned = field(58.0).angle(&field(40.0));
+            let yaw = (car.vehicle_yaw(58.0) - car.vehicle_yaw(40.0))
+                .sin()
+                .atan2((car.vehicle_yaw(58.0) - car.vehicle_yaw(40.0)).cos());
+            assert!((turned - yaw.abs()).abs() < 1e-6, "{turned} {yaw}");
+        }
+    }
+}
