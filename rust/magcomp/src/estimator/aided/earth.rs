@@ -58,10 +58,12 @@ impl Earth {
         self.field_ut = step.turn * self.field_ut;
     }
 
-    /// Whether m has been as strong and as deep as h for long: then m is h, and what was carried has been led astray.
+    /// Whether m has been as strong and as deep as h for long, and is no further from it than h may have drifted: then m is h, and what was
+    /// carried has been led astray.
     pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
         let off_ut = (m.norm() - self.field_ut.norm()).hypot((m - self.field_ut).dot(up));
-        let is_alike = !self.is_lost && off_ut < 0.5 * tuning.smallest_step_ut;
+        let may_have_drifted = (m - self.field_ut).norm() < 3.0 * self.sd_ut;
+        let is_alike = !self.is_lost && may_have_drifted && off_ut < 0.5 * tuning.smallest_step_ut;
         self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
         self.alike_s > tuning.settled_s
     }
