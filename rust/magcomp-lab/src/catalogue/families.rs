@@ -1,7 +1,7 @@
 //! Phones as they are carried, with the sensors' usual errors and delays: 48 uT and a dip of 63 degrees where not said otherwise, |b| of 10 to 250 uT,
 //! noise of 0.4 uT in steps of 0.15, stamps 5 ms late, a gyroscope with bias, drift, scale and axes of its own, accelerations of the motion.
 
-use super::Group;
+use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::sensors::Sensors;
 use super::variant::{DeviceKind, Variant};

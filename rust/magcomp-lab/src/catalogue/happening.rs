@@ -1,6 +1,5 @@
 //! What happens to a device and its place, as data, and what a seed makes of it.
 
-use super::variant::Variant;
 use crate::course::{Course, DevicePart};
 use crate::motion::Trajectory;
 use crate::parameters::Parameters;
@@ -126,6 +125,15 @@ pub enum Happening {
     Vehicle(f64, f64, f64),
 }
 
+/// What a happening must know of its variant.
+#[derive(Clone, Copy)]
+pub(super) struct Setting {
+    /// Of the Earth's field, uT.
+    pub strength_ut: f64,
+    pub duration_s: f64,
+    pub change_s: f64,
+}
+
 /// What a seed makes of what happens.
 #[derive(Default)]
 pub(super) struct Drawn {
@@ -138,13 +146,13 @@ impl Happening {
     /// Adds what this seed makes of it.
     pub(super) fn draw(
         self,
-        variant: &Variant,
+        setting: &Setting,
         device: &Parameters,
         trajectory: &Trajectory,
         random: &mut Random,
         drawn: &mut Drawn,
     ) {
-        let field_ut = variant.earth.0;
+        let field_ut = setting.strength_ut;
         let mut part =
             |course, by: By, random: &mut Random| drawn.device.push(by.part(course, device, field_ut, random));
         match self {
@@ -167,18 +175,18 @@ impl Happening {
                     at_s += random.exponential(0.35 / hz) + 0.15 / hz;
                     at_s
                 };
-                let edges = (0..2000).map(next).take_while(|at_s| *at_s < variant.duration_s).collect();
+                let edges = (0..2000).map(next).take_while(|at_s| *at_s < setting.duration_s).collect();
                 part(Course::Switched(edges), By::Random(ut, ut, 0.0), random);
             }
             Self::Folio => folio(random, &mut drawn.device),
-            Self::Redrawn | Self::Covers => self.again_and_again(variant, device, random, &mut drawn.device),
-            Self::HalfHour => half_hour(variant, device, random, drawn),
+            Self::Redrawn | Self::Covers => self.again_and_again(setting, device, random, &mut drawn.device),
+            Self::HalfHour => half_hour(setting, device, random, drawn),
             Self::Room(size_ut, from_s, for_s) => drawn.surroundings.push(room(size_ut, from_s, for_s, random)),
             Self::Door(size_ut, at_s, for_s) => {
                 drawn.surroundings.push(Surrounding::door(at_s, size_ut, for_s, random));
             }
             Self::Uneven(rms_ut, from_s) => {
-                let place = Surrounding::uneven(rms_ut, from_s, variant.duration_s, trajectory, random);
+                let place = Surrounding::uneven(rms_ut, from_s, setting.duration_s, trajectory, random);
                 drawn.surroundings.push(place);
             }
             Self::Vehicle(size_ut, at_s, shield) => {
@@ -191,8 +199,8 @@ impl Happening {
     }
 
     /// The paper's parameters: each change goes on from where the one before it led.
-    fn again_and_again(self, variant: &Variant, device: &Parameters, random: &mut Random, parts: &mut Vec<DevicePart>) {
-        let count = ((variant.duration_s - variant.change_s) / PERIOD_S).ceil() as usize;
+    fn again_and_again(self, setting: &Setting, device: &Parameters, random: &mut Random, parts: &mut Vec<DevicePart>) {
+        let count = ((setting.duration_s - setting.change_s) / PERIOD_S).ceil() as usize;
         let mut before = *device;
         for k in 0..count {
             let after = match self {
@@ -200,8 +208,8 @@ impl Happening {
                 _ if k % 2 == 0 => device.times(1.5),
                 _ => *device,
             };
-            let course = Course::step(variant.change_s + PERIOD_S * k as f64);
-            parts.push(DevicePart::between(course, &before, &after, variant.earth.0));
+            let course = Course::step(setting.change_s + PERIOD_S * k as f64);
+            parts.push(DevicePart::between(course, &before, &after, setting.strength_ut));
             before = after;
         }
     }
@@ -229,14 +237,14 @@ fn folio(random: &mut Random, parts: &mut Vec<DevicePart>) {
     }
 }
 
-fn half_hour(variant: &Variant, device: &Parameters, random: &mut Random, drawn: &mut Drawn) {
+fn half_hour(setting: &Setting, device: &Parameters, random: &mut Random, drawn: &mut Drawn) {
     let mut at_s = random.uniform(120.0, 200.0);
-    while at_s < variant.duration_s - 90.0 {
+    while at_s < setting.duration_s - 90.0 {
         let stays = random.uniform(0.0, 1.0) < 0.75;
         let size_ut = random.uniform(10.0, 60.0);
         let until_s = (!stays).then(|| at_s + random.uniform(8.0, 60.0));
         let course = Course::Held { at_s, over_s: 0.2, until_s };
-        drawn.device.push(By::Random(size_ut, size_ut, 0.02).part(course, device, variant.earth.0, random));
+        drawn.device.push(By::Random(size_ut, size_ut, 0.02).part(course, device, setting.strength_ut, random));
         let (from_s, for_s) = (at_s + random.uniform(65.0, 100.0), random.uniform(2.0, 20.0));
         let size_ut = random.uniform(10.0, 30.0);
         drawn.surroundings.push(room(size_ut, from_s, for_s, random));

@@ -1,6 +1,6 @@
 //! Scenarios of the paper's kind: 40 uT, dip 60 degrees, parameters `mid`, 30 dB, the change after 25 s of 65; the magnetometer alone.
 
-use super::Group;
+use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::sensors::Sensors;
 use super::variant::{DeviceKind, Variant};

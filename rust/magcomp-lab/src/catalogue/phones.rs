@@ -1,6 +1,6 @@
 //! Phones of 60 s, from a cold start: one recipe for the figures that README quotes. What happens, happens at 30 s.
 
-use super::Group;
+use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::sensors::Sensors;
 use super::variant::{DeviceKind, Variant};

@@ -1,7 +1,7 @@
 //! One scenario of the catalogue, and the stream that a seed makes of it.
 
-use super::Group;
-use super::happening::{Drawn, Happening};
+use super::group::Group;
+use super::happening::{Drawn, Happening, Setting};
 use super::sensors::Sensors;
 use crate::motion::{Motion, Trajectory};
 use crate::parameters::{ParameterSet, Parameters};
@@ -92,8 +92,9 @@ impl Variant {
         let mut random = Random::new(seed, Purpose::Parameters);
         let device = self.device.draw(strength_ut, &mut random);
         let mut drawn = Drawn::default();
+        let setting = Setting { strength_ut, duration_s: self.duration_s, change_s: self.change_s };
         for happening in &self.happens {
-            happening.draw(self, &device, &trajectory, &mut random, &mut drawn);
+            happening.draw(&setting, &device, &trajectory, &mut random, &mut drawn);
         }
         let (magnetometer, gyroscope, accelerometer) = self.sensors.draw(&mut Random::new(seed, Purpose::Sensors));
         Scenario {

@@ -1,10 +1,12 @@
 //! The errors of every sample of a run.
 
-use super::LIE_SIGMAS;
 use crate::replay::Step;
 use crate::simulate::{Simulation, Truth};
 use magcomp::Status;
 use magcomp::nalgebra::Vector3;
+
+/// Beyond so many sigmas a heading that is `Tracking` is a lie.
+const LIE_SIGMAS: f64 = 3.0;
 
 /// Sine of the x axis' elevation above which a heading means little.
 const STEEP: f64 = 0.65;

@@ -1,7 +1,8 @@
 //! The runs of one scenario in a line.
 
+use super::figures::Figures;
+use super::statistics::median;
 use super::stretch::{Begin, Stretch};
-use super::{Figures, median};
 use serde::Serialize;
 
 /// Median and worst run.

@@ -1,7 +1,8 @@
 //! The time from a change, or the start, to the next change or the end.
 
 use super::errors::{Mode, Sample};
-use super::{explains, rms};
+use super::explained::explains;
+use super::statistics::rms;
 use crate::simulate::{Change, ChangeKind};
 use magcomp::Event;
 use serde::Serialize;

@@ -1,0 +1,50 @@
+//! The tables.
+
+use clap::ValueEnum;
+
+/// Variants that are shown in one table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Group {
+    /// With gyroscope: nothing happens, a change of the device or the place, a drift, spikes, a poor gyroscope
+    Ordinary,
+    /// With gyroscope: turned about one axis from a cold start
+    OneAxis,
+    /// With gyroscope: all sensors pause
+    Pause,
+    /// Without gyroscope
+    Alone,
+    /// Carried phones: fields of the Earth at other latitudes
+    Latitude,
+    /// Carried phones: the device changes, at once, slowly, again and again
+    Steps,
+    /// Carried phones: other ways to carry them
+    Motion,
+    /// Carried phones: uneven places, doors, other rooms, cars
+    Places,
+    /// Carried phones: rates, delays, noise and errors of the sensors
+    Sensors,
+    /// Carried phones: half an hour
+    Long,
+    /// Even orientations and the magnetometer alone, as in the paper's simulation
+    Paper,
+}
+
+impl Group {
+    /// The table's title.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Ordinary => "With gyroscope and accelerometer",
+            Self::OneAxis => "Turned about one axis from a cold start, with gyroscope",
+            Self::Pause => "All sensors pause at 30 s, walking, with gyroscope",
+            Self::Alone => "Magnetometer and accelerometer, no gyroscope",
+            Self::Latitude => "Carried phones: latitudes",
+            Self::Steps => "Carried phones: the device changes",
+            Self::Motion => "Carried phones: motions",
+            Self::Places => "Carried phones: places",
+            Self::Sensors => "Carried phones: sensors",
+            Self::Long => "Carried phones: half an hour",
+            Self::Paper => "The paper's simulation, magnetometer alone",
+        }
+    }
+}
