@@ -37,7 +37,7 @@ pub struct Opened {
 /// Opens a recording, or makes a session into one.
 ///
 /// # Errors
-/// Those of [`import`] and of [`Source::of`].
+/// Those of [`crate::import::import`] and of [`Source::of`].
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabError> {
     let found = Input::all(inputs)?;
     if let [input] = &found[..]
