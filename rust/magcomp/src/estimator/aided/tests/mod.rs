@@ -3,6 +3,7 @@
 mod astray;
 mod filter;
 mod jacobians;
+mod magnets;
 mod mechanisms;
 mod motion;
 mod robustness;
