@@ -52,7 +52,7 @@ impl Bursts {
             return 0.0;
         }
         let rate_h = 3600.0 * self.misfits / (self.seconds + tuning.burst_memory_s);
-        tuning.hold_s * (rate_h / tuning.device_rate_h).ln_1p()
+        tuning.hold_s * (1.0 + rate_h / tuning.device_rate_h).ln()
     }
 
     /// Variance per axis of what bursts leave in samples that fit, uT^2.

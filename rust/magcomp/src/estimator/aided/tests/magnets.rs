@@ -12,6 +12,7 @@ use super::super::step::Step;
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::math::turn::Turn;
+use crate::reading::EventKind;
 
 const DT_S: f64 = 0.01;
 const NOISE: ProcessNoise = ProcessNoise { bridged_rad2: 1e-8, offset_ut: 0.3, local_ut: 1.0, local_time_s: 1.0 };
@@ -178,5 +179,50 @@ fn the_mean_over_the_delay_is_the_integral_of_the_rate() {
     assert!((known - all).abs() < 1e-12);
     for early_s in [0.0, -0.01] {
         assert_eq!(recent.mean_rad_s(early_s), None);
+    }
+}
+
+/// Magnets are passed every three seconds for a minute; b never changes.
+#[test]
+fn a_room_full_of_magnets_is_hardly_taken_for_a_change_of_the_device() {
+    let (mut told, mut off_ut) = (0, 0.0_f64);
+    for seed in 300..308 {
+        let (mut world, mut aided) = settled(seed);
+        let earth_ut = world.field_ut;
+        for _ in 0..20 {
+            let magnet_ut = world.random.vector(1.0).normalize() * (40.0 + 60.0 * world.random.uniform());
+            let (nearest_s, lasts_s) = (0.8 + world.random.uniform(), 0.3 + 0.5 * world.random.uniform());
+            for k in 0..300 {
+                let along = (f64::from(k) * DT_S - nearest_s) / lasts_s;
+                world.field_ut = earth_ut + magnet_ut / (1.0 + along * along).powf(1.5);
+                let before = aided.event;
+                run(&mut world, &mut aided, 1);
+                let is_new = aided.event != before;
+                told += i32::from(is_new && aided.event.is_some_and(|it| it.kind != EventKind::PlaceChanged));
+            }
+        }
+        off_ut = off_ut.max((filter_of(&aided).part(HARD_IRON) - world.hard_iron_ut).norm());
+    }
+    println!("{told} told, {off_ut:.1} uT");
+    assert!(told <= 4, "{told} device steps told in eight minutes");
+}
+
+/// A charger is plugged in while the phone lies; the gyroscope warms until it is taken up.
+#[test]
+fn a_step_at_rest_is_found_although_the_gyroscope_has_warmed_since() {
+    for seed in 400..404 {
+        let (mut world, mut aided) = settled(seed);
+        world.tumbling_rad_s = 0.0;
+        run(&mut world, &mut aided, 500);
+        world.hard_iron_ut += Vector3::new(15.0, -12.0, 10.0);
+        for _ in 0..60 {
+            world.gyro_bias += Vector3::new(2e-4, -2e-4, 1e-4);
+            run(&mut world, &mut aided, 100);
+        }
+        world.tumbling_rad_s = 1.0;
+        run(&mut world, &mut aided, 400);
+        let off_ut = (filter_of(&aided).part(HARD_IRON) - world.hard_iron_ut).norm();
+        assert!(aided.event.is_some_and(|it| it.kind == EventKind::DeviceStep), "seed {seed}: {:?}", aided.event);
+        assert!(off_ut < 3.0, "seed {seed}: {off_ut} uT off");
     }
 }
