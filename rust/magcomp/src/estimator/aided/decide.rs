@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::events::{Began, Trial, Verdict};
 use super::phase::Phase;
+use super::quarantine::Quarantine;
 use super::state::Filter;
 use super::step::Step;
 use super::watch::Former;
@@ -80,6 +81,7 @@ impl Aided {
     /// A hypothesis has won: it is the filter from here on.
     fn go_on_with(&mut self, winner: fn(Trial) -> Filter) {
         self.phase.decide(Some(winner));
+        self.quarantine = Quarantine::default();
         self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }
 }

@@ -68,7 +68,7 @@ impl Aided {
             earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
-        running.quarantine.turn(step);
+        self.quarantine.turn(step);
         let Some(innovation) = filter.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
@@ -114,13 +114,16 @@ impl Aided {
         }
         let Phase::Running(running) = &mut self.phase else { return };
         if running.watch.share() > self.tuning.suspect_share {
-            if self.tuning.quarantine && !step.resting {
-                running.take_back(&step.noise);
+            if self.tuning.quarantine
+                && !step.resting
+                && let Some(proven) = self.quarantine.take_back(&step.noise)
+            {
+                running.filter = proven;
             }
             self.begin_trial(false);
         } else if running.watch.share() < 0.5 * self.tuning.suspect_share {
             running.look_for_earth(step, self.motion.up.as_ref(), &self.tuning);
-            running.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
+            self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }
 

@@ -44,6 +44,7 @@ use first_fit::FirstFit;
 use measure::Judged;
 use motion::Motion;
 use phase::{Phase, Running};
+use quarantine::Quarantine;
 use recent::Recent;
 use state::{CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
@@ -62,6 +63,8 @@ pub(crate) struct Aided {
     known_ut: Option<f64>,
     adaptation: Adaptation,
     bursts: Bursts,
+    /// Of the filter, empty while there is none or the hypotheses run.
+    quarantine: Quarantine,
     recent: Recent,
     motion: Motion,
     former: Option<Former>,
@@ -82,6 +85,7 @@ impl Aided {
             known_ut,
             adaptation: Adaptation::new(&tuning),
             bursts: Bursts::default(),
+            quarantine: Quarantine::default(),
             recent: Recent::default(),
             motion: Motion::new(),
             former: None,

@@ -11,8 +11,6 @@ use nalgebra::{Matrix3, Vector3};
 use super::earth::Earth;
 use super::events::Trial;
 use super::first_fit::{Before, FirstFit};
-use super::propagate::ProcessNoise;
-use super::quarantine::Quarantine;
 use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
 use super::step::Step;
 use super::tuning::Tuning;
@@ -35,7 +33,6 @@ pub(super) enum Phase {
 pub(super) struct Running {
     pub(super) filter: Filter,
     pub(super) watch: Watch,
-    pub(super) quarantine: Quarantine,
     /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
     pub(super) moved_s: f64,
     /// The Earth's field, while that of the place is another.
@@ -101,26 +98,12 @@ impl Phase {
 
 impl Running {
     pub(super) fn of(filter: Filter) -> Self {
-        Self {
-            filter,
-            watch: Watch::default(),
-            quarantine: Quarantine::default(),
-            moved_s: 0.0,
-            earth: None,
-            lost_strength_ut: None,
-        }
+        Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
     }
 
     /// Goes on after a break or a decision: nothing is known to misfit.
     pub(super) fn gone_on(self) -> Self {
-        Self { watch: Watch::default(), quarantine: Quarantine::default(), ..self }
-    }
-
-    /// Samples misfit: what the latest have taught is taken back.
-    pub(super) fn take_back(&mut self, noise: &ProcessNoise) {
-        if let Some(proven) = self.quarantine.take_back(noise) {
-            self.filter = proven;
-        }
+        Self { watch: Watch::default(), ..self }
     }
 
     /// Whether it is not known where the field points.

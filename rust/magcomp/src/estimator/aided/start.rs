@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
 use super::phase::Phase;
+use super::quarantine::Quarantine;
 use super::recent::Recent;
 use super::state::{HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use crate::calibration::Given;
@@ -19,6 +20,7 @@ use crate::reading::Status;
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
     pub(super) fn begin(&mut self, given: Option<Before>) {
+        self.quarantine = Quarantine::default();
         self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
     }
 
@@ -53,6 +55,7 @@ impl Aided {
     ) -> (Status, Answer) {
         self.motion.without_rotation(up);
         self.recent = Recent::default();
+        self.quarantine = Quarantine::default();
         let dt_s = dt_s.unwrap_or(0.0);
         match self.phase.take() {
             // the chain of rotations is broken; a calibration that was given may still hold

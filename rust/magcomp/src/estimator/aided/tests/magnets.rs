@@ -203,8 +203,7 @@ fn a_room_full_of_magnets_is_hardly_taken_for_a_change_of_the_device() {
         }
         off_ut = off_ut.max((filter_of(&aided).part(HARD_IRON) - world.hard_iron_ut).norm());
     }
-    println!("{told} told, {off_ut:.1} uT");
-    assert!(told <= 4, "{told} device steps told in eight minutes");
+    assert!(told <= 4 && off_ut < 5.0, "{told} device steps told in eight minutes, b off by {off_ut} uT");
 }
 
 /// A charger is plugged in while the phone lies; the gyroscope warms until it is taken up.
