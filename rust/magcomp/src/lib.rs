@@ -60,6 +60,7 @@ mod range;
 mod reading;
 mod sample;
 mod sensing;
+mod strength;
 mod tuning;
 
 pub use attitude::{Attitude, attitude, attitude_sigma_deg};

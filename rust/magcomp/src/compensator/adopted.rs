@@ -18,12 +18,11 @@ use crate::calibration::{Calibration, Given, independent, iron_rows};
 use crate::kept::{self, CalibrationSource, KeptCalibration};
 use crate::math::symmetric::symmetric;
 use crate::sample::MagneticSample;
+use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
 /// Choice: sizes of changes: from a current, 4 uT, to a cover with a magnet, 512 uT (docs/METHOD.md).
 const SIZES: usize = 8;
-/// Physics: a hard iron that is known no better than the strongest field of the Earth, an axis, tells no direction, uT.
-const LOST_UT: f64 = 39.0;
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;
@@ -90,7 +89,7 @@ impl Adopted {
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
     pub fn see(&mut self, sample: &MagneticSample, up: Option<&Vector3<f64>>) -> bool {
         let since_ns = *self.since_ns.get_or_insert(sample.time_ns);
-        let is_late = sample.time_ns.saturating_sub(since_ns) >= (Tuning::USED.up_late_s * 1e9) as i64;
+        let is_late = sample.time_ns.saturating_sub(since_ns) >= (Tuning::USED.gone_s * 1e9) as i64;
         let waits = up.is_none() && self.inclination_deg.is_some() && !is_late;
         if self.is_seen || waits {
             return false;
@@ -146,7 +145,7 @@ impl Adopted {
             covariance + (it.covariance + off * off.transpose()) * share
         });
         let variance_ut2 = covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0;
-        if variance_ut2.is_nan() || variance_ut2 >= LOST_UT * LOST_UT {
+        if variance_ut2.is_nan() || variance_ut2 >= STRONGEST_AXIS_UT.powi(2) {
             return None;
         }
         let soft_iron = self.kept.soft_iron() + symmetric(&mean.fixed_rows::<6>(3).into_owned());

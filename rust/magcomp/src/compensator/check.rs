@@ -40,7 +40,7 @@ impl Stream {
         let step_s = seconds(self.astray_ns, time_ns);
         let follows = self.astray > 0 && step_s > 0.0 && step_s <= Tuning::USED.longest_gap_s;
         (self.astray, self.astray_ns) = (if follows { self.astray + 1 } else { 1 }, time_ns);
-        f64::from(self.astray) >= Tuning::USED.another_clock_samples
+        f64::from(self.astray) >= Tuning::USED.run_samples
     }
 
     /// Whether the sample can be used, for a range and full scale of the sensor, uT.
@@ -66,7 +66,7 @@ impl Stream {
             return Err(RejectReason::TimeJump { gap_s, limit_s });
         }
         let repeats = self.repeats.saturating_add(1);
-        if latest.field_ut == *field && repeats as f64 >= Tuning::USED.stuck_samples {
+        if latest.field_ut == *field && repeats as f64 >= Tuning::USED.run_samples {
             return Err(RejectReason::Stuck { repeats });
         }
         Ok(())

@@ -42,7 +42,7 @@ impl Presence {
     /// Whether it is usable for the sample at this time; `None` where it has never been there.
     pub fn is_usable(&mut self, time_ns: i64, previous_ns: Option<i64>) -> Option<bool> {
         let rotated_ns = self.rotated_ns?;
-        let is_gone = time_ns.saturating_sub(rotated_ns) > (Tuning::USED.gyroscope_gone_s * 1e9) as i64;
+        let is_gone = time_ns.saturating_sub(rotated_ns) > (Tuning::USED.gone_s * 1e9) as i64;
         if is_gone {
             self.is_useless = false;
         }

@@ -6,14 +6,13 @@ use crate::tuning::choices;
 choices! {
     /// The choices.
     Tuning {
-        /// So many samples in a row whose time follows that of one another, but not that of the latest, are from another clock
-        another_clock_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/misbehaving.rs";
-        /// So many equal samples in a row mean that the sensor hangs: the noise of a phone's magnetometer changes the last digit sooner
-        stuck_samples: 50.0, "samples", "half a second at 100 Hz: tests/recordings have at most 3";
+        /// So many samples in a row are no accident: where their times follow one another, but not that of the latest, they are from another
+        /// clock; where they are equal, the sensor hangs, as the noise of a phone's magnetometer changes the last digit sooner
+        run_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/misbehaving.rs; tests/recordings have at most 3 equal ones";
         /// Largest step ahead in time: longer than an app's pause, shorter than the jump of a time in the wrong unit
         longest_gap_s: 604_800.0, "s", "a week: tests/host/misbehaving.rs";
-        /// Without a rotation for so long the magnetometer goes on alone
-        gyroscope_gone_s: 1.0, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
+        /// Without a rotation for so long the magnetometer goes on alone; and a vertical that has not come by then is not waited for
+        gone_s: 1.0, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
         /// The share of gravity by which a vertical may be accelerated to judge an adopted calibration by
         calm: 0.05, "", "a turn of 3 degrees of the vertical: tests/host/relaunch.rs";
         /// The dip that is kept is a mean over this time: a walk's accelerations pass
@@ -30,7 +29,5 @@ choices! {
         least_change_ut: 4.0, "uT", "docs/METHOD.md: a current";
         /// Standard deviation of the field from one room to the next, an axis
         rooms_ut: 3.0, "uT", "docs/METHOD.md, a calibration from elsewhere";
-        /// A vertical that has not come by then is not waited for
-        up_late_s: 1.0, "s", "as for the gyroscope";
     }
 }

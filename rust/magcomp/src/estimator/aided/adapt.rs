@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
-//! useless:  |e| > 17 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
+//! useless:  |e| > 16 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
@@ -20,7 +20,7 @@ use super::state::OFFSET_SD_UT;
 use super::step::{Known, Step, gain};
 use super::tuning::Tuning;
 
-/// Least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
+/// Data sheet: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
 const LEAST_NOISE_UT: f64 = 0.2;
 
 /// Noise levels, learned.
@@ -54,7 +54,7 @@ impl Adaptation {
     pub(crate) fn new(tuning: &Tuning) -> Self {
         Self {
             variance_ut2: tuning.noise_start_ut.powi(2),
-            local_ut: if tuning.unevenness { tuning.local_start_ut } else { 0.0 },
+            local_ut: if tuning.unevenness { tuning.local_most_ut } else { 0.0 },
             walk_ut: tuning.offset_walk_ut,
             walk_began_ut2: f64::MAX,
             power_ut2: tuning.even_ut.powi(2),
@@ -81,7 +81,7 @@ impl Adaptation {
     /// The field is not trusted to be even at once.
     pub(crate) fn expect_uneven(&mut self, tuning: &Tuning) {
         if tuning.unevenness {
-            self.local_ut = tuning.local_max_ut;
+            self.local_ut = tuning.local_most_ut;
         }
     }
 
@@ -136,7 +136,7 @@ impl Adaptation {
 
     /// Largest variance per axis that a place may explain, uT^2.
     pub(crate) fn largest_local_ut2(&self, tuning: &Tuning) -> f64 {
-        self.slow_power_ut2.max(tuning.local_max_ut.powi(2))
+        self.slow_power_ut2.max(tuning.local_most_ut.powi(2))
     }
 
     /// L^2, variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
@@ -163,7 +163,7 @@ impl Adaptation {
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
-            let surprise = size > tuning.useless_step_ut && size > OFFSET_SD_UT * angle_rad;
+            let surprise = size > 2.0 * tuning.smallest_step_ut && size > OFFSET_SD_UT * angle_rad;
             // a cover or charger moves the field for a second at most
             self.useless_share += gain(dt_s, tuning.settled_s) * (f64::from(surprise) - self.useless_share);
             let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(0.2) } else { 0.0 };
@@ -190,7 +190,9 @@ impl Adaptation {
         let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));
-        self.local_ut = grown_ut.min(tuning.local_max_ut).max(tuning.local_min_ut);
+        // what shows in the mean of the noise over its own duration: from less it rises too slowly where an uneven place is entered
+        let least_ut = (self.variance_ut2 * dt_s / tuning.local_time_s).sqrt();
+        self.local_ut = grown_ut.min(tuning.local_most_ut).max(least_ut);
     }
 
     /// The walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.

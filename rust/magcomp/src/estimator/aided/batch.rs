@@ -5,7 +5,7 @@
 //! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 25 numbers
 //! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
 //! ```
-//! Source: docs/METHOD-AIDED.md, Start; b and e by variable projection.
+//! Source: docs/METHOD-AIDED.md, Start; b and e by variable projection; the descent: `math/descend`.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -13,15 +13,14 @@ use super::groups::{Group, Groups};
 use super::measure::Model;
 use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
+use crate::math::descend::{Cost, Derivatives, Descent, Limits, Termination, descend};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL.start();
-/// Steps of a fit at most; one that has not converged then goes on with the next group.
-const STEPS: usize = 8;
-/// A step that lowers the cost by less than this is the last.
+/// Choice: steps of a fit at most, as a sample must not cost much; one that has not converged goes on with the next group.
+const LIMITS: Limits = Limits { iterations: 8, dampings: 8 };
+/// Mathematics: a step that lowers the cost, a chi-squared, by less than this moves x by less than a tenth of its standard deviation.
 const CONVERGED: f64 = 0.01;
-/// Correlation of a room's field along the way of a hand, s.
-pub(super) const CORRELATION_S: f64 = 1.0;
 
 pub(super) type Vector = SVector<f64, UNKNOWNS>;
 pub(super) type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -31,14 +30,16 @@ pub(super) struct Prior {
     pub(super) mean: Vector,
     pub(super) precision: Matrix,
     pub(super) noise_ut2: f64,
-    /// Variance per axis of the unevenness of the place, correlated over `CORRELATION_S`, uT^2.
+    /// Variance per axis of the unevenness of the place, uT^2.
     pub(super) place_ut2: f64,
+    /// Seconds over which it is correlated.
+    pub(super) place_s: f64,
 }
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
     pub(super) fn variance(&self, mean: &Group) -> f64 {
-        self.noise_ut2 / mean.count + self.place_ut2 * CORRELATION_S / mean.moved_s
+        self.noise_ut2 / mean.count + self.place_ut2 * self.place_s / mean.moved_s
     }
 }
 
@@ -57,35 +58,56 @@ pub(super) struct Normal {
     pub(super) back: Matrix3<f64>,
 }
 
-/// Levenberg-Marquardt over (h, g, tau, s), damped by the curvature that is left once b and e have adapted; b and e are solved
-/// for exactly. Returns x, what is known there, and whether it has converged.
-pub(super) fn descend(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
-    let mut x = with_linear(groups, prior, from)?;
-    let mut normal = normal(groups, prior, &x);
-    let mut damping = 1e-4;
-    for _ in 0..STEPS {
-        let l = CALIBRATION.block(&normal.curvature).cholesky()?;
-        let cross = normal.curvature.fixed_rows::<9>(CALIBRATION.start()).into_owned();
-        let adapted = l.solve(&cross);
-        let mut damped = normal.curvature;
-        for k in FIELD.range().chain(BIAS.start()..UNKNOWNS) {
-            let reduced = normal.curvature[(k, k)] - cross.column(k).dot(&adapted.column(k));
-            damped[(k, k)] += damping * reduced.max(0.0);
-        }
-        let next = with_linear(groups, prior, x + damped.cholesky()?.solve(&normal.slope))?;
-        let found = self::normal(groups, prior, &next);
-        let lower = normal.cost - found.cost;
-        if lower >= 0.0 {
-            (x, normal) = (next, found);
-            damping *= 0.1;
-        } else {
-            damping *= 10.0;
-        }
-        if lower.abs() < CONVERGED {
-            return Some((x, normal, true));
-        }
+/// The cost of a start, over (h, g, tau, s): b and e are solved for exactly at each place.
+struct Batch<'a> {
+    groups: &'a Groups,
+    prior: &'a Prior,
+}
+
+/// x, and the cost there.
+struct Fitted {
+    x: Vector,
+    normal: Normal,
+}
+
+impl Cost<UNKNOWNS> for Batch<'_> {
+    type Place = Fitted;
+
+    fn value(&self, at: &Fitted) -> f64 {
+        at.normal.cost
     }
-    Some((x, normal, false))
+
+    fn derivatives(&self, at: &Fitted) -> Derivatives<UNKNOWNS> {
+        Derivatives { gradient: -at.normal.slope, hessian: at.normal.curvature }
+    }
+
+    /// The curvature that is left once b and e have adapted.
+    fn scale(&self, _at: &Fitted, hessian: &Matrix) -> Vector {
+        let Some(linear) = CALIBRATION.block(hessian).cholesky() else { return hessian.diagonal() };
+        let cross = hessian.fixed_rows::<9>(CALIBRATION.start()).into_owned();
+        let adapted = linear.solve(&cross);
+        Vector::from_fn(|k, _| {
+            if CALIBRATION.range().contains(&k) {
+                0.0
+            } else {
+                (hessian[(k, k)] - cross.column(k).dot(&adapted.column(k))).max(0.0)
+            }
+        })
+    }
+
+    fn after(&self, from: &Fitted, step: &Vector) -> Option<Fitted> {
+        let x = with_linear(self.groups, self.prior, from.x + step)?;
+        Some(Fitted { x, normal: normal(self.groups, self.prior, &x) })
+    }
+}
+
+/// Descends from a guess of x. Returns x, what is known there, and whether it has converged.
+pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
+    let x = with_linear(groups, prior, from)?;
+    let from = Fitted { x, normal: normal(groups, prior, &x) };
+    let Descent { place, termination, .. } =
+        descend(&Batch { groups, prior }, from, LIMITS, |step| step.gain < CONVERGED);
+    Some((place.x, place.normal, termination != Termination::MaxIterations))
 }
 
 /// x with b and e at their best for its (h, g, tau, s).

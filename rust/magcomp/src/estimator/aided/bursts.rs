@@ -60,6 +60,6 @@ impl Bursts {
         if !tuning.bursts || !tuning.unevenness {
             return 0.0;
         }
-        self.gated_share * tuning.gate * tuning.local_max_ut.powi(2) / 5.0
+        self.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / 5.0
     }
 }

@@ -16,8 +16,9 @@ use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::reading::EventKind;
+use crate::strength::STRONGEST_AXIS_UT;
 
-/// A hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
+/// Mathematics: a hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;
 
 /// What just happened in a trial.
@@ -140,7 +141,7 @@ impl Trial {
             former.put_into(&mut device, tuning);
         } else {
             device.add_variance(HARD_IRON, step_ut * step_ut);
-            let iron = (tuning.iron_sd * (step_ut / tuning.far_sd_ut).min(1.0)).powi(2);
+            let iron = (tuning.iron_sd * (step_ut / STRONGEST_AXIS_UT).min(1.0)).powi(2);
             device.add_soft_iron_variance(iron);
             // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
             let m = device.part(FIELD);

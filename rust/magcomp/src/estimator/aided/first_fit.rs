@@ -8,9 +8,11 @@
 //! ```
 //! Source: docs/METHOD-AIDED.md, Start.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::batch::{CORRELATION_S, Matrix, Normal, Prior, UNKNOWNS, Vector, descend, model, parts};
+use super::batch::{Matrix, Normal, Prior, UNKNOWNS, Vector, fit, model, parts};
 use super::groups::Groups;
 use super::state::{
     AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, OFFSET_SD_UT, Parts, SOFT_IRON,
@@ -23,22 +25,17 @@ use crate::ellipsoid::FitError;
 use crate::heading::across_ut2;
 use crate::math::gaussian::Gaussian;
 use crate::reading::Missing;
+use crate::strength::{EARTH_UT, STRONGEST_AXIS_UT};
 
-/// What the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
+/// Choice: what the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
 /// nothing, rad.
 const CHAIN_RAD: f64 = 8.7e-4;
-/// Delay of the magnetometer against the gyroscope before anything is known, s: phones were found with -7 to 27 ms.
+/// Choice: delay of the magnetometer against the gyroscope before anything is known, s: phones were found with -7 to 27 ms.
 const DELAY_SD_S: f64 = 0.010;
-/// Variance of the trace of E, a gauge: as good as none.
+/// Mathematics: variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
-/// Variances below which a given calibration is not believed: of a component of b, uT^2, and of an element of E.
-const LEAST_OFFSET_UT2: f64 = 1e-4;
-const LEAST_IRON: f64 = 1e-8;
-/// A device that was turned so far, root mean square, about one axis lacks others.
+/// Choice: a device that was turned so far, root mean square, about one axis lacks others.
 const ONE_AXIS_RAD2: f64 = 0.1;
-
-/// Strength of the Earth's field with what buildings do to it, uT (world magnetic model: 22 to 67).
-const EARTH_UT: (f64, f64) = (18.0, 72.0);
 
 /// A start under way.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +50,7 @@ pub(super) struct FirstFit {
     /// The calibration that was given, while it is believed.
     pub(super) given: Option<Before>,
     /// Strengths that a fit may find, uT.
-    earth_ut: (f64, f64),
+    earth_ut: Range<f64>,
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
     bias_rad_s: Vector3<f64>,
     bias_variance: f64,
@@ -77,8 +74,8 @@ impl Before {
     /// The trace of E is a gauge, and what was measured best is not known better than rounding.
     fn precision(&self) -> Option<SMatrix<f64, 9, 9>> {
         let mut it = self.calibration.clone();
-        it.add_variance(HARD_IRON_ALONE, LEAST_OFFSET_UT2);
-        it.add_variance(SOFT_IRON_ALONE, LEAST_IRON);
+        it.add_variance(HARD_IRON_ALONE, HARD_IRON_ALONE.least_variance());
+        it.add_variance(SOFT_IRON_ALONE, SOFT_IRON_ALONE.least_variance());
         Some(it.covariance.cholesky()?.inverse())
     }
 }
@@ -88,7 +85,7 @@ impl FirstFit {
         let mut it = Self {
             // M may scale a known strength by three standard deviations
             earth_ut: known_ut
-                .map_or(EARTH_UT, |it| (it * (1.0 - 3.0 * tuning.iron_sd), it * (1.0 + 3.0 * tuning.iron_sd))),
+                .map_or(EARTH_UT, |it| it * (1.0 - 3.0 * tuning.iron_sd)..it * (1.0 + 3.0 * tuning.iron_sd)),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
             ..Self::default()
         };
@@ -172,7 +169,7 @@ impl FirstFit {
         }
         if is_full {
             // more than a place leaves, less than another unit does: the device may have changed meanwhile
-            let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..tuning.far_sd_ut.powi(2);
+            let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..STRONGEST_AXIS_UT.powi(2);
             if changed_ut2.contains(&self.misfit_ut2) {
                 self.groups.forget();
             }
@@ -187,7 +184,7 @@ impl FirstFit {
 
     fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Filter> {
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
-        let Some((x, normal, has_converged)) = descend(&self.groups, &prior, self.x) else {
+        let Some((x, normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
             self.x = prior.mean;
             return None;
         };
@@ -198,7 +195,7 @@ impl FirstFit {
         }
         let found = filter(&x, &covariance, tuning)?;
         self.refused = impossible_field(&found);
-        let is_earthly = (self.earth_ut.0..self.earth_ut.1).contains(&self.field().norm());
+        let is_earthly = self.earth_ut.contains(&self.field().norm());
         if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
             self.given = None;
@@ -224,7 +221,7 @@ impl FirstFit {
         BIAS.set(&mut mean, &self.bias_rad_s);
         let mut precision = Matrix::zeros();
         let iron = 1.0 / tuning.iron_sd.powi(2);
-        FIELD.block_mut(&mut precision).fill_diagonal(tuning.far_sd_ut.powi(-2));
+        FIELD.block_mut(&mut precision).fill_diagonal(STRONGEST_AXIS_UT.powi(-2));
         HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / OFFSET_SD_UT.powi(2));
         SOFT_IRON
             .block_mut(&mut precision)
@@ -249,7 +246,7 @@ impl FirstFit {
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
-        Prior { mean, precision, noise_ut2, place_ut2: place_ut2(misfit_ut2, tuning) }
+        Prior { mean, precision, noise_ut2, place_ut2: place_ut2(misfit_ut2, tuning), place_s: tuning.local_time_s }
     }
 
     /// Covariance of x for the information `before` the samples: that of the fit with what it left, and what the chain of
@@ -260,16 +257,16 @@ impl FirstFit {
         let freedom = (3.0 * normal.groups - 9.0).max(1.0);
         let left = normal.residual_ut2 / freedom - white * (1.0 + 2.0 / freedom.sqrt());
         // no more than the Earth's field itself: more is no place's doing
-        self.misfit_ut2 = left.clamp(0.0, tuning.far_sd_ut.powi(2));
-        let assumed = white + prior.place_ut2 * CORRELATION_S / mean_t;
-        let found = white + place_ut2(self.misfit_ut2, tuning) * CORRELATION_S / mean_t;
+        self.misfit_ut2 = left.clamp(0.0, STRONGEST_AXIS_UT.powi(2));
+        let assumed = white + prior.place_ut2 * tuning.local_time_s / mean_t;
+        let found = white + place_ut2(self.misfit_ut2, tuning) * tuning.local_time_s / mean_t;
         let share = assumed / found;
         let q = normal.back;
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
         let seen = (normal.curvature - prior.precision) * share;
         let p = (seen + before).cholesky()?.inverse();
         let unseen = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        let feigned = self.feigned(&p, unseen * tuning.far_sd_ut, prior)?;
+        let feigned = self.feigned(&p, unseen * STRONGEST_AXIS_UT, prior)?;
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
         let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
@@ -279,7 +276,7 @@ impl FirstFit {
         let d = Vector3::from_fn(|k, _| {
             let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
             let before_ut2 = given_ut2.map_or(OFFSET_SD_UT.powi(2), |given| axis.dot(&(given * axis)));
-            let most_ut2 = before_ut2.min(tuning.far_sd_ut.powi(2));
+            let most_ut2 = before_ut2.min(STRONGEST_AXIS_UT.powi(2));
             (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
         });
         let mut spread = SMatrix::<f64, 6, 3>::zeros();
@@ -336,6 +333,6 @@ fn filter(x: &Vector, p: &Matrix, tuning: &Tuning) -> Option<Filter> {
     let mut filter = Filter::default();
     filter.mean.fixed_rows_mut::<UNKNOWNS>(0).copy_from(x);
     filter.covariance.fixed_view_mut::<UNKNOWNS, UNKNOWNS>(0, 0).copy_from(p);
-    filter.add_variance(LOCAL, if tuning.unevenness { tuning.local_start_ut.powi(2) } else { 0.0 });
+    filter.add_variance(LOCAL, if tuning.unevenness { tuning.local_most_ut.powi(2) } else { 0.0 });
     filter.is_finite().then_some(filter)
 }

@@ -15,12 +15,12 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::state::Parts;
 use crate::math::turn::Turn;
 
-/// Groups held.
+/// Choice: groups held.
 const GROUPS: usize = 32;
-/// Seconds of motion in a group at first: a fit is made after each.
-const SHORTEST_S: f64 = 0.125;
-/// And at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
+/// Choice: seconds of motion in a group at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
 const LONGEST_S: f64 = 0.5;
+/// Mathematics: and at first, before groups have been joined in pairs twice: a fit is made after each.
+const SHORTEST_S: f64 = LONGEST_S / 4.0;
 
 /// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

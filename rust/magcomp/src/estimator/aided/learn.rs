@@ -60,7 +60,7 @@ impl Aided {
     fn learn(&mut self, step: &Step<'_>) {
         let is_open = self.phase.trial().is_some();
         let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
-        if step.dt_s > self.tuning.gap_s {
+        if step.dt_s > self.tuning.walk_s {
             running.drift(step.dt_s, &self.tuning);
         }
         let filter = &mut running.filter;

@@ -51,6 +51,7 @@ use state::{CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 pub(crate) use tuning::Tuning;
 use watch::Former;
 
+/// Mathematics: seconds in a nanosecond.
 const NANO: f64 = 1e-9;
 
 /// The estimator. All state is plain numbers: it can be cloned and compared.

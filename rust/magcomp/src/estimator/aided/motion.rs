@@ -15,9 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::step::{Known, gain};
 use super::tuning::Tuning;
 
-/// Longer than any T, s.
-const OLDEST_S: f64 = 1000.0;
-/// An unknown bias must not tilt `up` by more than about this, rad.
+/// Choice: an unknown bias must not tilt `up` by more than about this, rad.
 const LARGEST_TILT_RAD: f64 = 0.03;
 
 /// Motion statistics.
@@ -75,9 +73,10 @@ impl Motion {
         self.scatter_rad2_s2 += quick * ((rate - self.mean_rad_s).norm_squared() - self.scatter_rad2_s2);
         let still = self.rate_rad_s < tuning.rest_rate_rad_s && now < 2.0 * tuning.rest_rate_rad_s;
         // a small rate that scatters less than a hand does may be bias
-        let steady = known.bias_sd_rad_s > tuning.unknown_bias_rad_s
+        let slowest_rad_s = tuning.unknown_bias_rad_s();
+        let steady = known.bias_sd_rad_s > slowest_rad_s
             && self.mean_rad_s.norm() < 3.0 * tuning.bias_sd_rad_s
-            && self.scatter_rad2_s2.sqrt() < tuning.unknown_bias_rad_s;
+            && self.scatter_rad2_s2.sqrt() < slowest_rad_s;
         self.rest_s = if still || steady { self.rest_s + dt_s } else { 0.0 };
     }
 
@@ -99,7 +98,7 @@ impl Motion {
             return;
         };
         // at the start a plain mean
-        self.up_age_s = (self.up_age_s + dt_s).min(OLDEST_S);
+        self.up_age_s += dt_s;
         let share = |time_s: f64| (dt_s / time_s).min(1.0);
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (LARGEST_TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);

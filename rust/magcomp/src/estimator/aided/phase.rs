@@ -15,6 +15,7 @@ use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
 use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::Watch;
+use crate::strength::STRONGEST_AXIS_UT;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +152,7 @@ impl Running {
     }
 
     /// The chain of rotations is broken: where the field points is lost, and the sample is the best guess of it.
-    pub(super) fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64, tuning: &Tuning) {
+    pub(super) fn lose_field(&mut self, raw_ut: &Vector3<f64>, local_ut: f64) {
         let filter = &mut self.filter;
         let m = filter.part(FIELD);
         self.lost_strength_ut.get_or_insert(m.norm());
@@ -162,13 +163,13 @@ impl Running {
             filter.set_part(FIELD, &c);
         }
         filter.set_part(LOCAL, &Vector3::zeros());
-        filter.isolate(FIELD, &Matrix3::from_diagonal_element(tuning.far_sd_ut.powi(2)));
+        filter.isolate(FIELD, &Matrix3::from_diagonal_element(STRONGEST_AXIS_UT.powi(2)));
         filter.isolate(LOCAL, &Matrix3::from_diagonal_element(local_ut.powi(2)));
     }
 
     /// No sample is seen for so long: the hard iron drifts, up to what a first sample says of it.
     pub(super) fn drift(&mut self, dt_s: f64, tuning: &Tuning) {
-        let room_ut2 = tuning.far_sd_ut.powi(2) - self.filter.variances(HARD_IRON).sum() / 3.0;
+        let room_ut2 = STRONGEST_AXIS_UT.powi(2) - self.filter.variances(HARD_IRON).sum() / 3.0;
         let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
         self.filter.add_variance(HARD_IRON, walk_ut2.min(0.25 * room_ut2).max(0.0));
     }

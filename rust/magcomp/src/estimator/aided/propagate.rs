@@ -18,9 +18,9 @@ use nalgebra::{Matrix3, Vector3, Vector6};
 use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, covariance};
 use crate::math::turn::Turn;
 
-/// q_g, angle random walk of a gyroscope, rad/s^0.5: data sheets have 1e-4 to 3e-4.
+/// Data sheet: q_g, angle random walk of a gyroscope, rad/s^0.5: 1e-4 to 3e-4.
 const ANGLE_WALK_RAD: f64 = 3e-4;
-/// q_w, random walk of its bias as it warms, rad/s^1.5.
+/// Choice: q_w, random walk of its bias as it warms, rad/s^1.5.
 const BIAS_WALK_RAD_S: f64 = 5e-5;
 
 /// Process noise of one step; densities per square root of a second.

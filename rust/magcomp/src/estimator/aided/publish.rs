@@ -20,7 +20,7 @@ use crate::estimator::answer::Answer;
 use crate::math::turn::Turn;
 use crate::reading::{HoldReason, Missing, Status};
 
-/// Magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
+/// Choice: magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
 
 /// A field, uT, and its covariance, uT^2.

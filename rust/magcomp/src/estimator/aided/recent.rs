@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// Steps that are kept: delays of up to 80 ms at 100 Hz.
+/// Choice: steps that are kept: delays of up to 80 ms at 100 Hz.
 const STEPS: usize = 8;
 
 /// The latest steps of the gyroscope, in a ring.

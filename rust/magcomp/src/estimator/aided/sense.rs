@@ -47,7 +47,7 @@ impl Aided {
             local_ut: self.adaptation.local_ut().hypot(self.bursts.left_ut2(tuning).sqrt()),
             local_time_s: tuning.local_time_s,
         };
-        let rest_sd_rad_s = tuning.unknown_bias_rad_s * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
+        let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
         (!self.is_gyroscope_useless()).then_some(Step {
             time_ns,
             raw_ut,

@@ -62,10 +62,10 @@ impl Aided {
             Phase::Starting(first) => self.begin(first.given),
             Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
                 running.drift(dt_s, &self.tuning);
-                if dt_s > self.tuning.gap_s {
+                if dt_s > self.tuning.walk_s {
                     self.begin(Some(running.kept()));
                 } else {
-                    running.lose_field(raw_ut, self.adaptation.local_ut(), &self.tuning);
+                    running.lose_field(raw_ut, self.adaptation.local_ut());
                     self.phase = Phase::Running(running.gone_on());
                 }
             }

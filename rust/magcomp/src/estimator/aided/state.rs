@@ -16,13 +16,20 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::math::gaussian::{Gaussian, Held, Part};
 
-// the parts in their order, each with its least variance in the square of its unit
+// the parts in their order, each with the least variance that rounding can carry
+/// Mathematics: m, uT.
 pub(crate) const FIELD: Part<3> = Part::first(1e-8);
+/// Mathematics: b, uT.
 pub(crate) const HARD_IRON: Part<3> = FIELD.then(1e-8);
+/// Mathematics: e.
 pub(crate) const SOFT_IRON: Part<6> = HARD_IRON.then(1e-12);
+/// Mathematics: g, rad/s.
 pub(crate) const BIAS: Part<3> = SOFT_IRON.then(1e-14);
+/// Mathematics: tau, s.
 pub(crate) const DELAY: Part<1> = BIAS.then(1e-12);
+/// Mathematics: s.
 pub(crate) const AXES: Part<9> = DELAY.then(1e-12);
+/// Mathematics: d, uT.
 pub(crate) const LOCAL: Part<3> = AXES.then(1e-8);
 /// Length of the state.
 pub(crate) const STATES: usize = LOCAL.end();
@@ -33,19 +40,19 @@ pub(crate) const CALIBRATION: Part<9> = HARD_IRON.with_next();
 pub(crate) const FIELD_AND_CALIBRATION: Part<12> = FIELD.with_next();
 
 // b and e where they stand alone, as a calibration
-pub(crate) const HARD_IRON_ALONE: Part<3> = Part::first(1e-8);
-pub(crate) const SOFT_IRON_ALONE: Part<6> = HARD_IRON_ALONE.then(1e-12);
+pub(crate) const HARD_IRON_ALONE: Part<3> = Part::first(HARD_IRON.least_variance());
+pub(crate) const SOFT_IRON_ALONE: Part<6> = HARD_IRON_ALONE.then(SOFT_IRON.least_variance());
 
 /// State and covariance.
 pub(crate) type Filter = Gaussian<STATES>;
 
-/// Offset of a phone before anything is known, uT: several hundred at the most.
+/// Choice: offset of a phone before anything is known, uT: several hundred at the most.
 pub(crate) const OFFSET_SD_UT: f64 = 150.0;
 
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
-/// Share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
+/// Mathematics: share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
 
 impl Filter {

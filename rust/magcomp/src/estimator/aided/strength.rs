@@ -1,11 +1,12 @@
-//! How strong a field can be.
+//! Whether a field can be as strong as a filter believes.
+
+use std::ops::Range;
 
 use super::state::{FIELD, Filter};
 use crate::ellipsoid::FitError;
+use crate::strength::POSSIBLE_UT;
 
-/// Half of the Earth's weakest and twice its strongest field, uT: disturbed places are within it, other units are not.
-const POSSIBLE_UT: (f64, f64) = (11.0, 134.0);
-/// Standard deviations by which |m| must be outside that to be refused: one in 400.
+/// Choice: standard deviations by which |m| must be outside `POSSIBLE_UT` to be refused: one in 400.
 const BEYOND_DOUBT: f64 = 3.0;
 
 /// That no place has a field as strong or as weak as m, if so.
@@ -13,7 +14,7 @@ pub(super) fn impossible_field(filter: &Filter) -> Option<FitError> {
     let m = filter.part(FIELD);
     let field_ut = m.norm();
     let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
-    let (low_ut, high_ut) = POSSIBLE_UT;
+    let Range { start: low_ut, end: high_ut } = POSSIBLE_UT;
     (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
         field_ut,
         low_ut,

@@ -14,30 +14,26 @@ choices! {
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
         /// Least random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
-        /// Time over which corrections of the hard iron are gathered to see whether they go one way
+        /// Time over which corrections of the hard iron are gathered to see whether they go one way; a longer gap between samples lets it drift
         walk_s: 2.0, "s", "families";
         /// Largest random walk of the hard iron, and that in a gap
         largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
         noise_start_ut: 0.5, "uT", "a Nexus 5 has 0.48, iPhones 0.7 to 1.1";
-        /// Correlation time of the local field, and over which the accelerometer is averaged, as the world sees it
+        /// Correlation time of the local field: along a walk; of a group of a start; of the accelerometer's average, as the world sees it; and for this
+        /// long, or up to twice, what was learned before a misfit is taken back, as a magnet's field grows while it is neared
         local_time_s: 1.0, "s", "a step or two";
-        /// Standard deviation of the local field at the start, and of the slow difference between c and f
-        local_start_ut: 2.0, "uT", "rooms: 2.1 uT an axis along walks with motion capture";
-        /// Least standard deviation of the local field: from less it rises too slowly where an uneven place is entered
-        local_min_ut: 0.03, "uT", "families";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
         place_ut: 0.3, "uT", "between the quiet recordings (0.15) and rooms with motion capture (2.1): what a fit leaves adds to it";
-        /// Largest: above it an anomaly would be swallowed instead of declared
-        local_max_ut: 2.0, "uT", "rooms";
+        /// Standard deviation of the local field, and of the slow difference between c and f, at the start; and the largest: above it an anomaly
+        /// would be swallowed instead of declared
+        local_most_ut: 2.0, "uT", "rooms: 2.1 uT an axis along walks with motion capture";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
         /// Error of f, per uT by which c and f differ beyond what the place is known for: f follows what it cannot explain
         unexplained_gain: 2.0, "", "covers that slide, cars";
         /// Unevenness up to which the field of a place averages out along a walk
         even_ut: 1.5, "uT", "walks with motion capture: 0.2 to 2.4 uT where nothing is near";
-        /// What was learned for this long, or up to twice, before a misfit is taken back: a magnet's field grows as it is neared
-        quarantine_s: 1.0, "s", "a step or two to a magnet; walks among magnetic boards";
         /// Memory of how often samples misfit
         burst_memory_s: 40.0, "s", "a room";
         /// How often the device changes, against which the rate of misfits is held
@@ -56,7 +52,7 @@ choices! {
         gate: 16.0, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
-        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
+        /// Least size of a step; twice this from one sample to the next is nothing that a turn does; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 8.0, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: 0.4, "s", "a cover put on";
@@ -68,22 +64,14 @@ choices! {
         place_time_s: 30.0, "s", "a room";
         /// Time in which a new place is believed to be the earth's field
         new_place_time_s: 300.0, "s", "a building";
-        /// Split of the first sample into the field of the place and the offset
-        far_sd_ut: 39.0, "uT", "the strongest field on Earth, 67 uT, an axis";
         /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
         adopt_sd_ut: 6.0, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
         publish_deg: 10.0, "deg", "as the adaptive estimator";
-        /// Rate of turn below which the device rests: slower turns cannot be told from bias
+        /// Rate of turn below which the device rests: slower turns cannot be told from bias, whose standard deviation then is a third of it
         rest_rate_rad_s: 0.06, "rad/s", "phones";
-        /// A longer gap between samples lets the offset drift
-        gap_s: 2.5, "s", "families";
-        /// Uncertainty of the bias above which a steady small rate may be bias
-        unknown_bias_rad_s: 0.02, "rad/s", "phones";
         /// Rate from which motion is full: all of the process noise and of the learning applies
         full_motion_rad_s: 0.3, "rad/s", "families";
-        /// One step beyond which a gyroscope does not explain what the field does
-        useless_step_ut: 17.0, "uT", "families";
     } mechanisms {
         /// Unevenness of the place: d, and what c and f differ by
         unevenness;
@@ -103,5 +91,12 @@ choices! {
         bursts;
         /// Learning of the magnetometer's noise: sigma
         noise_learning;
+    }
+}
+
+impl Tuning {
+    /// Standard deviation of the gyroscope's bias above which a steady small rate may be bias, rad/s.
+    pub(super) fn unknown_bias_rad_s(&self) -> f64 {
+        self.rest_rate_rad_s / 3.0
     }
 }
