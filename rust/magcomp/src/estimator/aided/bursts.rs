@@ -13,37 +13,48 @@ use super::tuning::Tuning;
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Bursts {
-    misfits: f64,
+    /// t.
     seconds: f64,
+    /// The place's doing, and what is not yet known to be.
+    known: Misfits,
+    open: Misfits,
+}
+
+/// Misfits, forgotten over T.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Misfits {
+    count: f64,
+    /// Share of samples that were gated.
     gated_share: f64,
-    /// The share that is not yet known to be the place's doing.
-    open_share: f64,
 }
 
 impl Bursts {
     /// A sample in motion.
     pub(super) fn pass(&mut self, is_gated: bool, dt_s: f64, tuning: &Tuning) {
         let keep = (-dt_s / tuning.burst_memory_s).exp();
-        self.misfits *= keep;
         self.seconds = self.seconds * keep + dt_s;
-        self.gated_share *= keep;
-        self.open_share = self.open_share * keep + (1.0 - keep) * f64::from(is_gated);
+        for misfits in [&mut self.known, &mut self.open] {
+            misfits.count *= keep;
+            misfits.gated_share *= keep;
+        }
+        self.open.gated_share += (1.0 - keep) * f64::from(is_gated);
     }
 
     /// A misfit began.
     pub(super) fn begin(&mut self) {
-        self.misfits += 1.0;
+        self.open.count += 1.0;
     }
 
     /// It was the place's doing, or nothing.
     pub(super) fn was_the_place(&mut self) {
-        self.gated_share += std::mem::take(&mut self.open_share);
+        let Misfits { count, gated_share } = std::mem::take(&mut self.open);
+        self.known.count += count;
+        self.known.gated_share += gated_share;
     }
 
     /// It was the device's doing.
     pub(super) fn was_the_device(&mut self) {
-        self.misfits = (self.misfits - 1.0).max(0.0);
-        self.open_share = 0.0;
+        self.open = Misfits::default();
     }
 
     /// How long a change must hold, s.
@@ -51,7 +62,7 @@ impl Bursts {
         if !tuning.bursts {
             return 0.0;
         }
-        let rate_h = 3600.0 * self.misfits / (self.seconds + tuning.burst_memory_s);
+        let rate_h = 3600.0 * (self.known.count + self.open.count) / (self.seconds + tuning.burst_memory_s);
         tuning.hold_s * (1.0 + rate_h / tuning.device_rate_h).ln()
     }
 
@@ -60,6 +71,6 @@ impl Bursts {
         if !tuning.bursts || !tuning.unevenness {
             return 0.0;
         }
-        self.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / 5.0
+        self.known.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / 5.0
     }
 }

@@ -46,7 +46,10 @@ impl Aided {
                 }
                 return self.go_on_with(Trial::into_device);
             }
-            Verdict::Unchanged => return self.go_on_with(Trial::into_place),
+            Verdict::Unchanged => {
+                self.bursts.was_the_place();
+                return self.go_on_with(Trial::into_place);
+            }
             Verdict::Place | Verdict::NewPlace => {
                 self.bursts.was_the_place();
                 let is_new = verdict == Verdict::NewPlace;

@@ -9,7 +9,7 @@
 //! Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
 //! the recall of a former calibration are new.
 
-use super::measure::{ALL_BUT_FIELD, ALL_BUT_FIELD_AND_IRON, Innovation};
+use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
@@ -177,7 +177,7 @@ impl Trial {
             if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
                 self.judge(&device, &place, step, tuning);
                 if device.nis < tuning.gate {
-                    self.device.update(&device, ALL_BUT_FIELD_AND_IRON);
+                    self.device.update(&device, NONE);
                 }
                 if place.nis < tuning.gate {
                     self.place.update(&place, ALL_BUT_FIELD);

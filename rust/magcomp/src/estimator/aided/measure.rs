@@ -63,8 +63,6 @@ impl Judged {
 pub(crate) const NONE: Held<'static> = &[];
 /// The calibration, the gyroscope's errors and tau are held: m and d alone are corrected.
 pub(crate) const ALL_BUT_FIELD: Held<'static> = &[HARD_IRON.until(LOCAL)];
-/// The gyroscope's errors and tau are held: a change of the device is none of theirs.
-pub(crate) const ALL_BUT_FIELD_AND_IRON: Held<'static> = &[BIAS.until(LOCAL)];
 /// At rest the rate shows the bias, and what goes with it in m and d.
 const ALL_BUT_FIELD_AND_BIAS: Held<'static> = &[HARD_IRON.until(BIAS), DELAY.until(LOCAL)];
 
