@@ -66,7 +66,7 @@ fn sigma_t_of_a_device_at_rest_depends_on_its_azimuth() {
     assert!(elsewhere < 0.02 && at_180 > 0.95, "{elsewhere} and {at_180}");
 }
 
-/// docs/TUNING.md has a line for every choice, in order, with the value in use.
+/// docs/TUNING.md has a line for every choice, in order, with the value in use, then one for every mechanism.
 #[test]
 fn the_choices_are_documented_with_their_values() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/TUNING.md");
@@ -74,9 +74,11 @@ fn the_choices_are_documented_with_their_values() {
     let lines = text.lines().filter(|line| line.starts_with("| adaptive |") || line.starts_with("| aided |"));
     let documented: Vec<String> =
         lines.map(|line| line.split(" | ").take(3).collect::<Vec<_>>().join(" ").replacen("| ", "", 1)).collect();
-    let used: Vec<String> = magcomp::Tunings::list()
-        .map(|(estimator, choice)| format!("{estimator} {} {}", choice.name, choice.value))
-        .collect();
+    let choices =
+        magcomp::Tunings::list().map(|(estimator, choice)| format!("{estimator} {} {}", choice.name, choice.value));
+    let mechanisms =
+        magcomp::Tunings::mechanisms().map(|(estimator, mechanism)| format!("{estimator} {} on", mechanism.name));
+    let used: Vec<String> = choices.chain(mechanisms).collect();
     assert_eq!(documented, used, "run `cargo run --release -- sensitivity > docs/TUNING.md`");
 }
 

@@ -1,10 +1,11 @@
-//! The worth of each choice of the estimators: a part of the catalogue with the choice halved and doubled.
+//! The worth of each choice of the estimators, and of each mechanism: a part of the catalogue with the choice halved and doubled, with the
+//! mechanism off.
 //!
 //! * error: the heading's, from 20 s on, as `score` says, 30 degrees at most and where there is no heading; geometric mean over variants and
 //!   seeds, 0.1 deg at the least;
 //! * z2: the mean square of error over sigma, geometric mean, 0.01 at the least;
 //! * noise: how far the change of a figure strays between two halves of the seeds, over two: that is the standard deviation of what is shown. Root mean
-//!   square over the choices that change anything. A choice that moves no figure by more than twice that is not seen here.
+//!   square over all that change anything. A choice that moves no figure by more than twice that is not seen here.
 
 use super::Spread;
 use crate::catalogue::{Variant, find};
@@ -16,7 +17,7 @@ use crate::replay::{Player, Step};
 use crate::score::{Figures, rms};
 use crate::simulate::Simulation;
 use crate::table::Table;
-use magcomp::{Choice, Method, Tunings};
+use magcomp::{Choice, Mechanism, Method, Tunings};
 use std::ops::RangeInclusive;
 
 /// Seeds of development.
@@ -84,11 +85,32 @@ impl Benchmark {
     }
 }
 
-/// A choice, halved and doubled: how the logarithms change in each half of the seeds.
+/// What is tried.
+#[derive(Clone, Copy)]
+enum Trial {
+    /// A choice, times a factor.
+    Scaled(&'static Choice, f64),
+    /// Without a mechanism.
+    Off(&'static Mechanism),
+}
+
+impl Trial {
+    fn tunings(self, estimator: &str) -> Tunings {
+        let mut tunings = Tunings::default();
+        let is_there = match self {
+            Self::Scaled(choice, factor) => tunings.set(estimator, choice.name, choice.value * factor),
+            Self::Off(mechanism) => tunings.switch_off(estimator, mechanism.name),
+        };
+        assert!(is_there, "it is listed");
+        tunings
+    }
+}
+
+/// How the logarithms change with one trial, in each half of the seeds.
 struct Line {
     estimator: &'static str,
-    choice: &'static Choice,
-    changes: [Score; 2],
+    trial: Trial,
+    change: Score,
 }
 
 /// Mean of both halves, as a change in per cent.
@@ -105,43 +127,47 @@ pub fn run(seeds: RangeInclusive<u64>) -> Result<Table, LabError> {
         Benchmark::new("adaptive", Method::Adaptive, &ADAPTIVE, seeds.clone())?,
         Benchmark::new("aided", Method::Auto, &AIDED, seeds.clone())?,
     ];
-    let choices: Vec<_> = Tunings::list().collect();
-    let bar = progress::bar(2 * choices.len(), "sensitivity");
+    let scaled = Tunings::list()
+        .flat_map(|(estimator, choice)| [0.5, 2.0].map(|factor| (estimator, Trial::Scaled(choice, factor))));
+    let off = Tunings::mechanisms().map(|(estimator, mechanism)| (estimator, Trial::Off(mechanism)));
+    let trials: Vec<_> = scaled.chain(off).collect();
+    let bar = progress::bar(trials.len(), "sensitivity");
     let usual = map(&benchmarks, cores(), |benchmark| benchmark.score(Tunings::default()));
     let usual: Vec<Score> = usual.into_iter().collect::<Result<_, _>>()?;
     let of = |estimator: &str| benchmarks.iter().position(|one| one.estimator == estimator).expect("an estimator");
-    let jobs: Vec<_> = choices.iter().flat_map(|choice| [0.5, 2.0].map(|factor| (*choice, factor))).collect();
-    let changed = map(&jobs, cores(), |(one, factor)| {
-        let (estimator, choice) = *one;
-        let mut tunings = Tunings::default();
-        let value = choice.value * factor;
-        assert!(tunings.set(estimator, choice.name, value), "a choice that is listed");
-        let score = benchmarks[of(estimator)].score(tunings);
+    let lines = map(&trials, cores(), |&(estimator, trial)| {
+        let score = benchmarks[of(estimator)].score(trial.tunings(estimator))?;
         bar.inc(1);
-        score.map(|score| {
-            let usual = usual[of(estimator)];
-            let less = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-            Score { error: less(score.error, usual.error), z2: less(score.z2, usual.z2) }
-        })
+        let usual = usual[of(estimator)];
+        let less = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+        let change = Score { error: less(score.error, usual.error), z2: less(score.z2, usual.z2) };
+        Ok(Line { estimator, trial, change })
     });
     bar.finish_and_clear();
-    let changed: Vec<Score> = changed.into_iter().collect::<Result<_, _>>()?;
-    let lines: Vec<Line> = choices
-        .iter()
-        .zip(changed.chunks(2))
-        .map(|((estimator, choice), pair)| Line { estimator, choice, changes: [pair[0], pair[1]] })
-        .collect();
+    let lines = lines.into_iter().collect::<Result<Vec<_>, LabError>>()?;
     Ok(table(&benchmarks, &usual, &lines, &seeds))
 }
 
 fn table(benchmarks: &[Benchmark], usual: &[Score], lines: &[Line], seeds: &RangeInclusive<u64>) -> Table {
-    let columns =
-        ["estimator", "choice", "value", "unit", "error, half", "double", "z2, half", "double", "what it is", "source"];
+    let columns = [
+        "estimator",
+        "choice or mechanism",
+        "value",
+        "unit",
+        "error, half",
+        "double",
+        "off",
+        "z2, half",
+        "double",
+        "off",
+        "what it is",
+        "source",
+    ];
     let mut table = Table::new("# Choices of the estimators, and what each is worth", &columns);
     for (benchmark, usual) in benchmarks.iter().zip(usual) {
         let own: Vec<&Line> = lines.iter().filter(|line| line.estimator == benchmark.estimator).collect();
         let noise = |halves: fn(&Score) -> [f64; 2]| {
-            let all = own.iter().flat_map(|line| &line.changes).map(halves);
+            let all = own.iter().map(|line| halves(&line.change));
             let moved = all.filter(|[even, odd]| even.abs() > NOTHING || odd.abs() > NOTHING);
             100.0 * (rms(moved.map(|[even, odd]| even - odd)).unwrap_or(0.0) / 2.0).exp_m1()
         };
@@ -157,28 +183,38 @@ fn table(benchmarks: &[Benchmark], usual: &[Score], lines: &[Line], seeds: &Rang
     }
     table.note(&format!(
         "Error: of the published heading against the truth, root mean square of each run, geometric mean of all. z2: mean square of error over \
-         sigma, 1 where sigma is right. Half and double: the change of both with the choice half and twice as large. Noise: what a change strays by \
-         between two halves of the seeds, over two, root mean square over the choices that change anything; a change of less than twice that is none. Made by `cargo run --release -- sensitivity`: seeds {} to {} \
+         sigma, 1 where sigma is right. Half and double: the change of both with the choice half and twice as large; off: without the mechanism. Noise: what a change strays by \
+         between two halves of the seeds, over two, root mean square over all that change anything; a change of less than twice that is none. Made by `cargo run --release -- sensitivity`: seeds {} to {} \
          of {} for aided, of {} for adaptive.",
         seeds.start(),
         seeds.end(),
         AIDED.join(", "),
         ADAPTIVE.join(", "),
     ));
-    for Line { estimator, choice, changes: [half, double] } in lines {
-        let shown = |halves: [f64; 2]| format!("{:+.0} %", percent(halves));
-        table.row(vec![
-            (*estimator).to_owned(),
-            choice.name.to_owned(),
-            format!("{}", choice.value),
-            choice.unit.to_owned(),
-            shown(half.error),
-            shown(double.error),
-            shown(half.z2),
-            shown(double.z2),
-            choice.meaning.trim().to_owned(),
-            choice.source.to_owned(),
-        ]);
+    let shown = |halves: [f64; 2]| format!("{:+.0} %", percent(halves));
+    let mut rest = lines.iter();
+    while let Some(Line { estimator, trial, change }) = rest.next() {
+        let (name, value, unit, what, source) = match trial {
+            Trial::Scaled(choice, _) => {
+                (choice.name, format!("{}", choice.value), choice.unit, choice.meaning, choice.source)
+            }
+            Trial::Off(mechanism) => (mechanism.name, "on".to_owned(), "", mechanism.meaning, "docs/METHOD-AIDED.md"),
+        };
+        let changes = match trial {
+            Trial::Scaled(..) => {
+                let double = &rest.next().expect("half and double follow one another").change;
+                let (error, z2) = ([change.error, double.error], [change.z2, double.z2]);
+                [shown(error[0]), shown(error[1]), String::new(), shown(z2[0]), shown(z2[1]), String::new()]
+            }
+            Trial::Off(_) => {
+                let none = String::new;
+                [none(), none(), shown(change.error), none(), none(), shown(change.z2)]
+            }
+        };
+        let mut row = vec![(*estimator).to_owned(), name.to_owned(), value, unit.to_owned()];
+        row.extend(changes);
+        row.extend([what.trim().to_owned(), source.to_owned()]);
+        table.row(row);
     }
     table
 }
