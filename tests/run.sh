@@ -13,6 +13,7 @@ rust() {
     tests/versions.sh
     tests/circles.py
     tests/choices.py
+    tests/privacy.py
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings

@@ -90,17 +90,6 @@ printf 'xcframework: %d bytes of arm64 after dead-stripping: %s\n' "$(wc -c <"$w
 
 # Apple's list of required-reason interfaces, as far as C has them
 "llvm-nm$llvm" --undefined-only --format=just-symbols "$work/linked" | sort -u >"$work/imports"
-manifest=ios/Sources/Magcomp/PrivacyInfo.xcprivacy
-reason() { # CATEGORY PATTERN: declared if and only if it is imported
-    local imported declared
-    imported=$(grep -E "^_($2)\$" "$work/imports" | tr '\n' ' ' || true)
-    declared=$(grep -c "NSPrivacyAccessedAPICategory$1<" $manifest || true)
-    [ -z "$imported" ] || [ "$declared" = 1 ] || fail "$manifest lacks $1: the library imports $imported"
-    [ -n "$imported" ] || [ "$declared" = 0 ] || fail "$manifest declares $1, which the library does not import"
-    [ -z "$imported" ] || echo "xcframework: the privacy manifest gives a reason for $imported"
-}
-reason FileTimestamp 'stat|fstat|lstat|fstatat|getattrlist|getattrlistbulk|fgetattrlist|getattrlistat'
-reason SystemBootTime 'mach_absolute_time|mach_continuous_time|clock_gettime_nsec_np'
-reason DiskSpace 'statfs|statvfs|fstatfs|fstatvfs'
+tests/privacy.py "$work/imports"
 (cd "$framework/.." && find MagcompFFI.xcframework -type f | sort)
 echo "xcframework: all parts are there, for $slices"

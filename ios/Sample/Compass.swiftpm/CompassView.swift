@@ -21,7 +21,7 @@ struct CompassView: View {
             }
         }
         .padding()
-        .background(WindowOrientation { model.frame = HeadingFrame(interfaceOrientation: $0) })
+        .background(WindowOrientation { if let rotation = ScreenRotation($0) { model.screenRotation = rotation } })
         .task { await model.run() }
     }
 
@@ -64,9 +64,26 @@ struct WindowOrientation: UIViewRepresentable {
         @available(*, unavailable)
         required init?(coder: NSCoder) { fatalError("made in code alone") }
 
+        private var observed: NSKeyValueObservation?
+
+        // half a turn lays no view out anew: the scene tells of it
+        override func didMoveToWindow() {
+            super.didMoveToWindow()
+            observed = nil
+            if #available(iOS 16, *), let scene = window?.windowScene {
+                observed = scene.observe(\.effectiveGeometry) { [weak self] _, _ in
+                    Task { @MainActor in self?.tell() }
+                }
+            }
+        }
+
         // turning the window lays its views out anew
         override func layoutSubviews() {
             super.layoutSubviews()
+            tell()
+        }
+
+        private func tell() {
             if let orientation = window?.windowScene?.interfaceOrientation { changed(orientation) }
         }
     }

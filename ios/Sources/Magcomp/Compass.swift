@@ -1,3 +1,7 @@
+#if canImport(CoreMotion) && !os(macOS)
+import CoreMotion
+#endif
+
 /// A compass from a phone's own sensors: `for try await reading in Compass().readings() { ... }`.
 ///
 /// All iterations of its readings share one estimator and one run of the sensors, which lasts while anybody iterates.
@@ -37,17 +41,37 @@ public final class Compass: Sendable {
     }
 
     #if canImport(CoreMotion) && !os(macOS)
-    /// The phone's sensors at 100 Hz, the calibration kept in the app's user defaults.
+    /// The phone's sensors at 100 Hz, the calibration kept in the app's user defaults. Where iOS has a calibrated field it is asked for,
+    /// so that the first reading of all has a heading, with a wide sigma.
     public convenience init() {
-        self.init(source: CoreMotionSource(), store: UserDefaultsStore())
+        self.init(source: CoreMotionSource(options: .ofCompass(CMMotionManager.self)), store: UserDefaultsStore())
     }
     #endif
 
-    /// The frame of the headings. It may be set at any time from any thread, for instance when the screen has turned. A
-    /// declination out of range ends the readings with `MagcompError.config`.
+    /// The frame of the headings, whole. It may be set at any time from any thread. ``axis``, ``screenRotation`` and ``declinationDeg``
+    /// change one of its settings and leave what another thread sets meanwhile.
     public var frame: HeadingFrame {
         get { frames.value }
         set { frames.value = newValue }
+    }
+
+    /// The axis of the device the headings are those of.
+    public var axis: ReferenceAxis {
+        get { frames.value.axis }
+        set { frames.change { $0.axis = newValue } }
+    }
+
+    /// How far the screen has turned: ``ScreenRotation/init(_:)`` knows it from a `UIInterfaceOrientation`.
+    public var screenRotation: ScreenRotation {
+        get { frames.value.screenRotation }
+        set { frames.change { $0.screenRotation = newValue } }
+    }
+
+    /// The declination of the place, degrees, east positive, for a true heading; ``GeomagneticField`` gives it. One out of range ends
+    /// the readings with `MagcompError.config`.
+    public var declinationDeg: Double? {
+        get { frames.value.declinationDeg }
+        set { frames.change { $0.declinationDeg = newValue } }
     }
 
     /// One reading for every magnetometer sample, as long as somebody iterates. All iterators get the same readings,

@@ -2,7 +2,7 @@ import Observation
 
 /// What a compass screen shows, for SwiftUI: `.task { await model.run() }`. For iOS 15 and 16 there is ``CompassObject``.
 ///
-/// Every run begins with nothing shown. A run that ends with an error leaves only the error's text in ``status``. A
+/// Every run begins with nothing shown. A run that ends with an error leaves only the ``error``, and its text in ``status``. A
 /// value is set only when it differs, and at most as often as a screen is drawn, so a view is drawn anew only for the
 /// values it shows.
 @available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
@@ -32,6 +32,8 @@ public final class CompassModel {
     public private(set) var event: FieldEvent?
     /// All that the latest reading has.
     public private(set) var reading: CompensatedReading?
+    /// Why there are no readings: the latest run ended with it. Nil while one runs, and after one that was cancelled.
+    public private(set) var error: CompassError?
 
     private let compass: Compass
     private let display: CompassDisplay
@@ -40,10 +42,24 @@ public final class CompassModel {
         (self.compass, self.display) = (compass, display)
     }
 
-    /// The frame headings are in, for instance when the screen was turned.
+    /// The frame headings are in.
     public var frame: HeadingFrame {
         get { compass.frame }
         set { compass.frame = newValue }
+    }
+
+    /// The axis, the screen's rotation and the declination one by one; see ``Compass``.
+    public var axis: ReferenceAxis {
+        get { compass.axis }
+        set { compass.axis = newValue }
+    }
+    public var screenRotation: ScreenRotation {
+        get { compass.screenRotation }
+        set { compass.screenRotation = newValue }
+    }
+    public var declinationDeg: Double? {
+        get { compass.declinationDeg }
+        set { compass.declinationDeg = newValue }
     }
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
@@ -68,6 +84,7 @@ public final class CompassModel {
         set(\.isDisturbed, state.isDisturbed)
         set(\.event, state.event)
         set(\.reading, state.reading)
+        set(\.error, state.error)
     }
 
     /// An equal value tells nobody.

@@ -14,10 +14,24 @@ public final class CompassObject: ObservableObject {
         (self.compass, self.display) = (compass, display)
     }
 
-    /// The frame headings are in, for instance when the screen was turned.
+    /// The frame headings are in.
     public var frame: HeadingFrame {
         get { compass.frame }
         set { compass.frame = newValue }
+    }
+
+    /// The axis, the screen's rotation and the declination one by one; see ``Compass``.
+    public var axis: ReferenceAxis {
+        get { compass.axis }
+        set { compass.axis = newValue }
+    }
+    public var screenRotation: ScreenRotation {
+        get { compass.screenRotation }
+        set { compass.screenRotation = newValue }
+    }
+    public var declinationDeg: Double? {
+        get { compass.declinationDeg }
+        set { compass.declinationDeg = newValue }
     }
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.

@@ -22,6 +22,8 @@ public struct CompassState: Equatable, Sendable {
     public var event: FieldEvent?
     /// All that the latest reading has.
     public var reading: CompensatedReading?
+    /// Why there are no readings.
+    public var error: CompassError?
 
     /// Whether the place is disturbed, so that the heading is not to be relied on.
     public var isDisturbed: Bool {
@@ -32,7 +34,7 @@ public struct CompassState: Equatable, Sendable {
     public init() {}
 
     /// Nothing known, for a reason.
-    init(status: String) { self.status = status }
+    init(error: CompassError) { (self.error, status) = (error, error.localizedDescription) }
 
     mutating func show(_ answer: CompensatedReading) {
         let new = answer.reading
@@ -80,7 +82,7 @@ public struct CompassDisplay: Equatable, Sendable {
 
 extension Compass {
     /// Gives what a screen shows, until the task is cancelled or the source ends, whose last state stays then. Begins with
-    /// nothing known; an error leaves nothing but its text.
+    /// nothing known; an error leaves nothing but itself and its text.
     @MainActor
     func follow(_ display: CompassDisplay, show: (CompassState) -> Void) async {
         var state = CompassState()
@@ -119,7 +121,7 @@ extension Compass {
             }
             if let waiting { take(waiting) }
         } catch {
-            show(CompassState(status: error.localizedDescription))
+            show(CompassState(error: CompassError(error)))
         }
     }
 }

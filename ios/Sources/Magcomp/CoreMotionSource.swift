@@ -26,6 +26,14 @@ public struct SensorOptions: Equatable, Sendable {
 import CoreMotion
 import Foundation
 
+extension SensorOptions {
+    /// What a compass asks of this manager: the system's field too, where there is one.
+    static func ofCompass(_ manager: CMMotionManager.Type) -> SensorOptions {
+        let isThere = manager.availableAttitudeReferenceFrames().contains(.xArbitraryCorrectedZVertical)
+        return SensorOptions(systemField: isThere)
+    }
+}
+
 /// The phone's own sensors: the raw magnetometer, and device motion for gravity and the gyroscope.
 ///
 /// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Events go out
@@ -78,6 +86,8 @@ private final class Updates: @unchecked Sendable {
     private let manager: CMMotionManager
     private var listeners: [Int: Listener] = [:]
     private var number = 0
+    /// Runs of the sensors so far: what an old one still has to say is not of the present one.
+    private var run = 0
     private var queued: EventQueue
     private var lag = Lag()
     private var sleep = Sleep()
@@ -145,18 +155,20 @@ private final class Updates: @unchecked Sendable {
                     sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
             }
         }
+        run += 1
+        let run = run
         // the magnetometer alone waits for nobody
         (queued, lag) = (EventQueue(holdS: motion ? options.holdS : 0), Lag())
         let interval = 1 / Double(options.rateHz)
         manager.magnetometerUpdateInterval = interval
         manager.startMagnetometerUpdates(to: queue) { @Sendable [weak self] data, error in
-            if let error { self?.fail("magnetometer", error) }
+            if let error { self?.fail("magnetometer", error, in: run) }
             if let data { self?.take(data) }
         }
         guard motion else { return }
         manager.deviceMotionUpdateInterval = interval
         manager.startDeviceMotionUpdates(using: frame, to: queue) { @Sendable [weak self] data, error in
-            if let error { self?.fail("gyroscope", error) }
+            if let error { self?.fail("gyroscope", error, in: run) }
             if let data { self?.take(data) }
         }
     }
@@ -166,7 +178,7 @@ private final class Updates: @unchecked Sendable {
         // new in iOS 27.2: older SDKs lack the method, older systems ask nobody
         #if canImport(CoreMotion, _version: 3186)
         if #available(iOS 27.2, macCatalyst 27.2, watchOS 27.2, visionOS 27.2, *) {
-            switch manager.authorizationStatus() {
+            switch authorization(manager.authorizationStatus) {
             case .denied, .restricted: return true
             default: return false
             }
@@ -233,7 +245,7 @@ private final class Updates: @unchecked Sendable {
 
     var hiddenS: Double { lock.withLock { sleep.hiddenS } }
 
-    private func fail(_ sensor: String, _ error: any Error) {
+    private func fail(_ sensor: String, _ error: any Error, in run: Int) {
         let reason = error as NSError
         let code = reason.domain == CMErrorDomain ? UInt32(exactly: reason.code) : nil
         // passes by itself when the device is moved
@@ -242,9 +254,11 @@ private final class Updates: @unchecked Sendable {
         let failure: SensorError =
             refused
             ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
-        let (all, rest) = lock.withLock {
+        let (all, rest): ([Listener], [SensorSample]) = lock.withLock {
+            // the other sensor's error came first, and another run has begun since
+            guard run == self.run, !listeners.isEmpty else { return ([], []) }
             defer { listeners = [:] }
-            if !listeners.isEmpty { stop() }
+            stop()
             return (Array(listeners.values), queued.flush())
         }
         // outside the lock: this calls `remove`
@@ -254,6 +268,10 @@ private final class Updates: @unchecked Sendable {
         }
     }
 }
+
+/// Core Motion's answer, whether an SDK has it as a method or as a property: the one call compiles with both.
+func authorization(_ ask: () -> CMAuthorizationStatus) -> CMAuthorizationStatus { ask() }
+func authorization(_ status: CMAuthorizationStatus) -> CMAuthorizationStatus { status }
 
 /// How much older than the newest magnetometer event device motion is when it is delivered: the largest of this second and the
 /// one before it, by the motion's own times.

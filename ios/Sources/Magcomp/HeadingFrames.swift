@@ -52,20 +52,9 @@ extension ScreenRotation {
 #if canImport(UIKit) && os(iOS)
 import UIKit
 
-extension HeadingFrame {
-    /// The heading frame for a screen as iOS reports it.
-    ///
-    /// - Parameters:
-    ///   - interfaceOrientation: that of the window's scene; unknown counts as portrait
-    ///   - axis: the axis of the device the heading is that of; automatic: top edge when flat, camera when upright
-    ///   - declinationDeg: declination, degrees, east positive, for a true heading; `GeomagneticField` gives it
-    public init(
-        interfaceOrientation: UIInterfaceOrientation,
-        axis: ReferenceAxis = .auto,
-        declinationDeg: Double? = nil
-    ) {
-        let rotation = ScreenRotation(interfaceOrientation: interfaceOrientation.rawValue) ?? .deg0
-        self.init(axis: axis, screenRotation: rotation, declinationDeg: declinationDeg)
-    }
+extension ScreenRotation {
+    /// How far the screen has turned, by the window scene's orientation; nil for `.unknown`, which tells nothing: leave
+    /// ``Compass/screenRotation`` as it is then.
+    public init?(_ orientation: UIInterfaceOrientation) { self.init(interfaceOrientation: orientation.rawValue) }
 }
 #endif

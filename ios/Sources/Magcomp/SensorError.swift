@@ -21,3 +21,38 @@ extension SensorError: LocalizedError {
         }
     }
 }
+
+/// Why a compass has no readings.
+public enum CompassError: Error, Equatable, Sendable {
+    /// The phone's sensors.
+    case sensor(SensorError)
+    /// The library: a setting out of range, or a defect.
+    case library(MagcompError)
+    /// The app's own source: its error's description.
+    case source(String)
+
+    init(_ error: any Error) {
+        self =
+            switch error {
+            case let error as SensorError: .sensor(error)
+            case let error as MagcompError: .library(error)
+            default: .source(error.localizedDescription)
+            }
+    }
+
+    /// Whether the person can mend it in the system's settings: an app shows a button that opens
+    /// `UIApplication.openSettingsURLString` then.
+    public var isMendedInSettings: Bool {
+        if case .sensor(.accessRefused) = self { true } else { false }
+    }
+}
+
+extension CompassError: LocalizedError {
+    public var errorDescription: String? {
+        switch self {
+        case .sensor(let error): error.localizedDescription
+        case .library(let error): error.localizedDescription
+        case .source(let description): description
+        }
+    }
+}

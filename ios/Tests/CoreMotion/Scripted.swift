@@ -89,6 +89,12 @@ extension CMMotionManager {
         call(script.locked { $0.deviceMotion }.map { to in (to.queue, { to.handler(nil, error) }) })
     }
 
+    /// What reports an error to who gets device motion now, even once the updates have ended: it was on its way.
+    public func lateDeviceMotionError() -> (any Error) -> Void {
+        let to = script.locked { $0.deviceMotion }
+        return { [self] error in call(to.map { to in (to.queue, { to.handler(nil, error) }) }) }
+    }
+
     private func call(_ what: (queue: OperationQueue, call: () -> Void)?) {
         guard let what else { return }
         nonisolated(unsafe) let call = what.call

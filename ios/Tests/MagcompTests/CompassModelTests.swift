@@ -203,6 +203,7 @@ import Testing
         let model = CompassModel(compass: Compass(source: Without(error: missing)))
         await model.run()
         #expect(model.status == "this device has no magnetometer; hide the compass")
+        #expect(model.error == .sensor(missing) && model.error?.isMendedInSettings == false)
     }
 
     /// Plays another source at every run.
@@ -256,6 +257,8 @@ import Testing
             await model.run()
             #expect(shown(model) == nothing)
             #expect(model.status == access)
+            #expect(model.error == .sensor(.accessRefused(sensor: "magnetometer")))
+            #expect(model.error?.isMendedInSettings == true && model.error?.localizedDescription == access)
         }
     }
 
@@ -271,9 +274,10 @@ import Testing
                     Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...])).samples(),
                 ])))
         await model.run()
+        #expect(model.error != nil)
         await model.run()
         #expect(model.status == "tracking")
-        #expect(model.headingDeg != nil)
+        #expect(model.headingDeg != nil && model.error == nil)
         await young.run()
         await young.run()
         #expect(young.status.hasPrefix("collecting: "))
@@ -300,8 +304,21 @@ import Testing
 
     @Test func theScreenMayTurn() {
         let model = CompassModel(compass: Compass(source: Played(events: [])))
-        model.frame.screenRotation = .deg270
-        #expect(model.frame == HeadingFrame(axis: .auto, screenRotation: .deg270))
+        (model.axis, model.declinationDeg) = (.camera, 3)
+        model.screenRotation = .deg270
+        #expect(model.frame == HeadingFrame(axis: .camera, screenRotation: .deg270, declinationDeg: 3))
+        #expect(model.axis == .camera && model.screenRotation == .deg270 && model.declinationDeg == 3)
+    }
+
+    @Test func settingsThatTwoThreadsChangeAreBothKept() async {
+        let compass = Compass(source: Played(events: []))
+        for k in 1...2000 {
+            async let one: Void = Task.detached { compass.declinationDeg = Double(k) / 100 }.value
+            async let other: Void = Task.detached { compass.screenRotation = k % 2 == 0 ? .deg0 : .deg90 }.value
+            _ = await (one, other)
+            let frame = compass.frame
+            #expect(frame.declinationDeg == Double(k) / 100 && frame.screenRotation == (k % 2 == 0 ? .deg0 : .deg90))
+        }
     }
 
     /// `UIInterfaceOrientation`: landscapeRight, 3, has the home button to the right, so the device was turned

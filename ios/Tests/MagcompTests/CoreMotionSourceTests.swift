@@ -249,6 +249,41 @@ import Testing
         #expect(try await samples(1) { play(at: 2) }.count == 1)
     }
 
+    /// Both sensors fail; the second error comes when somebody iterates again.
+    @Test func anOldRunsErrorDoesNotEndANewOne() async throws {
+        let source = CoreMotionSource(manager: manager)
+        var first = source.samples().makeAsyncIterator()
+        let late = manager.lateDeviceMotionError()
+        manager.magnetometerFails(CMErrorUnknown.error)
+        await #expect(throws: SensorError.self) { try await first.next() }
+        var second = source.samples().makeAsyncIterator()
+        #expect(manager.starts == 2)
+        late(CMErrorUnknown.error)
+        play(at: 5)
+        #expect(try await second.next()?.timeNs == 5_000_000_000)
+        #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
+        // its own error does
+        manager.deviceMotionFails(CMErrorUnknown.error)
+        await #expect(throws: SensorError.refused(sensor: "gyroscope", reason: "CMErrorDomain 103")) {
+            while try await second.next() != nil {}
+        }
+    }
+
+    @Test func theAuthorizationIsReadAsAMethodAndAsAProperty() {
+        enum Older { static func authorizationStatus() -> CMAuthorizationStatus { .denied } }
+        enum Newer { static var authorizationStatus: CMAuthorizationStatus { .restricted } }
+        #expect(authorization(Older.authorizationStatus) == .denied)
+        #expect(authorization(Newer.authorizationStatus) == .restricted)
+    }
+
+    @Test func aCompassAsksForTheSystemsFieldWhereThereIsOne() {
+        final class Without: CMMotionManager {
+            override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { [.xArbitraryZVertical] }
+        }
+        #expect(SensorOptions.ofCompass(CMMotionManager.self) == SensorOptions(systemField: true))
+        #expect(SensorOptions.ofCompass(Without.self) == SensorOptions())
+    }
+
     @Test func anErrorThatPassesByItselfDoesNotEndTheSequence() async throws {
         let samples = try await samples(2) {
             manager.deviceMotionFails(CMErrorDeviceRequiresMovement.error)

@@ -2,12 +2,13 @@ package org.magcomp
 
 import android.content.Context
 import java.util.concurrent.Executor
-import kotlin.coroutines.CoroutineContext
+import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.update
 
 /**
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
@@ -24,15 +25,15 @@ import kotlinx.coroutines.flow.flow
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
  *   turned comes back within it, and nothing has stopped. Default 5000
- * @param context where events are collected, samples compensated, and the store is called; one thread at a time is used
+ * @param dispatcher where events are collected, samples compensated, and the store is called; one thread at a time is used
  */
 public class Compass @JvmOverloads constructor(
     private val source: MagneticFieldSource,
     private val config: Config = Config(),
     private val store: CalibrationStore? = null,
     graceMs: Long = 5000,
-    private val context: CoroutineContext = Dispatchers.Default,
-) {
+    private val dispatcher: CoroutineDispatcher = Dispatchers.Default,
+) : AutoCloseable {
     /** The phone's sensors at 100 Hz, the calibration kept in the app's preferences. */
     public constructor(context: Context) : this(SensorManagerSource(context), Config(), PreferencesStore(context))
 
@@ -46,20 +47,41 @@ public class Compass @JvmOverloads constructor(
     @Volatile
     internal var kept: Estimation? = null
         private set
-    private val shared = SharedReadings(context, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
+    private val shared = SharedReadings(dispatcher, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
 
     /**
-     * The frame of the headings. It may be set at any time from any thread, for instance when the screen has turned. A
-     * declination out of range throws [MagcompException.Config] and leaves the frame as it was.
+     * The frame of the headings, whole. It may be set at any time from any thread; [axis], [screenRotation] and [declinationDeg]
+     * change one of its settings and leave what another thread sets meanwhile. A declination out of range throws
+     * [MagcompException.Config] and leaves the frame as it was.
      */
     public var frame: HeadingFrame
         get() = frames.value
         @Throws(MagcompException::class)
         set(wanted) {
-            val declinationDeg = wanted.declinationDeg
-            // the library knows the range
-            if (declinationDeg != null && declinationDeg != frame.declinationDeg) Compensator().use { it.setHeadingFrame(wanted) }
+            checkDeclination(wanted.declinationDeg)
             frames.value = wanted
+        }
+
+    /** The axis of the device the headings are those of. */
+    public var axis: ReferenceAxis
+        get() = frames.value.axis
+        set(wanted) = frames.update { it.copy(axis = wanted) }
+
+    /** How far the screen has turned; `screenRotation(display.rotation)` knows it from Android's number. */
+    public var screenRotation: ScreenRotation
+        get() = frames.value.screenRotation
+        set(wanted) = frames.update { it.copy(screenRotation = wanted) }
+
+    /**
+     * The declination of the place, degrees, east positive, -180 to 180, for a true heading; [geomagneticField] gives it. One out of
+     * range throws [MagcompException.Config] and leaves the frame as it was.
+     */
+    public var declinationDeg: Double?
+        get() = frames.value.declinationDeg
+        @Throws(MagcompException::class)
+        set(wanted) {
+            checkDeclination(wanted)
+            frames.update { it.copy(declinationDeg = wanted) }
         }
 
     /**
@@ -98,5 +120,23 @@ public class Compass @JvmOverloads constructor(
      * @return closing it ends the readings; a call under way is finished
      */
     public fun start(executor: Executor, listener: CompassListener): AutoCloseable =
-        Listening(executor, listener).start(context, readings())
+        Listening(executor, listener).start(dispatcher, readings())
+
+    /**
+     * Ends the readings of every collector, releases the sensors, saves the calibration and frees the estimator, in the background.
+     * Collecting afterwards throws [MagcompException.Closed]. Without it the garbage collector frees what is left.
+     */
+    override fun close() {
+        shared.close {
+            kept?.close()
+            kept = null
+        }
+    }
+}
+
+/** The core's own range, held together with it by a test: asking it would build an estimator on the caller's thread. */
+private fun checkDeclination(declinationDeg: Double?) {
+    if (declinationDeg != null && declinationDeg !in -180.0..180.0) {
+        throw MagcompException.Config("heading.declination_deg", "$declinationDeg", "-180.0 to 180.0 deg, or none")
+    }
 }

@@ -3,8 +3,8 @@ package org.magcomp
 import java.util.concurrent.Executor
 import java.util.concurrent.ExecutorService
 import java.util.concurrent.RejectedExecutionException
-import kotlin.coroutines.CoroutineContext
 import kotlinx.coroutines.CompletableDeferred
+import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.cancel
@@ -32,8 +32,8 @@ public interface CompassListener {
 
 /** A listener and the executor it is called on. */
 internal class Listening(private val executor: Executor, private val listener: CompassListener) {
-    fun start(context: CoroutineContext, readings: Flow<CompensatedReading>): AutoCloseable {
-        val scope = CoroutineScope(context + SupervisorJob())
+    fun start(dispatcher: CoroutineDispatcher, readings: Flow<CompensatedReading>): AutoCloseable {
+        val scope = CoroutineScope(dispatcher + SupervisorJob())
         scope.launch {
             // whoever threw it: nobody above this coroutine would hear of it before the app crashed
             val error = try {

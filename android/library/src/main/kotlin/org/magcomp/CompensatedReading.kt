@@ -1,6 +1,6 @@
 package org.magcomp
 
-import kotlin.coroutines.CoroutineContext
+import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
@@ -35,26 +35,26 @@ public data class CompensatedReading(
 /**
  * Compensates a stream of sensor events: one reading for every magnetometer sample.
  *
- * Every collector has its own [Compensator], fed in [context], so a slow collector never holds it up: between
+ * Every collector has its own [Compensator], fed on [dispatcher], so a slow collector never holds it up: between
  * them a buffer drops the oldest reading and counts it. [Compass] has one for all its collectors.
  *
  * @param config a field left out has the library's default
  * @param store where the calibration is kept from one launch to the next; null: nowhere
  * @param frame the heading frame in force at each moment; null: the config's
  * @param capacity readings kept for a slow collector, at least 1
- * @param context where events are collected, samples compensated, and the store is called
+ * @param dispatcher where events are collected, samples compensated, and the store is called
  */
 public fun Flow<SensorSample>.compensated(
     config: Config = Config(),
     store: CalibrationStore? = null,
     frame: StateFlow<HeadingFrame>? = null,
     capacity: Int = CAPACITY,
-    context: CoroutineContext = Dispatchers.Default,
+    dispatcher: CoroutineDispatcher = Dispatchers.Default,
 ): Flow<CompensatedReading> {
     require(capacity >= 1) { "capacity is $capacity, expected at least 1" }
     val samples = this
     return flow {
-        val own = SharedReadings(context, graceMs = 0, capacity, onIdle = {}) {
+        val own = SharedReadings(dispatcher, graceMs = 0, capacity, onIdle = {}) {
             flow { Estimation(config, store, frame).use { emitAll(samples.compensated(it)) } }
         }
         emitAll(own.collected())

@@ -1,11 +1,13 @@
 package org.magcomp
 
-import kotlin.coroutines.CoroutineContext
+import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.CoroutineStart
 import kotlinx.coroutines.Job
 import kotlinx.coroutines.NonCancellable
 import kotlinx.coroutines.SupervisorJob
+import kotlinx.coroutines.cancel
+import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.channels.BufferOverflow
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.Flow
@@ -18,30 +20,32 @@ import kotlinx.coroutines.launch
 import kotlinx.coroutines.sync.Mutex
 import kotlinx.coroutines.sync.withLock
 import kotlinx.coroutines.withContext
+import kotlinx.coroutines.yield
 
 /**
  * One run of readings for all who collect at the same time. It begins with the first collector and ends by itself, or when no
  * collector was left for the grace time. A run begins only after the run before has ended to its last line. The readings'
  * error or end reaches every collector after the readings before it; the next collector begins a new run.
  *
- * @param context where runs are
+ * @param dispatcher where runs are
  * @param graceMs the grace time, milliseconds
  * @param capacity readings kept for a slow collector; it loses the oldest, counted
- * @param onIdle called in a run's context when its last collector leaves
+ * @param onIdle called on the dispatcher when its last collector leaves
  * @param readings one run
  */
 internal class SharedReadings(
-    context: CoroutineContext,
+    dispatcher: CoroutineDispatcher,
     private val graceMs: Long,
     private val capacity: Int,
     private val onIdle: () -> Unit,
     private val readings: () -> Flow<CompensatedReading>,
 ) {
-    private val scope = CoroutineScope(context + SupervisorJob(context[Job]))
+    private val scope = CoroutineScope(dispatcher + SupervisorJob())
     private val oneAtATime = Mutex()
     private var current: Run? = null
+    private var isClosed = false
 
-    private class Message(val number: Long, val answer: CompensatedReading?, val error: Exception? = null)
+    private class Message(val number: Long, val answer: CompensatedReading?, val error: Throwable? = null)
 
     private inner class Run {
         val messages = MutableSharedFlow<Message>(replay = 1, extraBufferCapacity = capacity - 1, BufferOverflow.DROP_OLDEST)
@@ -53,9 +57,10 @@ internal class SharedReadings(
             val error = try {
                 oneAtATime.withLock { readings().collect { messages.emit(Message(number++, it)) } }
                 null
-            } catch (e: Exception) {
-                // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word
-                e
+            } catch (e: Throwable) {
+                // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
+                // which would leave collectors waiting
+                if (isClosed) null else e
             }
             leave()
             messages.tryEmit(Message(number, null, error))
@@ -86,8 +91,25 @@ internal class SharedReadings(
         }
     }
 
+    /** Ends the run; what is collected ends. Then [after] is called on the dispatcher, once. */
+    fun close(after: () -> Unit) {
+        val run = synchronized(this) {
+            if (isClosed) return
+            isClosed = true
+            current.also { current = null }
+        }
+        scope.launch {
+            // one that has not begun would end without a word
+            run?.job?.let { if (it.start()) yield() }
+            run?.job?.cancelAndJoin()
+            oneAtATime.withLock { after() }
+            scope.cancel()
+        }
+    }
+
     @Synchronized
     private fun join(): Run {
+        if (isClosed) throw MagcompException.Closed()
         val run = current ?: Run().also { current = it }
         run.collectors += 1
         run.ending?.cancel()

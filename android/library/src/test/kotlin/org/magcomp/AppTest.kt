@@ -77,7 +77,28 @@ class AppTest {
             val error = assertThrows(MagcompException.Config::class.java) { compass.frame = before.copy(declinationDeg = declinationDeg) }
             assertEquals("heading.declination_deg", error.field)
             assertEquals(before, compass.frame)
+            assertThrows(MagcompException.Config::class.java) { compass.declinationDeg = declinationDeg }
+            assertEquals(before, compass.frame)
+            // in the core's words
+            val core = assertThrows(MagcompException.Config::class.java) {
+                Compensator().use { it.setHeadingFrame(before.copy(declinationDeg = declinationDeg)) }
+            }
+            assertEquals(core.field to core.expected, error.field to error.expected)
         }
+        for (declinationDeg in listOf(-180.0, null, 180.0)) compass.declinationDeg = declinationDeg
+    }
+
+    @Test
+    fun `settings that two threads change are both kept`() {
+        val compass = Compass(sensors.source())
+        compass.axis = ReferenceAxis.CAMERA
+        val threads = listOf(
+            Thread { for (k in 1..100_000) compass.declinationDeg = k / 1000.0 },
+            Thread { for (k in 1..100_000) compass.screenRotation = screenRotation(k % 4) },
+        )
+        threads.forEach(Thread::start)
+        threads.forEach(Thread::join)
+        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG0, 100.0), compass.frame)
     }
 
     @Test

@@ -185,7 +185,7 @@ class SharedCompassTest {
 
     @Test
     fun `events, estimator and store are where the app wants them`() = runBlocking {
-        Executors.newSingleThreadExecutor { Thread(it, "of the app") }.asCoroutineDispatcher().use { context ->
+        Executors.newSingleThreadExecutor { Thread(it, "of the app") }.asCoroutineDispatcher().use { dispatcher ->
             val threads = CopyOnWriteArrayList<String>()
             fun here() = threads.add(Thread.currentThread().name.substringBefore(" @"))
             val store = object : CalibrationStore {
@@ -200,8 +200,8 @@ class SharedCompassTest {
                     for (event in events.take(1000)) emit(event.also { here() })
                 }
             }
-            Compass(source, store = store, context = context).readings().toList()
-            source.samples().compensated(store = store, context = context).toList()
+            Compass(source, store = store, dispatcher = dispatcher).readings().toList()
+            source.samples().compensated(store = store, dispatcher = dispatcher).toList()
             assertEquals(setOf("of the app"), threads.toSet())
             assertTrue(threads.size >= 2004, "${threads.size} calls")
         }
@@ -235,6 +235,43 @@ class SharedCompassTest {
         assertTrue(again.reading.status !is Status.Rejected, "${again.reading.status}")
         assertNotNull(again.reading.fieldUt)
         assertTrue(again.sample.timeNs < first.last().sample.timeNs)
+    }
+
+    @Test
+    fun `an Error of the source ends every collector with it`() = runBlocking {
+        val broken = object : MagneticFieldSource {
+            override fun samples() = flow {
+                emit(events.first { it is SensorSample.Magnetic })
+                delay(50)
+                throw StackOverflowError("on purpose")
+            }
+        }
+        val compass = Compass(broken)
+        val ends = List(3) { async { runCatching { compass.readings().toList() }.exceptionOrNull() } }
+        for (end in ends) assertTrue(withTimeout(20_000) { end.await() } is StackOverflowError)
+    }
+
+    @Test
+    fun `closing ends every collector, saves, frees the sensors and the estimator`() = runBlocking {
+        for (delivered in listOf(0, 1000)) {
+            val store = Store(0)
+            val compass = Compass(sensors.source(), store = store)
+            val arrived = CopyOnWriteArrayList<CompensatedReading>()
+            val collectors = List(2) { async { compass.readings().toList(arrived) } }
+            registered(3)
+            events.take(delivered).forEach(sensors::deliver)
+            fun last() = arrived.count { it.sample.timeNs == events[999].timeNs }
+            withTimeout(20_000) { while (delivered > 0 && last() < 2) yield() }
+            compass.close()
+            compass.close()
+            for (collector in collectors) withTimeout(20_000) { collector.await() }
+            ended()
+            withTimeout(20_000) { while (compass.kept != null) yield() }
+            assertEquals(delivered > 0, store.text != null)
+            assertThrows(MagcompException.Closed::class.java) { runBlocking { compass.readings().first() } }
+        }
+        // nobody ever collected
+        Compass(sensors.source()).close()
     }
 
     private suspend fun registered(count: Int) = withTimeout(20_000) { while (sensors.registrations.size < count) yield() }

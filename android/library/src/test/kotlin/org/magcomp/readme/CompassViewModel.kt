@@ -9,7 +9,7 @@ import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
 import org.magcomp.geomagneticField
-import org.magcomp.headingFrame
+import org.magcomp.screenRotation
 import org.magcomp.text
 
 // what follows is android/README.md's; ReadmeTest compares them
@@ -24,11 +24,11 @@ class CompassViewModel(app: Application) : AndroidViewModel(app) {
     /** For `heading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
     fun at(place: Location) {
         val field = geomagneticField(place.latitude, place.longitude, place.altitude, place.time)
-        compass.frame = compass.frame.copy(declinationDeg = field.declinationDeg)
+        compass.declinationDeg = field.declinationDeg
     }
 
     /** Wherever the screen turned (`DisplayListener`): upside down restarts no activity. */
     fun turned(display: Display) {
-        compass.frame = headingFrame(display.rotation, declinationDeg = compass.frame.declinationDeg)
+        compass.screenRotation = screenRotation(display.rotation)
     }
 }

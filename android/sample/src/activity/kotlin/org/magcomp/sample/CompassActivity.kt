@@ -12,7 +12,7 @@ import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.lifecycleScope
 import androidx.lifecycle.repeatOnLifecycle
 import kotlinx.coroutines.launch
-import org.magcomp.headingFrame
+import org.magcomp.screenRotation
 
 /** Glue alone: what the screen says is [ScreenModel]'s. */
 class CompassActivity : ComponentActivity() {
@@ -35,7 +35,7 @@ class CompassActivity : ComponentActivity() {
                         state = it
                         // looked at again and again, as a screen that turns upside down restarts no activity
                         @Suppress("DEPRECATION") // its successor needs API 30
-                        compass.frame = headingFrame(windowManager.defaultDisplay.rotation, declinationDeg = compass.frame.declinationDeg)
+                        compass.screenRotation = screenRotation(windowManager.defaultDisplay.rotation)
                     }
                 } finally {
                     system.stop()
