@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::state::{BIAS, FIELD, Filter};
 use super::step::Step;
 use super::tuning::Tuning;
+use crate::math::gaussian::Gaussian;
 
 /// The Earth's field in a place whose field is another.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,8 @@ impl Earth {
     /// As `carried` has it, which went by what `before` knew.
     pub(crate) fn of(carried: &Filter, before: Option<&Self>, since_ns: i64) -> Self {
         let m = carried.part(FIELD);
-        let (field_ut, covariance) = before.map_or((m, Matrix3::zeros()), |it| it.mixed(&m));
+        let Gaussian { mean: field_ut, covariance } =
+            before.map_or(Gaussian { mean: m, covariance: Matrix3::zeros() }, |it| it.mixed(&m));
         let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
         Self {
@@ -77,10 +79,10 @@ impl Earth {
     }
 
     /// f where the field of the place is `m`, and what its covariance has beyond that of m.
-    pub(crate) fn mixed(&self, m: &Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+    pub(crate) fn mixed(&self, m: &Vector3<f64>) -> Gaussian<3> {
         let (w, off_ut) = (self.probability, self.field_ut - m);
         let drifted = Matrix3::from_diagonal_element(w * self.sd_ut * self.sd_ut);
-        (m + off_ut * w, drifted + off_ut * off_ut.transpose() * (w * (1.0 - w)))
+        Gaussian { mean: m + off_ut * w, covariance: drifted + off_ut * off_ut.transpose() * (w * (1.0 - w)) }
     }
 
     /// Whether the field of the place is likelier another than the Earth's.

@@ -36,6 +36,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use crate::calibration::Calibration;
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::math::gaussian::Gaussian;
 use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
@@ -118,12 +119,14 @@ impl Aided {
     /// |m|, uT.
     fn strength_of(&self, filter: &Filter) -> f64 {
         // where the field points is lost: m is but the latest sample
-        self.phase.lost_strength_ut().unwrap_or_else(|| self.earth_ut(filter).0.norm()).max(1.0)
+        self.phase.lost_strength_ut().unwrap_or_else(|| self.earth_ut(filter).mean.norm()).max(1.0)
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
-    fn earth_ut(&self, filter: &Filter) -> (Vector3<f64>, Matrix3<f64>) {
-        self.phase.running().map_or_else(|| (filter.part(FIELD), Matrix3::zeros()), Running::earth_ut)
+    fn earth_ut(&self, filter: &Filter) -> Gaussian<3> {
+        self.phase
+            .running()
+            .map_or_else(|| Gaussian { mean: filter.part(FIELD), covariance: Matrix3::zeros() }, Running::earth_ut)
     }
 
     /// From tr M = 3 to the known strength: the factor of M; what is corrected is divided by it. Without a known one the gauge stays.

@@ -15,6 +15,7 @@ use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
 use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::Watch;
+use crate::math::gaussian::Gaussian;
 use crate::strength::STRONGEST_AXIS_UT;
 
 /// See the module.
@@ -113,9 +114,9 @@ impl Running {
     }
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
-    pub(super) fn earth_ut(&self) -> (Vector3<f64>, Matrix3<f64>) {
+    pub(super) fn earth_ut(&self) -> Gaussian<3> {
         let m = self.filter.part(FIELD);
-        self.earth.as_ref().map_or_else(|| (m, Matrix3::zeros()), |earth| earth.mixed(&m))
+        self.earth.as_ref().map_or_else(|| Gaussian { mean: m, covariance: Matrix3::zeros() }, |earth| earth.mixed(&m))
     }
 
     /// The device moved for so long.

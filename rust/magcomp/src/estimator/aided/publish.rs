@@ -17,14 +17,12 @@ use super::step::Step;
 use super::strength::impossible_field;
 use crate::calibration::calibration_covariance;
 use crate::estimator::answer::Answer;
+use crate::math::gaussian::Gaussian;
 use crate::math::turn::Turn;
 use crate::reading::{HoldReason, Missing, Status};
 
 /// Choice: magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
 const HELD_NOISE_UT: f64 = 2.0;
-
-/// A field, uT, and its covariance, uT^2.
-type Told = (Vector3<f64>, Matrix3<f64>);
 
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value.
@@ -34,7 +32,7 @@ impl Aided {
         let rate = x.true_rate(step.rate_rad_s);
         let late_rad = x.true_rate(&step.delayed_rad_s) * x.delay.max(0.0);
         let c = Turn::by(&-late_rad).rotation * still;
-        let (m, elsewhere) = self.earth_ut(filter);
+        let Gaussian { mean: m, covariance: elsewhere } = self.earth_ut(filter);
         let f = m + rate.cross(&m) * x.delay.min(0.0);
         let swing = rate.cross(&f);
         let timing = swing * swing.transpose() * filter.delay_s2();
@@ -53,7 +51,8 @@ impl Aided {
         let known = filter.own(FIELD) * self.adaptation.factor(step, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.followed_ut2(&self.tuning);
         let p_f = known + elsewhere + followed + frames + timing;
-        let answer = self.answer(filter, (c, p_c), Some((f, p_f)))?;
+        let answer =
+            self.answer(filter, Gaussian { mean: c, covariance: p_c }, Some(Gaussian { mean: f, covariance: p_f }))?;
         Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
     }
 
@@ -66,19 +65,19 @@ impl Aided {
             let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
             let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
-            self.answer(filter, (c, p_c), None)
+            self.answer(filter, Gaussian { mean: c, covariance: p_c }, None)
         });
         (Status::Held(HoldReason::NoGyroscope), answer.unwrap_or_default())
     }
 
-    /// c, and f if it is known, in the gauge of the known strength; `None` unless they are finite.
-    fn answer(&self, filter: &Filter, c: Told, f: Option<Told>) -> Option<Answer> {
-        let is_finite = |(field, p): &Told| field.iter().chain(p.iter()).all(|v| v.is_finite());
+    /// c, and f if it is known (uT), in the gauge of the known strength; `None` unless they are finite.
+    fn answer(&self, filter: &Filter, c: Gaussian<3>, f: Option<Gaussian<3>>) -> Option<Answer> {
+        let is_finite = |it: &Gaussian<3>| it.mean.iter().chain(it.covariance.iter()).all(|v| v.is_finite());
         if !is_finite(&c) || !f.iter().all(is_finite) {
             return None;
         }
         let scale = self.scale(filter);
-        let gauged = |(field, p): Told| (field / scale, p / (scale * scale));
+        let gauged = |it: Gaussian<3>| (it.mean / scale, it.covariance / (scale * scale));
         let (field_ut, field_covariance_ut2) = Some(gauged(c)).unzip();
         let (filtered_field_ut, filtered_covariance_ut2) = f.map(gauged).unzip();
         Some(Answer { field_ut, field_covariance_ut2, filtered_field_ut, filtered_covariance_ut2, ..Answer::default() })
