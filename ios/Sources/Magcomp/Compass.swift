@@ -61,7 +61,7 @@ public final class Compass: Sendable {
         set { frames.change { $0.axis = newValue } }
     }
 
-    /// How far the screen has turned: ``ScreenRotation/init(_:)`` knows it from a `UIInterfaceOrientation`.
+    /// How far the screen has turned: on iOS `ScreenRotation(_:)` knows it from a `UIInterfaceOrientation`.
     public var screenRotation: ScreenRotation {
         get { frames.value.screenRotation }
         set { frames.change { $0.screenRotation = newValue } }
