@@ -166,6 +166,8 @@ impl Replay {
         let mut output =
             self.output.as_deref().map(|path| Output::create(path, declination_deg.is_some())).transpose()?;
         let mut explained = self.explain.as_deref().map(ExplainOutput::create).transpose()?;
+        // where they are written or drawn
+        let is_explained = explained.is_some() || self.common.report.is_some();
         let mut explanations = Vec::new();
         let mut judge = Judge::new(&extent, part, axis);
         let mut legs = Legs::new(&waypoints.unwrap_or_default());
@@ -179,7 +181,7 @@ impl Replay {
             let mut steps = Vec::with_capacity(chunk.len());
             for row in &chunk {
                 steps.push(first.play(row));
-                if explained.is_some() {
+                if is_explained {
                     explanations.push(first.compensator().explain());
                 }
             }
@@ -188,17 +190,18 @@ impl Replay {
                     step.push_ns = step.push_ns.min(player.play(row).push_ns);
                 }
             }
-            for (row, step) in chunk.iter().zip(&steps) {
+            for (k, (row, step)) in chunk.iter().zip(&steps).enumerate() {
                 output.iter_mut().try_for_each(|output| output.add(row, step))?;
                 judge.add(row, step);
                 legs.add(row, step);
-                figures.iter_mut().for_each(|figures| figures.add(row, step));
+                figures.iter_mut().for_each(|figures| figures.add(row, step, explanations.get(k)));
             }
             if let Some(explained) = &mut explained {
-                for ((row, step), explanation) in chunk.iter().zip(&steps).zip(explanations.drain(..)) {
-                    explained.add(row, &step.reading, &explanation)?;
+                for ((row, step), explanation) in chunk.iter().zip(&steps).zip(&explanations) {
+                    explained.add(row, &step.reading, explanation)?;
                 }
             }
+            explanations.clear();
             last = steps.pop();
             bar.inc(chunk.len() as u64);
         }

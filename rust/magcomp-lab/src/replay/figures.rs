@@ -1,5 +1,5 @@
 //! A replay as a picture over time: heading with its sigma, total field and dip, M and b with their sigmas, status and events;
-//! with a reference the errors too. Then the sphere.
+//! with a reference the errors too; why the readings said so, where that is told. Then the sphere.
 
 use super::circle::{Circle, off_deg};
 use super::directions::azimuth_deg;
@@ -10,8 +10,8 @@ use crate::error::LabError;
 use crate::plot::{Band, Colour, Thin};
 use crate::recording::{Extent, Recording, Row};
 use crate::report::Report;
-use magcomp::Calibration;
 use magcomp::nalgebra::Vector3;
+use magcomp::{Calibration, Explanation};
 
 /// Lanes of the status strip, from the bottom, and their colours.
 pub(super) const LANES: [(&str, Colour); 6] = [
@@ -56,10 +56,36 @@ pub struct Figures {
     pub(super) window: Thin,
     pub(super) sigma_t: Thin,
     pub(super) any_sigma_t: bool,
+    /// Why, where it is told.
+    pub(super) inside: Option<Inside>,
     /// For each lane of the status strip, from when to when, s.
     pub(super) lanes: [Vec<(f64, f64)>; LANES.len()],
     /// The lane of the latest row.
     lane: Option<usize>,
+}
+
+/// The inside of the estimator over time.
+#[derive(Clone, Debug)]
+pub(super) struct Inside {
+    pub(super) ratio: Thin,
+    pub(super) log_odds: Thin,
+    pub(super) white_ut: Thin,
+    pub(super) local_ut: Thin,
+}
+
+impl Inside {
+    fn new(rows: usize) -> Self {
+        let line = || Thin::new(rows);
+        Self { ratio: line(), log_odds: line(), white_ut: line(), local_ut: line() }
+    }
+
+    fn add(&mut self, time_s: f64, explanation: &Explanation) {
+        let Explanation { innovation, hypotheses, noise, .. } = explanation;
+        self.ratio.add(time_s, innovation.map_or(f64::NAN, |it| it.ratio));
+        self.log_odds.add(time_s, hypotheses[1].map_or(f64::NAN, |it| it.log_odds));
+        self.white_ut.add(time_s, noise.white_ut.unwrap_or(f64::NAN));
+        self.local_ut.add(time_s, noise.local_ut.unwrap_or(f64::NAN));
+    }
 }
 
 /// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
@@ -115,13 +141,14 @@ impl Figures {
             window: line(),
             sigma_t: line(),
             any_sigma_t: false,
+            inside: None,
             lanes: Default::default(),
             lane: None,
         }
     }
 
-    /// The next row and the compensator's step for it.
-    pub fn add(&mut self, row: &Row, step: &Step) {
+    /// The next row, the compensator's step for it, and why its reading says what it says.
+    pub fn add(&mut self, row: &Row, step: &Step, explanation: Option<&Explanation>) {
         let Step { reading, calibration, sigma, .. } = step;
         self.sphere.add(row, step);
         let time_s = row.time_s - self.extent.start_s;
@@ -168,6 +195,9 @@ impl Figures {
         self.window.add(time_s, reading.window as f64 / 2000.0);
         self.sigma_t.add(time_s, reading.sigma_t.unwrap_or(f64::NAN));
         self.any_sigma_t |= reading.sigma_t.is_some();
+        if let Some(explanation) = explanation {
+            self.inside.get_or_insert_with(|| Inside::new(self.extent.rows)).add(time_s, explanation);
+        }
         self.add_status(time_s, reading.status.label());
         self.rows += 1;
     }
@@ -199,6 +229,6 @@ fn parameters(calibration: &Calibration) -> [f64; 9] {
 /// [`LabError::Plot`].
 pub fn figures(report: &mut Report, name: &str, recording: &Recording, steps: &[Step]) -> Result<(), LabError> {
     let mut figures = Figures::new(&recording.extent());
-    recording.rows.iter().zip(steps).for_each(|(row, step)| figures.add(row, step));
+    recording.rows.iter().zip(steps).for_each(|(row, step)| figures.add(row, step, None));
     figures.finish(report, name, &recording.name())
 }

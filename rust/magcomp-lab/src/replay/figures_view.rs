@@ -1,11 +1,13 @@
 //! The picture of a replay over time, drawn: one panel below the other, all in one time, then the sphere.
 
-use super::figures::{Figures, LANES};
+use super::figures::{Figures, Inside, LANES};
 use super::sphere_view::show;
 use crate::error::LabError;
 use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
 use crate::report::Report;
 
+/// The test ratio above which a sample is not used.
+const GATE: f64 = 1.0;
 /// Shown of the heading error: this many times the two sigmas that half of the readings stay below, degrees at least and at most.
 /// Of the total field: this many times the length that most corrected samples stay below.
 const ROOM: f64 = 2.0;
@@ -98,6 +100,35 @@ impl Figures {
                 ],
             ));
         }
+        if let Some(Inside { ratio, log_odds, white_ut, local_ut }) = self.inside {
+            let [ratio, log_odds] = [ratio, log_odds].map(Thin::points);
+            if is_any(&ratio) {
+                panels.push(Panel {
+                    y_range: Some((0.0, 2.0 * GATE)),
+                    ..panel(
+                        "why: test ratio of the innovation; a sample above 1 is not used",
+                        "",
+                        vec![
+                            series("", Colour::Blue, ratio),
+                            Series { dashed: true, ..gate(self.extent.duration_s()) },
+                        ],
+                    )
+                });
+            }
+            if is_any(&log_odds) {
+                panels.push(Panel {
+                    y_range: Some((-30.0, 0.0)),
+                    ..panel(
+                        "why: log odds of the second likeliest change against the likeliest",
+                        "",
+                        vec![series("", Colour::Orange, log_odds)],
+                    )
+                });
+            }
+            let levels = [("white noise", Colour::Grey, white_ut), ("of the place", Colour::Blue, local_ut)];
+            let levels = levels.map(|(name, colour, line)| series(name, colour, line.points()));
+            panels.push(panel("why: noise as it is learned, an axis", "uT", levels.to_vec()));
+        }
         let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
             spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
         });
@@ -132,12 +163,21 @@ impl Figures {
         };
         let caption = format!(
             "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
-             true b, where it is known); status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
+             true b, where it is known); what the estimator expected, what may have changed, and the noise it has learned; status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
         );
         show(&self.sphere, report, name, recording);
         report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
         Ok(())
     }
+}
+
+/// The gate as a line.
+fn gate(end_s: f64) -> Series {
+    Series::new("", Colour::Grey, [(0.0, GATE), (end_s, GATE)])
+}
+
+fn is_any(points: &[(f64, f64)]) -> bool {
+    points.iter().any(|(_, value)| value.is_finite())
 }
 
 fn panel(title: &str, y_label: &str, series: Vec<Series>) -> Panel {

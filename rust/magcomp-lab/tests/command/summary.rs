@@ -56,6 +56,9 @@ fn the_summary_agrees_with_the_output_and_opens_the_report() {
     let rms_deg = (squares.sum::<f64>() / errors.len() as f64).sqrt();
     assert!((of("/published_heading/constant_deg") - constant_deg).abs() < 0.01, "{constant_deg}");
     assert!((of("/published_heading/rms_deg") - rms_deg).abs() < 0.01, "{rms_deg}");
+    // why: the panels of the estimator's inside
+    let picture = std::fs::read_to_string(pages.join("replay.svg")).unwrap();
+    assert_eq!(picture.matches("why: ").count(), 3);
     // the magnet came off at 99.8 s; INDEX of the recordings: its field was 13.5 uT
     let change = &value["device_changes"][0];
     assert!((change["since_s"].as_f64().unwrap() - 99.8).abs() < 1.0, "{change}");
