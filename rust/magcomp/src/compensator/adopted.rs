@@ -68,7 +68,7 @@ impl Adopted {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
                 0 => (if is_learned { Tuning::USED.walk_ut } else { 0.0 }, holds),
-                _ => (Tuning::USED.least_change_ut * f64::from(1 << (k - 1)), (1.0 - holds) / SIZES as f64),
+                _ => (Tuning::USED.walk_ut * f64::from(1 << k), (1.0 - holds) / SIZES as f64),
             };
             let iron = (kept::Tuning::USED.iron_per_ut * size_ut).min(kept::Tuning::USED.unseen_iron);
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));

@@ -17,8 +17,8 @@ struct Pointing {
 }
 
 impl Pointing {
-    fn of(answer: &Answer, tilt_sigma_deg: f64) -> Option<Self> {
-        let (field_ut, up) = answer.filtered_field_ut.or(answer.field_ut).zip(answer.up)?;
+    fn of(answer: &Answer, up: Option<Vector3<f64>>, tilt_sigma_deg: f64) -> Option<Self> {
+        let (field_ut, up) = answer.filtered_field_ut.or(answer.field_ut).zip(up)?;
         let covariance_ut2 = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
         Some(Self { field_ut, covariance_ut2, up, tilt_sigma_deg })
     }
@@ -45,9 +45,13 @@ impl Pointing {
 impl Compensator {
     /// The reading of a sample.
     pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
-        let motion_rad2 = answer.tilt_rad2.unwrap_or(self.tilt.variance_rad2);
+        // without a gyroscope nobody else carries the vertical
+        let (up, motion_rad2) = match answer.tilt_rad2 {
+            Some(tilt_rad2) => (answer.up, tilt_rad2),
+            None => (answer.up.and_then(|_| self.tilt.up()), self.tilt.variance_rad2()),
+        };
         let tilt_sigma_deg = self.config.heading.tilt_sigma_deg.hypot(motion_rad2.sqrt().to_degrees());
-        let pointing = Pointing::of(&answer, tilt_sigma_deg);
+        let pointing = Pointing::of(&answer, up, tilt_sigma_deg);
         Reading {
             time_ns,
             field_ut: answer.field_ut,

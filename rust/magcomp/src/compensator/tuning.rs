@@ -23,10 +23,9 @@ choices! {
         changed_between: 0.1, "", "the same";
         /// Share of given calibrations that never held: taken beside a magnet, or of another phone
         never_held: 0.0025, "", "one in 400, as adaptive's log_cold";
-        /// How far b walks where nothing changed, with temperature and currents
+        /// How far b walks where nothing changed, with temperature and currents. The least size of a change is twice this, and each further one
+        /// twice that of the one before
         walk_ut: 2.0, "uT", "docs/METHOD.md: phones within a day's hours";
-        /// The least size of a change; each further size is twice that of the one before
-        least_change_ut: 4.0, "uT", "docs/METHOD.md: a current";
         /// Standard deviation of the field from one room to the next, an axis
         rooms_ut: 3.0, "uT", "docs/METHOD.md, a calibration from elsewhere";
     }

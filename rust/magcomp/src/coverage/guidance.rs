@@ -87,7 +87,7 @@ impl Guidance {
         };
         self.through = Some(through);
         self.coverage = Coverage::default();
-        let old = self.latest.len() - self.latest.len().min(window).min(Tuning::USED.anew_span as usize);
+        let old = self.latest.len() - self.latest.len().min(window).min(10 * ANEW_SAMPLES);
         for raw_ut in self.latest.iter().skip(old) {
             self.coverage.see(Some(&through.correct(raw_ut)));
         }

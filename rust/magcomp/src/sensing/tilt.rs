@@ -1,36 +1,81 @@
-//! How far `up` may lean where no gyroscope carries it: a moved accelerometer reads gravity and motion together.
+//! Where up is, and how far it may lean, where no gyroscope carries it: a moved accelerometer reads gravity and motion together.
 //!
 //! ```text
-//! sigma_tilt^2 = sigma_0^2 + mean ((|up| - g) / g)^2      (1 s)
+//! a: accelerometer / g,   v = mean (|a| - 1)^2,   w = mean (|u| - 1)^2                                          (1 s)
+//! up walks as a hand turns it:   P <- P + q^2 dt
+//! motion is correlated over t_m, and twice as large across gravity as along it:   R = (s^2 + 2 v) t_m / dt      (no gain of less than one sample)
+//! k = P / (P + R),   n += (dt / 1 s) (|e across u|^2 / (2 (P + R)) - n),   e = a - u,   u <- u + k e,   P <- (1 - k) P
+//! variance of up about a horizontal axis = n P + 2 w
 //! ```
-//! Motion along gravity shows in the size; motion across it, which tilts, is taken to be as large. The system's gravity
-//! sensor has the size g, always: nothing is added then.
+//! u is a Kalman filter of the accelerometer. Motion along gravity shows in the size: in that of u, what the filter has left of it. n says how
+//! large the innovations are against what was expected: a device at rest turns less than a hand. The system's gravity sensor has the
+//! size g, always: u then follows it within some hundredths of a second.
 
 #[cfg(test)]
 mod tests;
 
 use super::tuning::Tuning;
+use nalgebra::Vector3;
 
 /// Physics: standard gravity, m/s^2.
 pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
-/// Physics: free fall reads 1 g less than gravity, and a blow more; more says nothing, rad.
-const LARGEST_RAD: f64 = 1.0;
+/// Physics: free fall reads 1 g less than gravity, and a blow more; more says nothing.
+const LARGEST: f64 = 1.0;
+/// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
+const NOISE: f64 = 0.02;
 
-/// The low-passed square of what motion adds to gravity.
+/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Tilt {
-    /// Of `up` about a horizontal axis, what it has at rest aside.
-    pub variance_rad2: f64,
-    last_ns: Option<i64>,
+    /// u and the rest, once there was a sample.
+    filter: Option<Filter>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Filter {
+    up: Vector3<f64>,
+    variance: f64,
+    /// v, w and n.
+    motion: f64,
+    motion_left: f64,
+    surprise: f64,
+    last_ns: i64,
 }
 
 impl Tilt {
-    /// One sample of `up`, of size `up_m_s2`.
-    pub fn step(&mut self, time_ns: i64, up_m_s2: f64) {
-        let off = (up_m_s2 / GRAVITY_M_S2 - 1.0).abs().min(LARGEST_RAD);
-        let dt_s = self.last_ns.map_or(Tuning::USED.tilt_s, |last| time_ns.saturating_sub(last) as f64 * 1e-9);
-        let gain = (dt_s / Tuning::USED.tilt_s).clamp(0.0, 1.0);
-        self.variance_rad2 += gain * (off * off - self.variance_rad2);
-        self.last_ns = Some(time_ns);
+    /// Up, of about the size 1; `None` before the first sample, and where it has no direction.
+    pub fn up(&self) -> Option<Vector3<f64>> {
+        self.filter.map(|it| it.up).filter(|up| up.norm() > 0.1)
+    }
+
+    /// Variance of it about a horizontal axis, what it has at rest aside, rad^2.
+    pub fn variance_rad2(&self) -> f64 {
+        self.filter.map_or(0.0, |it| it.surprise * it.variance + Tuning::USED.across * it.motion_left)
+    }
+
+    /// One sample of the accelerometer.
+    pub fn step(&mut self, time_ns: i64, up_m_s2: &Vector3<f64>) {
+        let Tuning { tilt_s, hand_rad, motion_s, across, .. } = Tuning::USED;
+        let a = up_m_s2 / GRAVITY_M_S2;
+        let off = |it: &Vector3<f64>| (it.norm() - 1.0).abs().min(LARGEST).powi(2);
+        let Some(it) = &mut self.filter else {
+            let (motion, variance) = (off(&a), NOISE.powi(2));
+            self.filter =
+                Some(Filter { up: a, variance, motion, motion_left: motion, surprise: 0.0, last_ns: time_ns });
+            return;
+        };
+        let dt_s = (time_ns.saturating_sub(it.last_ns) as f64 * 1e-9).max(1e-4);
+        it.last_ns = time_ns;
+        let gain = (dt_s / tilt_s).min(1.0);
+        it.motion += gain * (off(&a) - it.motion);
+        it.variance += hand_rad.powi(2) * dt_s;
+        let noise = (NOISE.powi(2) + across * it.motion) * (motion_s / dt_s).max(1.0);
+        let expected = it.variance + noise;
+        let e = a - it.up;
+        let along = it.up.try_normalize(0.1).map_or(0.0, |up| e.dot(&up));
+        it.surprise += gain * ((e.norm_squared() - along * along) / (2.0 * expected) - it.surprise);
+        it.up += e * (it.variance / expected);
+        it.variance *= noise / expected;
+        it.motion_left += gain * (off(&it.up) - it.motion_left);
     }
 }

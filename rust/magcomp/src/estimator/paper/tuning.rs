@@ -13,9 +13,8 @@ choices! {
         retry_samples: 10.0, "samples", "a tenth of the shortest window; rust/magcomp/benches/push.rs";
         /// Parameters converge to this, in field strengths: two iterations from the fit before
         tolerance: 1e-6, "", "a hundredth of what noise at 40 dB leaves in a window of 2000: tests/host/steps.rs";
-        /// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths
+        /// The moments are taken about a new centre when the ellipsoid's is further away than this many field strengths, and when their scale
+        /// is less than this share of the field, or the reverse
         recentre: 0.5, "", "moments keep 12 digits there: tests/host/direct.rs";
-        /// ... and when the field is so many times as strong as their scale, or as weak
-        rescale: 2.0, "", "the same";
     }
 }

@@ -105,7 +105,7 @@ impl Window {
     /// Moments about a far centre lose digits: they are taken about this one, where it is another, once in `n_min` samples at most.
     pub fn recentre(&mut self, centre_ut: &Vector3<f64>, field_ut: f64, n_min: usize) {
         let is_far = (centre_ut - self.moments.centre_ut()).norm() > Tuning::USED.recentre * field_ut;
-        let scales = Tuning::USED.rescale.recip()..=Tuning::USED.rescale;
+        let scales = Tuning::USED.recentre..=Tuning::USED.recentre.recip();
         let is_other = !scales.contains(&(field_ut / self.moments.scale_ut()));
         if (is_far || is_other) && self.since_recentred >= n_min {
             self.since_recentred = 0;

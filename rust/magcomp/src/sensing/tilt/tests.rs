@@ -1,18 +1,69 @@
 use super::*;
 
+const PERIOD_NS: i64 = 10_000_000;
+
+fn sigma_deg(tilt: &Tilt) -> f64 {
+    tilt.variance_rad2().sqrt().to_degrees()
+}
+
 #[test]
-fn motion_shows_in_the_size_and_is_forgotten() {
+fn motion_is_averaged_and_shows_in_sigma() {
     let mut tilt = Tilt::default();
-    let step = |tilt: &mut Tilt, k: i64, motion: f64| tilt.step(k * 10_000_000, GRAVITY_M_S2 + motion);
-    for k in 0..300 {
-        // 1 m/s^2 rms along gravity
-        step(&mut tilt, k, 2f64.sqrt() * (k as f64 * 0.2).sin());
+    // steps, twice a second: 1.5 m/s^2 rms along gravity, 2 m/s^2 across it
+    let reading = |k: i64| {
+        let phase = k as f64 * 0.01 * 2.0 * std::f64::consts::TAU;
+        Vector3::new(2.0 * 2f64.sqrt() * phase.sin(), 0.0, GRAVITY_M_S2 + 1.5 * 2f64.sqrt() * phase.cos())
+    };
+    let (mut raw, mut kept, mut sigma) = (0.0, 0.0, 0.0);
+    for k in 0..1000 {
+        tilt.step(k * PERIOD_NS, &reading(k));
+        if k >= 200 {
+            raw += reading(k).angle(&Vector3::z()).powi(2) / 800.0;
+            kept += tilt.up().unwrap().angle(&Vector3::z()).powi(2) / 800.0;
+            sigma += tilt.variance_rad2() / 800.0;
+        }
     }
-    let sigma_deg = |tilt: &Tilt| 0.5_f64.hypot(tilt.variance_rad2.sqrt().to_degrees());
-    let shaken = sigma_deg(&tilt);
-    assert!((shaken - 5.87).abs() < 0.6, "{shaken}: atan(1 / g) = 5.8 deg, 0.5 deg beside");
-    for k in 300..1300 {
-        step(&mut tilt, k, 0.0);
+    let [raw, kept, sigma] = [raw, kept, sigma].map(|it: f64| it.sqrt().to_degrees());
+    assert!((raw - 11.7).abs() < 0.7, "{raw} deg without a filter");
+    assert!(kept < 0.4 * raw, "{kept} deg");
+    // the error is all along one of two axes
+    assert!((0.3..1.0).contains(&(kept / 2f64.sqrt() / sigma)), "{kept} deg, sigma {sigma}");
+    for k in 1000..2000 {
+        tilt.step(k * PERIOD_NS, &Vector3::new(0.0, 0.0, GRAVITY_M_S2));
     }
-    assert!(sigma_deg(&tilt) < 0.51);
+    assert!(sigma_deg(&tilt) < 0.05 && tilt.up().unwrap().angle(&Vector3::z()).to_degrees() < 0.01);
+}
+
+#[test]
+fn a_turn_is_followed_and_its_lag_is_in_sigma() {
+    let mut tilt = Tilt::default();
+    let mut last = 0.0;
+    for k in 0..500 {
+        // at rest, then 2 rad/s
+        let angle = (k - 200).max(0) as f64 * 0.02;
+        let truth = Vector3::new(angle.sin(), 0.0, angle.cos());
+        tilt.step(k * PERIOD_NS, &(truth * GRAVITY_M_S2));
+        let off = tilt.up().unwrap().angle(&truth);
+        if k < 200 {
+            assert!(off < 1e-9 && sigma_deg(&tilt) < 0.01, "at rest");
+        } else {
+            last = off / tilt.variance_rad2().sqrt();
+        }
+        assert!(off.to_degrees() < 5.0, "{} deg late at {k}", off.to_degrees());
+    }
+    // the first samples of a turn surprise; then sigma knows
+    assert!((0.8..2.5).contains(&sigma_deg(&tilt)), "{} deg", sigma_deg(&tilt));
+    assert!((0.5..3.5).contains(&last), "{last} sigmas");
+}
+
+#[test]
+fn a_pause_begins_anew_and_free_fall_has_no_direction() {
+    let mut tilt = Tilt::default();
+    assert_eq!(tilt.up(), None);
+    tilt.step(0, &Vector3::new(0.0, 0.0, GRAVITY_M_S2));
+    tilt.step(60_000_000_000, &Vector3::new(GRAVITY_M_S2, 0.0, 0.0));
+    assert!(tilt.up().unwrap().angle(&Vector3::x()).to_degrees() < 3.0);
+    let mut falling = Tilt::default();
+    falling.step(0, &Vector3::zeros());
+    assert_eq!(falling.up(), None);
 }
