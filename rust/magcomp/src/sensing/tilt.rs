@@ -3,13 +3,13 @@
 //! ```text
 //! a: accelerometer / g,   v = mean (|a| - 1)^2,   w = mean (|u| - 1)^2                                          (1 s)
 //! up walks as a hand turns it:   P <- P + q^2 dt
-//! motion is correlated over t_m, and twice as large across gravity as along it:   R = (s^2 + 2 v) t_m / dt      (no gain of less than one sample)
+//! motion is correlated over t_m, and twice as large across gravity as along it:   R = s^2 + 2 v max(t_m / dt, 1)
 //! k = P / (P + R),   n += (dt / 1 s) (|e across u|^2 / (2 (P + R)) - n),   e = a - u,   u <- u + k e,   P <- (1 - k) P
 //! variance of up about a horizontal axis = n P + 2 w
 //! ```
 //! u is a Kalman filter of the accelerometer. Motion along gravity shows in the size: in that of u, what the filter has left of it. n says how
 //! large the innovations are against what was expected: a device at rest turns less than a hand. The system's gravity sensor has the
-//! size g, always: u then follows it within some hundredths of a second.
+//! size g, always: u then follows it within a sample or two.
 
 #[cfg(test)]
 mod tests;
@@ -69,7 +69,7 @@ impl Tilt {
         let gain = (dt_s / tilt_s).min(1.0);
         it.motion += gain * (off(&a) - it.motion);
         it.variance += hand_rad.powi(2) * dt_s;
-        let noise = (NOISE.powi(2) + across * it.motion) * (motion_s / dt_s).max(1.0);
+        let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
         let along = it.up.try_normalize(0.1).map_or(0.0, |up| e.dot(&up));

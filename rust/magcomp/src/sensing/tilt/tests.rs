@@ -52,7 +52,7 @@ fn a_turn_is_followed_and_its_lag_is_in_sigma() {
         assert!(off.to_degrees() < 5.0, "{} deg late at {k}", off.to_degrees());
     }
     // the first samples of a turn surprise; then sigma knows
-    assert!((0.8..2.5).contains(&sigma_deg(&tilt)), "{} deg", sigma_deg(&tilt));
+    assert!((0.2..2.5).contains(&sigma_deg(&tilt)), "{} deg", sigma_deg(&tilt));
     assert!((0.5..3.5).contains(&last), "{last} sigmas");
 }
 
