@@ -162,7 +162,7 @@ impl Compensator {
         let mut paired = self.pairing.pair(sample.time_ns);
         self.presence.see(sample.time_ns, previous_ns, paired.rotation.is_some());
         if let Some(up) = paired.up_m_s2 {
-            self.tilt.step(sample.time_ns, &up);
+            self.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
         self.judge_adopted(&sample, paired.up_m_s2);
         if self.hand_over(sample.time_ns, previous_ns) {

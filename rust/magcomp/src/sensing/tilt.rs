@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! a: accelerometer / g,   v = mean (|a| - 1)^2,   w = mean (|u| - 1)^2                                          (1 s)
-//! up walks as a hand turns it:   P <- P + q^2 dt
+//! up walks as a hand turns it, the more the faster the field turns, r:   P <- P + (q^2 + 1.5 r^2 (1 s)) dt,   r^2 = mean |d raw|^2 / (50 uT dt)^2   (0.3 s)
 //! motion is correlated over t_m, and twice as large across gravity as along it:   R = s^2 + 2 v max(t_m / dt, 1)
 //! k = P / (P + R),   n += (dt / 1 s) (|e across u|^2 / (2 (P + R)) - n),   e = a - u,   u <- u + k e,   P <- (1 - k) P
-//! variance of up about a horizontal axis = n P + 2 w
+//! variance of up about a horizontal axis = max(n P + 2 w, v)
 //! ```
 //! u is a Kalman filter of the accelerometer. Motion along gravity shows in the size: in that of u, what the filter has left of it. n says how
-//! large the innovations are against what was expected: a device at rest turns less than a hand. The system's gravity sensor has the
+//! large the innovations are against what was expected: a device at rest turns less than a hand. Differences of raw samples (low-passed, 0.1 s) know nothing
+//! of b: how fast the device turns shows in them, however it is shaken. The system's gravity sensor has the
 //! size g, always: u then follows it within a sample or two.
 
 #[cfg(test)]
@@ -23,6 +24,8 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
+/// Physics: a strength of the Earth's field, in the middle of 22 to 67, uT.
+const FIELD_UT: f64 = 50.0;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +42,9 @@ struct Filter {
     motion: f64,
     motion_left: f64,
     surprise: f64,
+    /// The raw field, low-passed, uT, and r^2.
+    raw_ut: Vector3<f64>,
+    turning: f64,
     last_ns: i64,
 }
 
@@ -50,25 +56,38 @@ impl Tilt {
 
     /// Variance of it about a horizontal axis, what it has at rest aside, rad^2.
     pub fn variance_rad2(&self) -> f64 {
-        self.filter.map_or(0.0, |it| it.surprise * it.variance + Tuning::USED.across * it.motion_left)
+        self.filter.map_or(0.0, |it| (it.surprise * it.variance + Tuning::USED.across * it.motion_left).max(it.motion))
     }
 
-    /// One sample of the accelerometer.
-    pub fn step(&mut self, time_ns: i64, up_m_s2: &Vector3<f64>) {
+    /// One sample of the accelerometer, with the raw field at its time, uT.
+    pub fn step(&mut self, time_ns: i64, up_m_s2: &Vector3<f64>, raw_ut: &Vector3<f64>) {
         let Tuning { tilt_s, hand_rad, motion_s, across, .. } = Tuning::USED;
         let a = up_m_s2 / GRAVITY_M_S2;
         let off = |it: &Vector3<f64>| (it.norm() - 1.0).abs().min(LARGEST).powi(2);
         let Some(it) = &mut self.filter else {
             let (motion, variance) = (off(&a), NOISE.powi(2));
-            self.filter =
-                Some(Filter { up: a, variance, motion, motion_left: motion, surprise: 0.0, last_ns: time_ns });
+            self.filter = Some(Filter {
+                up: a,
+                variance,
+                motion,
+                motion_left: motion,
+                surprise: 0.0,
+                raw_ut: *raw_ut,
+                turning: 0.0,
+                last_ns: time_ns,
+            });
             return;
         };
         let dt_s = (time_ns.saturating_sub(it.last_ns) as f64 * 1e-9).max(1e-4);
         it.last_ns = time_ns;
         let gain = (dt_s / tilt_s).min(1.0);
         it.motion += gain * (off(&a) - it.motion);
-        it.variance += hand_rad.powi(2) * dt_s;
+        let moved_ut = (raw_ut - it.raw_ut) * (dt_s / (motion_s / 2.0)).min(1.0);
+        it.raw_ut += moved_ut;
+        let turning = (moved_ut.norm() / (FIELD_UT * dt_s)).powi(2);
+        it.turning += (dt_s / (1.5 * motion_s)).min(1.0) * (turning - it.turning);
+        // a turn about the field itself does not show: of turns about all axes a third
+        it.variance += (hand_rad.powi(2) + 1.5 * it.turning * tilt_s) * dt_s;
         let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
