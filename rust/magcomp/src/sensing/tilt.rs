@@ -64,7 +64,9 @@ impl Tilt {
         let Tuning { tilt_s, hand_rad, motion_s, across, .. } = Tuning::USED;
         let a = up_m_s2 / GRAVITY_M_S2;
         let off = |it: &Vector3<f64>| (it.norm() - 1.0).abs().min(LARGEST).powi(2);
-        let Some(it) = &mut self.filter else {
+        let age_s = |it: &Filter| time_ns.saturating_sub(it.last_ns) as f64 * 1e-9;
+        // what was before a pause is gone
+        let Some(it) = self.filter.as_mut().filter(|it| age_s(it) <= tilt_s) else {
             let (motion, variance) = (off(&a), NOISE.powi(2));
             self.filter = Some(Filter {
                 up: a,
@@ -78,7 +80,7 @@ impl Tilt {
             });
             return;
         };
-        let dt_s = (time_ns.saturating_sub(it.last_ns) as f64 * 1e-9).max(1e-4);
+        let dt_s = age_s(it).max(1e-4);
         it.last_ns = time_ns;
         let gain = (dt_s / tilt_s).min(1.0);
         it.motion += gain * (off(&a) - it.motion);

@@ -23,6 +23,7 @@ class AndroidAgreementTest {
         var compared = 0
         var worst = 0.0
         Compensator(config).use { compensator ->
+            // each after a pause, so that the vertical is that of the sample
             while (compared < 100_000) {
                 val (north, up) = attitude(random)
                 // near the vertical the top edge's heading is lost in Android's floats
@@ -34,8 +35,8 @@ class AndroidAgreementTest {
                 SensorManager.getOrientation(matrix, angles)
                 compared += 1
                 val (g, m) = Pair(vector(gravity), vector(magnetic))
-                assertTrue(compensator.pushUp(compared * STEP_NS, g.x, g.y, g.z))
-                compensator.push(compared * STEP_NS, m.x, m.y, m.z, out)
+                assertTrue(compensator.pushUp(compared * PAUSE_NS, g.x, g.y, g.z))
+                compensator.push(compared * PAUSE_NS, m.x, m.y, m.z, out)
                 val off = abs(Math.IEEEremainder(out.headingDeg - Math.toDegrees(angles[0].toDouble()), 360.0))
                 assertTrue(off < 1e-3, "headings differ by $off degrees")
                 worst = maxOf(worst, off)

@@ -371,7 +371,8 @@ class BorderTest {
         Compensator().use { compensator ->
             compensator.pushAll(events(values))
             compensator.setHeadingFrame(landscape)
-            val reading = compensator.pushAll(events(tumbling(1, seed = 2), 600 * STEP_NS)).single()
+            // after a pause: the vertical is that of the sample
+            val reading = compensator.pushAll(events(tumbling(1, seed = 2), 600 * STEP_NS + PAUSE_NS)).single()
             val expected = heading(reading.fieldUt!!, up(0), landscape)!!
             assertEquals(expected.headingDeg, reading.heading!!.headingDeg)
             assertEquals(expected.trueHeadingDeg, reading.heading!!.trueHeadingDeg)
@@ -442,7 +443,7 @@ class BorderTest {
         val field = { k: Int -> Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]) }
         Compensator().use { compensator ->
             compensator.pushAll(events(values))
-            val begin = 600 * STEP_NS
+            val begin = 600 * STEP_NS + PAUSE_NS
             fun headingAfter(timeNs: Long, k: Int) = compensator.push(MagneticSample(timeNs, field(k))).heading
             compensator.pushUp(begin + 1_000_000, flat.x, flat.y, flat.z)
             val paired = headingAfter(begin + 2_000_000, 7)

@@ -96,6 +96,9 @@ val HARD_IRON = doubleArrayOf(120.0, -80.0, 300.0)
 /** 100 Hz. */
 const val STEP_NS = 10_000_000L
 
+/** After a longer silence of all sensors nothing of the vertical from before is left. */
+const val PAUSE_NS = 2_000_000_000L
+
 /** The same as events, with `up` beside every sample: the one that belongs to sample [at] and the next ones. */
 fun events(values: DoubleArray, beginNs: Long = 0, at: Int = 0): List<SensorSample> = (0 until values.size / 3).flatMap { k ->
     val timeNs = beginNs + (k + 1) * STEP_NS
