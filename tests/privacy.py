@@ -37,9 +37,9 @@ LIST = {
 
 
 def code_of(swift):
-    """A source without comments and texts."""
+    """A source without comments. Texts stay: an interpolation is code."""
     swift = re.sub(r"/\*.*?\*/", "", swift, flags=re.DOTALL)
-    return "\n".join(re.sub(r'"(?:\\.|[^"\\])*"', '""', line).split("//")[0] for line in swift.splitlines())
+    return "\n".join(re.split(r"(?<!:)//", line)[0] for line in swift.splitlines())
 
 
 def faults(manifest, code, imports):
@@ -53,7 +53,7 @@ def faults(manifest, code, imports):
     found += [f"{name} is no category of Apple's" for name in declared.keys() - LIST.keys()]
     for name, (swift, symbols, reasons) in LIST.items():
         used = sorted(set(re.findall(rf"\b(?:{swift})", code)))
-        used += sorted(symbol for symbol in imports or () if symbols and re.fullmatch(f"_(?:{symbols})", symbol))
+        used += sorted(symbol for symbol in imports or () if symbols and re.fullmatch(rf"_(?:{symbols})(?:\$\w+)?", symbol))
         own = declared.get(name, set())
         if used and not own:
             found.append(f"{name} is not declared, or without a reason: {', '.join(used)}")
