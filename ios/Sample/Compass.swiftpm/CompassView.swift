@@ -21,7 +21,7 @@ struct CompassView: View {
             }
         }
         .padding()
-        .background(WindowOrientation { if let rotation = ScreenRotation($0) { model.screenRotation = rotation } })
+        .background(WindowOrientation { if let rotation = ScreenRotation($0) { model.compass.screenRotation = rotation } })
         .task { await model.run() }
     }
 

@@ -12,7 +12,7 @@ public final class CompassModel {
     public private(set) var headingDeg: Double?
     /// One standard deviation of it, degrees; 180, nothing known, where there is no better.
     public private(set) var headingSigmaDeg = 180.0
-    /// Clockwise from true north, degrees, 0 to 360; nil without a heading, or a declination in ``frame``.
+    /// Clockwise from true north, degrees, 0 to 360; nil without a heading, or a declination of the ``compass``.
     public private(set) var trueHeadingDeg: Double?
     /// Length of the corrected field, microtesla.
     public private(set) var totalFieldUt: Double?
@@ -35,31 +35,12 @@ public final class CompassModel {
     /// Why there are no readings: the latest run ended with it. Nil while one runs, and after one that was cancelled.
     public private(set) var error: CompassError?
 
-    private let compass: Compass
+    /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
+    public let compass: Compass
     private let display: CompassDisplay
 
     public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
         (self.compass, self.display) = (compass, display)
-    }
-
-    /// The frame headings are in.
-    public var frame: HeadingFrame {
-        get { compass.frame }
-        set { compass.frame = newValue }
-    }
-
-    /// The axis, the screen's rotation and the declination one by one; see ``Compass``.
-    public var axis: ReferenceAxis {
-        get { compass.axis }
-        set { compass.axis = newValue }
-    }
-    public var screenRotation: ScreenRotation {
-        get { compass.screenRotation }
-        set { compass.screenRotation = newValue }
-    }
-    public var declinationDeg: Double? {
-        get { compass.declinationDeg }
-        set { compass.declinationDeg = newValue }
     }
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.

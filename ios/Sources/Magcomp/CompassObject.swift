@@ -7,31 +7,12 @@ public final class CompassObject: ObservableObject {
     /// What a screen shows.
     @Published public private(set) var state = CompassState()
 
-    private let compass: Compass
+    /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
+    public let compass: Compass
     private let display: CompassDisplay
 
     public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
         (self.compass, self.display) = (compass, display)
-    }
-
-    /// The frame headings are in.
-    public var frame: HeadingFrame {
-        get { compass.frame }
-        set { compass.frame = newValue }
-    }
-
-    /// The axis, the screen's rotation and the declination one by one; see ``Compass``.
-    public var axis: ReferenceAxis {
-        get { compass.axis }
-        set { compass.axis = newValue }
-    }
-    public var screenRotation: ScreenRotation {
-        get { compass.screenRotation }
-        set { compass.screenRotation = newValue }
-    }
-    public var declinationDeg: Double? {
-        get { compass.declinationDeg }
-        set { compass.declinationDeg = newValue }
     }
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.

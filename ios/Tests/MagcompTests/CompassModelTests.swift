@@ -304,10 +304,11 @@ import Testing
 
     @Test func theScreenMayTurn() {
         let model = CompassModel(compass: Compass(source: Played(events: [])))
-        (model.axis, model.declinationDeg) = (.camera, 3)
-        model.screenRotation = .deg270
-        #expect(model.frame == HeadingFrame(axis: .camera, screenRotation: .deg270, declinationDeg: 3))
-        #expect(model.axis == .camera && model.screenRotation == .deg270 && model.declinationDeg == 3)
+        (model.compass.axis, model.compass.declinationDeg) = (.camera, 3)
+        model.compass.screenRotation = .deg270
+        let compass = model.compass
+        #expect(compass.frame == HeadingFrame(axis: .camera, screenRotation: .deg270, declinationDeg: 3))
+        #expect(compass.axis == .camera && compass.screenRotation == .deg270 && compass.declinationDeg == 3)
     }
 
     /// Each thread reads back what it alone sets.

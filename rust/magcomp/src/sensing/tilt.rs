@@ -24,7 +24,7 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
-/// Physics: a strength of the Earth's field, in the middle of 22 to 67, uT.
+/// Choice: the strength by which a change of the raw field is taken for a turn: the Earth has 22 to 67, uT.
 const FIELD_UT: f64 = 50.0;
 
 /// See the module.

@@ -1,5 +1,6 @@
 package org.magcomp
 
+import java.util.concurrent.ExecutionException
 import java.util.concurrent.Executor
 import java.util.concurrent.ExecutorService
 import java.util.concurrent.RejectedExecutionException
@@ -22,7 +23,7 @@ public interface CompassListener {
     /**
      * There are no more readings, because the source ended or for this error: a [SensorException], a
      * [RecordingException], a [java.io.IOException] of a recording's file, a [MagcompException], a [NativeLibraryException],
-     * or what the source or [onReading] threw. Not called after closing.
+     * or what the source or [onReading] threw; an [Error] is the cause of an [ExecutionException]. Not called after closing.
      *
      * An executor that was shut down gets no call: with a [RejectedExecutionException] this one comes on a thread of the
      * compass.
@@ -41,6 +42,8 @@ internal class Listening(private val executor: Executor, private val listener: C
                 null
             } catch (e: Exception) {
                 e
+            } catch (e: Error) {
+                ExecutionException(e)
             }
             // after closing there is nobody to tell
             ensureActive()

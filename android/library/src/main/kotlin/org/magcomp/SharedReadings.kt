@@ -20,7 +20,6 @@ import kotlinx.coroutines.launch
 import kotlinx.coroutines.sync.Mutex
 import kotlinx.coroutines.sync.withLock
 import kotlinx.coroutines.withContext
-import kotlinx.coroutines.yield
 
 /**
  * One run of readings for all who collect at the same time. It begins with the first collector and ends by itself, or when no
@@ -51,6 +50,7 @@ internal class SharedReadings(
         val messages = MutableSharedFlow<Message>(replay = 1, extraBufferCapacity = capacity - 1, BufferOverflow.DROP_OLDEST)
         var collectors = 0
         var ending: Job? = null
+        private var hasEnded = false
 
         val job = scope.launch(start = CoroutineStart.LAZY) {
             var number = 0L
@@ -60,10 +60,19 @@ internal class SharedReadings(
             } catch (e: Throwable) {
                 // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
                 // which would leave collectors waiting
-                if (isClosed) null else e
+                e
             }
+            end(number, error)
+        }.apply {
+            // where the dispatcher takes nothing more, a run ends without a line of it
+            invokeOnCompletion { end(0, it) }
+        }
+
+        /** Ends what is collected, once. */
+        private fun end(number: Long, error: Throwable?) {
             leave()
-            messages.tryEmit(Message(number, null, error))
+            val isFirst = synchronized(this) { !hasEnded.also { hasEnded = true } }
+            if (isFirst) messages.tryEmit(Message(number, null, error.takeUnless { isClosed }))
         }
 
         /** From now on a collector begins another run. */
@@ -99,10 +108,11 @@ internal class SharedReadings(
             current.also { current = null }
         }
         scope.launch {
-            // one that has not begun would end without a word
-            run?.job?.let { if (it.start()) yield() }
             run?.job?.cancelAndJoin()
             oneAtATime.withLock { after() }
+        }.invokeOnCompletion { refused ->
+            // a dispatcher that takes nothing more runs nothing either
+            if (refused != null) after()
             scope.cancel()
         }
     }

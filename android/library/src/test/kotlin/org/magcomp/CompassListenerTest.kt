@@ -2,6 +2,7 @@ package org.magcomp
 
 import android.hardware.Sensor
 import java.util.concurrent.CompletableFuture
+import java.util.concurrent.ExecutionException
 import java.util.concurrent.LinkedBlockingQueue
 import java.util.concurrent.RejectedExecutionException
 import java.util.concurrent.ThreadPoolExecutor
@@ -124,6 +125,17 @@ class CompassListenerTest {
         val listening = Listening()
         Compass(Played(events.asFlow()), Config(rangeUt = -1.0)).start(executor, listening)
         assertEquals("range_ut", assertInstanceOf(MagcompException.Config::class.java, listening.error()).field)
+    }
+
+    @Test
+    fun `an Error of the source, or of the listener, is the cause of what it is told`() {
+        val broken = Listening()
+        Compass(Played(flow { throw StackOverflowError("of the source") })).start(executor, broken)
+        val listening = Listening { throw StackOverflowError("of the app") }
+        Compass(Played(events.asFlow())).start(executor, listening)
+        for (it in listOf(broken, listening)) {
+            assertInstanceOf(StackOverflowError::class.java, assertInstanceOf(ExecutionException::class.java, it.error()).cause)
+        }
     }
 
     @Test

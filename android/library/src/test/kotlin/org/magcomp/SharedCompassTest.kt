@@ -4,6 +4,7 @@ import android.hardware.Sensor
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.Executors
 import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
@@ -249,6 +250,25 @@ class SharedCompassTest {
         val compass = Compass(broken)
         val ends = List(3) { async { runCatching { compass.readings().toList() }.exceptionOrNull() } }
         for (end in ends) assertTrue(withTimeout(20_000) { end.await() } is StackOverflowError)
+    }
+
+    @Test
+    fun `a dispatcher that is closed ends every collector, before and during a run`() = runBlocking {
+        for (isRunning in listOf(false, true)) {
+            val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
+            val compass = Compass(sensors.source(), dispatcher = dispatcher)
+            if (!isRunning) dispatcher.close()
+            val collector = async(Dispatchers.Default) { runCatching { compass.readings().toList() } }
+            if (isRunning) {
+                registered(3)
+                dispatcher.close()
+                sensors.deliver(events[1])
+            }
+            withTimeout(20_000) { collector.join() }
+            ended()
+            compass.close()
+            withTimeout(20_000) { while (compass.kept != null) yield() }
+        }
     }
 
     @Test
