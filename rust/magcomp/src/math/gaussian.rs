@@ -178,12 +178,14 @@ impl<const N: usize> Gaussian<N> {
     #[inline(always)]
     pub fn correct<const R: usize>(&mut self, mut gain: SMatrix<f64, N, R>, white: &SVector<f64, R>, held: Held<'_>) {
         let mut add = |v: &SMatrix<f64, N, R>, sign: f64| {
-            for j in 0..N {
-                let own = v.row(j) * sign;
-                // the lower half of P alone, rows in fours as vector units take them
-                for i in j - j % 4..N {
-                    for r in 0..R {
-                        self.covariance[(i, j)] += v[(i, r)] * own[r];
+            let own = v * sign;
+            // the lower half of P alone, columns in fours as vector units take them
+            for (first, columns) in (0..N).step_by(4).zip(self.covariance.data.0.chunks_mut(4)) {
+                for i in first..N {
+                    for (j, column) in (first..).zip(&mut *columns) {
+                        for r in 0..R {
+                            column[i] += v[(i, r)] * own[(j, r)];
+                        }
                     }
                 }
             }
@@ -197,7 +199,14 @@ impl<const N: usize> Gaussian<N> {
             }
             add(&kept, 1.0);
         }
-        self.covariance.fill_upper_triangle_with_lower_triangle();
+        for first in (0..N).step_by(4) {
+            // backwards: where four columns cross the diagonal, what is below it is kept
+            for i in (first..N).rev() {
+                for j in first..N.min(first + 4) {
+                    self.covariance[(j, i)] = self.covariance[(i, j)];
+                }
+            }
+        }
         self.mean += gain * white;
     }
 }

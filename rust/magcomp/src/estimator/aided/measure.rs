@@ -125,8 +125,8 @@ impl Filter {
     /// The innovation of `raw_ut` with white noise `sigma_ut` per axis; `None` when S has no Cholesky factor.
     pub(crate) fn innovation(&self, raw_ut: &Vector3<f64>, rate: &Vector3<f64>, sigma_ut: f64) -> Option<Innovation> {
         let model = Model::of(&self.parts(), rate);
-        let ph = covariance(&self.covariance, |dx| model.times(dx));
-        let s = covariance(&ph.transpose(), |dx| model.times(dx))
+        let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
+        let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
             + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;

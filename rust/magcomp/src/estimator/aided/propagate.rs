@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, covariance};
+use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES};
 use crate::math::turn::Turn;
 
 /// Data sheet: q_g, angle random walk of a gyroscope, rad/s^0.5: 1e-4 to 3e-4.
@@ -96,14 +96,20 @@ impl Filter {
         self.set_part(LOCAL, &d);
         let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
         let f = Transition { m_by_m, d_by_d, m_by_turn, d_by_turn, added };
-        // of P F^T and of F (P F^T) the columns of m and d
-        let mut columns = covariance(&self.covariance, |dx| f.times(dx));
-        let rows = covariance(&columns.transpose(), |dx| f.times(dx));
-        columns.fixed_rows_mut::<3>(FIELD.start()).tr_copy_from(&rows.fixed_columns::<3>(0));
-        columns.fixed_rows_mut::<3>(LOCAL.start()).tr_copy_from(&rows.fixed_columns::<3>(3));
-        for (column, i) in columns.column_iter().zip(FIELD.range().chain(LOCAL.range())) {
-            self.covariance.set_column(i, &column);
-            self.covariance.row_mut(i).tr_copy_from(&column);
+        let p = &mut self.covariance;
+        let places = || FIELD.range().chain(LOCAL.range());
+        // P F^T: in each row the numbers of m and d
+        for k in 0..STATES {
+            let row = f.times(&Parts::of(|i| p[(k, i)]));
+            places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
+        }
+        // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
+        for k in places() {
+            let column = f.times(&Parts::of(|i| p[(i, k)]));
+            places().zip(&column).for_each(|(i, value)| p[(i, k)] = *value);
+        }
+        for i in places().rev() {
+            (0..STATES).for_each(|k| p[(i, k)] = p[(k, i)]);
         }
     }
 

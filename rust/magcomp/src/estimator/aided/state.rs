@@ -160,12 +160,12 @@ pub(crate) struct Corrected {
 /// The covariance of N states with R numbers that are linear in the state; `p` has the rows of P of those states.
 #[inline(always)]
 pub(crate) fn covariance<const N: usize, const R: usize>(
-    p: &SMatrix<f64, N, STATES>,
+    p: impl Fn(usize, usize) -> f64,
     linear: impl Fn(&Parts) -> SVector<f64, R>,
 ) -> SMatrix<f64, N, R> {
     let mut to = SMatrix::<f64, N, R>::zeros();
     for k in 0..N {
-        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p[(k, i)])));
+        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p(k, i))));
     }
     to
 }

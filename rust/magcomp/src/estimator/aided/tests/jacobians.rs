@@ -76,7 +76,7 @@ fn measurement_jacobian_is_the_derivative() {
         let state = random_state(&mut random);
         let rate = random.vector(3.0);
         let h = Model::of(&state.parts(), &rate);
-        let h = covariance(&SMatrix::<f64, STATES, STATES>::identity(), |dx| h.times(dx));
+        let h = covariance::<STATES, 3>(|k, i| f64::from(k == i), |dx| h.times(dx));
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
             let (mut low, mut high) = (state.clone(), state.clone());
