@@ -2,8 +2,6 @@
 
 use nalgebra::Vector3;
 
-/// Mathematics: cells in each band of latitude, north to south. Bands are cut so that every cell has the area 4 pi / 48.
-const BANDS: [usize; 6] = [4, 8, 12, 12, 8, 4];
 /// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
 pub const CELLS: usize = 48;
 
@@ -14,13 +12,18 @@ struct Band {
     cells: usize,
 }
 
-/// North to south.
-fn bands() -> impl Iterator<Item = Band> {
-    (0..BANDS.len()).map(|band| Band { first: BANDS[..band].iter().sum(), cells: BANDS[band] })
-}
+/// Mathematics: bands of latitude, north to south, cut so that every cell has the area 4 pi / 48.
+const BANDS: [Band; 6] = [
+    Band { first: 0, cells: 4 },
+    Band { first: 4, cells: 8 },
+    Band { first: 12, cells: 12 },
+    Band { first: 24, cells: 12 },
+    Band { first: 36, cells: 8 },
+    Band { first: 44, cells: 4 },
+];
 
-/// Mathematics: the southernmost.
-const LAST: Band = Band { first: CELLS - BANDS[5], cells: BANDS[5] };
+/// Mathematics: tangents of 30, 45 and 60 degrees, at which a quarter of two or of three cells is cut.
+const CUTS: [&[f64]; 3] = [&[], &[1.0], &[0.577_350_269_189_625_8, 1.732_050_807_568_877_2]];
 
 /// Which of the latest samples was seen in each cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,17 +47,23 @@ impl Coverage {
     /// The cell of a direction (any length), 0 to 47.
     #[must_use]
     pub fn cell(direction: &Vector3<f64>) -> usize {
-        let length = direction.norm();
-        let z = if length > 0.0 { direction.z / length } else { 1.0 };
-        let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU + 0.5;
-        let is_above = |last: usize| z > 1.0 - 2.0 * last as f64 / CELLS as f64;
-        let Band { first, cells } = bands().find(|band| is_above(band.first + band.cells)).unwrap_or(LAST);
-        first + ((turn * cells as f64) as usize).min(cells - 1)
+        let (length, [x, y, z]) = (direction.norm(), direction.data.0[0]);
+        let is_above = |band: &Band| z > length * (1.0 - 2.0 * (band.first + band.cells) as f64 / CELLS as f64);
+        let Band { first, cells } = BANDS.into_iter().find(is_above).unwrap_or(BANDS[5]);
+        // quarters from the west on, anticlockwise: along where each begins, and across
+        let (quarter, along, across) = match (x < 0.0, y < 0.0) {
+            (true, true) => (0, -x, -y),
+            (false, true) => (1, -y, x),
+            (false, false) => (2, x, y),
+            (true, false) => (3, y, -x),
+        };
+        let cuts = CUTS[cells / 4 - 1].iter().filter(|tangent| across > along * *tangent).count();
+        first + quarter * (cells / 4) + cuts
     }
 
     /// Unit vector to the middle of a cell.
     pub(super) fn middle(cell: usize) -> Vector3<f64> {
-        let Band { first, cells } = bands().find(|band| cell < band.first + band.cells).unwrap_or(LAST);
+        let Band { first, cells } = BANDS.into_iter().find(|band| cell < band.first + band.cells).unwrap_or(BANDS[5]);
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
         let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
         let flat = (1.0 - z * z).sqrt();
