@@ -44,7 +44,7 @@ impl Default for Coverage {
 }
 
 impl Coverage {
-    /// The cell of a direction (any length), 0 to 47.
+    /// The cell of a direction, 0 to 47. Any length will do but 0, which counts as straight down.
     #[must_use]
     pub fn cell(direction: &Vector3<f64>) -> usize {
         let (length, [x, y, z]) = (direction.norm(), direction.data.0[0]);

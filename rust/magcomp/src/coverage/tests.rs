@@ -27,6 +27,23 @@ fn cells_have_equal_areas() {
     }
 }
 
+/// By latitude and longitude: bands of 4, 8, 12, 12, 8, 4 cells of one area, counted anticlockwise from the west.
+#[test]
+fn cells_are_those_of_latitude_and_longitude() {
+    let bands = [(0_i32, 4_i32), (4, 8), (12, 12), (24, 12), (36, 8), (44, 4)];
+    for k in 0..20_000 {
+        let z = 1.0 - (2.0 * f64::from(k) + 1.0) / 20_000.0;
+        let phi = (f64::from(k) * 2.399_963).rem_euclid(std::f64::consts::TAU);
+        let (first, cells) = *bands.iter().find(|(first, cells)| (1.0 - z) * 24.0 < f64::from(first + cells)).unwrap();
+        let along = (phi + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+        let expected = first + (along * f64::from(cells)) as i32;
+        let length = 0.01 + f64::from(k % 7);
+        let flat = length * (1.0 - z * z).sqrt();
+        let direction = Vector3::new(flat * phi.cos(), flat * phi.sin(), length * z);
+        assert_eq!(Coverage::cell(&direction), expected as usize, "{direction}");
+    }
+}
+
 #[test]
 fn unseen_shrinks_as_cells_fill() {
     let mut coverage = Coverage::default();

@@ -199,14 +199,7 @@ impl<const N: usize> Gaussian<N> {
             }
             add(&kept, 1.0);
         }
-        for first in (0..N).step_by(4) {
-            // backwards: where four columns cross the diagonal, what is below it is kept
-            for i in (first..N).rev() {
-                for j in first..N.min(first + 4) {
-                    self.covariance[(j, i)] = self.covariance[(i, j)];
-                }
-            }
-        }
+        self.covariance.fill_upper_triangle_with_lower_triangle();
         self.mean += gain * white;
     }
 }

@@ -157,7 +157,7 @@ pub(crate) struct Corrected {
     pub(crate) field_ut: Vector3<f64>,
 }
 
-/// The covariance of N states with R numbers that are linear in the state; `p` has the rows of P of those states.
+/// The covariance of N states with R numbers that are linear in the state; `p(k, i)` is that of the k-th of them with state i.
 #[inline(always)]
 pub(crate) fn covariance<const N: usize, const R: usize>(
     p: impl Fn(usize, usize) -> f64,

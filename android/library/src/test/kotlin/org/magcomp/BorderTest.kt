@@ -11,6 +11,7 @@ import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 
+/** Samples in, readings out, the same by both ways over the border. */
 class BorderTest {
     private val values = tumbling(600)
 
@@ -160,160 +161,6 @@ class BorderTest {
     }
 
     @Test
-    fun `after close every use is a typed error`() {
-        val compensator = Compensator()
-        compensator.close()
-        compensator.close()
-        val out = ReadingBuffer()
-        val uses = listOf(
-            { compensator.push(1, 1.0, 2.0, 3.0, out) },
-            { compensator.pushUp(1, 1.0, 2.0, 3.0) },
-            { compensator.pushRotationRate(1, 1.0, 2.0, 3.0) },
-            { compensator.pushAll(events(values)) },
-            { compensator.calibration() },
-            { compensator.keep(NOW_S) },
-            { compensator.reset() },
-            { compensator.adoptKept("", NOW_S) },
-            { compensator.pushGap(1.0) },
-            { compensator.gaps() },
-        )
-        for (use in uses) assertThrows(MagcompException.Closed::class.java) { use() }
-    }
-
-    @Test
-    fun `every call after a panic says so, until reset`() {
-        Compensator().use { compensator ->
-            TestHooks.panicOnPurpose(compensator.handle)
-            val calls = listOf(
-                { compensator.push(1, 1.0, 2.0, 3.0, ReadingBuffer()) },
-                { compensator.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0))) },
-                { compensator.pushUp(1, 0.0, 0.0, 9.8) },
-                { compensator.pushRotationRate(1, 0.0, 0.0, 0.0) },
-                { compensator.pushAll(events(values)) },
-                { compensator.calibration() },
-                { compensator.keep(NOW_S) },
-            )
-            for (call in calls) assertEquals("on purpose", assertThrows(MagcompException.Panicked::class.java) { call() }.what)
-            compensator.reset()
-            for (call in calls) call()
-        }
-    }
-
-    @Test
-    fun `JNI is used as it wants to be`() {
-        val properties = listOf("java.library.path", "jna.library.path", "repository.root").map { "-D$it=" + System.getProperty(it) }
-        val said = inProcessOfItsOwn("org.magcomp.CheckedMain", options = properties + "-Xcheck:jni").lines()
-        assertTrue("checked: -Xcheck:jni" in said, "$said")
-        // JNA's own library has some of its own
-        val complaints = said.zipWithNext().filter { (line, frame) -> Regex("WARNING|FATAL").containsMatchIn(line) }
-            .filter { (_, frame) -> "FastPath" in frame || "TestHooks" in frame }
-        assertEquals(emptyList<Any>(), complaints)
-    }
-
-    @Test
-    fun `a panic is a typed error until reset`() {
-        val native = NativeCompensator(Config())
-        val handle = native.fastHandle()
-        assertEquals(FastPath.PANICKED, TestHooks.panicOnPurpose(handle))
-        val out = DoubleArray(FastPath.slots())
-        assertEquals(FastPath.PANICKED, FastPath.pushUp(handle, 1, 0.0, 0.0, 9.8))
-        assertEquals(FastPath.PANICKED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
-        val error = assertThrows(MagcompException.Panicked::class.java) { native.calibration() }
-        assertEquals("on purpose", error.what)
-        native.reset()
-        assertEquals(0, FastPath.pushUp(handle, 1, 0.0, 0.0, 9.8))
-        native.shutDown()
-        assertEquals(FastPath.CLOSED, FastPath.pushUp(handle, 2, 0.0, 0.0, 9.8))
-        assertThrows(MagcompException.Closed::class.java) { native.calibration() }
-        native.close()
-        assertEquals(FastPath.CLOSED, FastPath.pushUp(handle, 2, 0.0, 0.0, 9.8))
-    }
-
-    @Test
-    fun `invented handles and short arrays do no harm`() {
-        val out = DoubleArray(FastPath.slots())
-        for (handle in listOf(0L, -1L, Long.MAX_VALUE, Long.MIN_VALUE, 1L shl 32 or 0xffff)) {
-            assertEquals(FastPath.CLOSED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
-        }
-        NativeCompensator(Config()).use { native ->
-            val handle = native.fastHandle()
-            val short = DoubleArray(out.size - 1)
-            assertThrows(IndexOutOfBoundsException::class.java) { FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short) }
-            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), LongArray(1), DoubleArray(6), out))
-            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), longArrayOf(1, 2), DoubleArray(6), out))
-            assertEquals(FastPath.NO_SUCH_KIND, FastPath.pushBatch(handle, byteArrayOf(9), LongArray(1), DoubleArray(3), out))
-        }
-    }
-
-    @Test
-    fun `a handle is never given twice`() {
-        val handles = (1..1000).map { NativeCompensator(Config()).use { native -> native.fastHandle() } }
-        assertEquals(1000, handles.toSet().size)
-    }
-
-    @Test
-    fun `a kept calibration is in force again, less sure with its age, in a stream that goes on`() {
-        val all = events(values)
-        Compensator().use { first ->
-            assertNull(first.keep(NOW_S), "nothing was learned")
-            first.pushAll(all)
-            val text = first.keep(NOW_S)!!
-            val sigmas = listOf(60L, 3600L, 86_400L, null).map { age ->
-                Compensator().use { second ->
-                    second.setHeadingFrame(HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG90, 3.0))
-                    second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
-                    second.adoptKept(text, age?.let { NOW_S + it })
-                    assertEquals(first.calibration()!!.hardIronUt, second.calibration()!!.hardIronUt)
-                    assertNull(second.keep(NOW_S), "nothing was learned since")
-                    val rejected = second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
-                    assertTrue((rejected.status as Status.Rejected).reason is RejectReason.TimeNotAfter, "the clock goes on")
-                    second.pushAll(flat(10)).single().let { reading ->
-                        assertTrue(reading.heading?.let { it.trueHeadingDeg != null } ?: true, "the frame stays")
-                        assertNotEquals(Status.Tracking, reading.status)
-                        reading.fieldSigmaUt ?: 1e9
-                    }
-                }
-            }
-            assertEquals(sigmas.sorted(), sigmas, "$sigmas")
-            assertTrue(sigmas.first() < 10.0 && sigmas.last() > 2 * sigmas.first(), "$sigmas")
-        }
-    }
-
-    @Test
-    fun `a text that is damaged or newer is a typed error and changes nothing`() {
-        Compensator().use { compensator ->
-            compensator.pushAll(events(values))
-            val text = compensator.keep(NOW_S)!!
-            for (damaged in listOf("", "{}", "nonsense", text.dropLast(9), text.replaceFirst("\"learned\"", "\"luck\""))) {
-                val error = assertThrows(MagcompException.KeptDamaged::class.java) { compensator.adoptKept(damaged, NOW_S) }
-                assertTrue(error.why.isNotEmpty() && error.why in error.text(), error.text())
-            }
-            val error = assertThrows(MagcompException.KeptNewer::class.java) { compensator.adoptKept(newer(text), NOW_S) }
-            assertEquals(99, error.found)
-            assertEquals(text, compensator.keep(NOW_S))
-        }
-    }
-
-    @Test
-    fun `time that the clock does not show makes the calibration less sure`() {
-        val gone = listOf(0.0, 8 * 3600.0).map { hiddenS ->
-            Compensator().use { compensator ->
-                compensator.pushAll(events(values))
-                val gaps = compensator.gaps()
-                compensator.pushGap(hiddenS)
-                assertEquals(gaps + 1, compensator.gaps())
-                compensator.pushAll(flat(values.size / 3)).single().fieldSigmaUt ?: 1e9
-            }
-        }
-        assertTrue(gone[1] > 1.2 * gone[0], "$gone")
-        Compensator().use {
-            val error = assertThrows(MagcompException.Config::class.java) { it.pushGap(-1.0) }
-            assertEquals("hidden_s", error.field)
-            assertEquals(0, it.gaps())
-        }
-    }
-
-    @Test
     fun `a saturated sample names its axis`() {
         Compensator(Config(railUt = 1200.0)).use { compensator ->
             val at = listOf(Vector3(1200.0, 1.0, 2.0), Vector3(1.0, -1201.0, 2.0), Vector3(1.0, 2.0, 1300.0))
@@ -321,47 +168,6 @@ class BorderTest {
             val expected = listOf(Pair(Axis.X, 1200.0), Pair(Axis.Y, -1201.0), Pair(Axis.Z, 1300.0))
             assertEquals(expected.map { (axis, value) -> RejectReason.Saturated(axis, value, 1200.0) }, reasons)
             assertTrue(" y -1201.0 uT" in reasons[1].text(), reasons[1].text())
-        }
-    }
-
-    @Test
-    fun `the operating system's hard iron gives readings from the first sample on`() {
-        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0), Vector3(120.0, -80.0, 300.0))
-        Compensator().use { compensator ->
-            val reading = compensator.push(first)
-            assertEquals(Vector3(0.0, 45.0, 0.0), reading.fieldUt)
-            assertNull(reading.reportedHardIronJumpUt)
-        }
-        Compensator(Config(useReportedHardIron = false)).use { assertNull(it.push(first).fieldUt) }
-    }
-
-    @Test
-    fun `an adopted calibration is as unsure as it is said to be`() {
-        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0))
-        val calibration = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(120.0, -80.0, 300.0), 45.0)
-        val sigmas = listOf(3.0, 30.0).map { sigmaUt ->
-            Compensator().use {
-                it.adopt(calibration, sigmaUt)
-                it.push(first).fieldSigmaUt!!
-            }
-        }
-        // the sample's own strength tells one of three axes
-        assertTrue(sigmas[0] in 3.0..6.0 && sigmas[1] in 20.0..60.0, "$sigmas")
-        Compensator().use {
-            val error = assertThrows(MagcompException.Config::class.java) { it.adopt(calibration, 0.0) }
-            assertEquals("hard_iron_sigma_ut", error.field)
-            assertNull(it.calibration())
-        }
-    }
-
-    @Test
-    fun `a jump of the operating system's hard iron is visible`() {
-        Compensator().use { compensator ->
-            val b = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, -1.0), null, Vector3(4.0, 2.0, -1.0))
-            val jumps = b.mapIndexed { k, reported ->
-                compensator.push(MagneticSample(k + 1L, Vector3(1.0 * k, 0.0, 0.0), reported)).reportedHardIronJumpUt
-            }
-            assertEquals(listOf(null, null, 5.0, null, null), jumps)
         }
     }
 
