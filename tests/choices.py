@@ -17,12 +17,12 @@ ROOT = Path(__file__).resolve().parent.parent
 CORE = ROOT / "rust/magcomp/src"
 
 # How many there are today; the goal is 60. It only falls.
-MOST = 166
+MOST = 142
 
 KINDS = ("Choice", "Physics", "Data sheet", "Mathematics", "Format", "Limit")
 
 # In these parts a constant without a kind counts as a choice. Nothing may be added; strike a part once its constants have kinds.
-UNSORTED = ("estimator/adaptive",)
+UNSORTED = ()
 
 ENTRY = re.compile(r'^\s*(\w+):\s*([^,;]+),\s*"([^"]*)",\s*"([^"]*)";', re.MULTILINE)
 CONSTANT = re.compile(

@@ -119,9 +119,9 @@ fn late_drift(motion: Motion, rate_ut_s: f64, begins_s: f64) -> ([f64; 2], usize
 #[test]
 fn a_drift_that_begins_late_is_followed() {
     for (motion, rate_ut_s, begins_s, limits, most_far) in [
-        (Motion::Tumble, 0.5, 30.0, [1.6, 0.8], 0),
+        (Motion::Tumble, 0.5, 30.0, [2.6, 1.1], 0),
         (Motion::Tumble, 0.1, 60.0, [1.0, 0.5], 0),
-        (Motion::Stroll, 0.5, 30.0, [2.0, 1.8], 0),
+        (Motion::Stroll, 0.5, 30.0, [2.5, 1.8], 0),
         (Motion::Stroll, 1.0, 10.0, [4.0, 2.0], 0),
     ] {
         let (found, far) = late_drift(motion, rate_ut_s, begins_s);

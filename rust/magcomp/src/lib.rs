@@ -56,6 +56,7 @@ mod explanation;
 mod heading;
 mod kept;
 mod math;
+mod noise;
 mod range;
 mod reading;
 mod sample;

@@ -10,7 +10,6 @@ mod start;
 mod tuning;
 
 pub use crate::math::descend::Termination;
-pub(crate) use exact::ExactSums;
 pub use fit::fit_ellipsoid;
 pub use moments::Moments;
 pub use options::{FitError, FitOptions, Residual, SMALLEST_SAMPLE_COUNT};

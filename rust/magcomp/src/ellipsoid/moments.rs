@@ -139,23 +139,12 @@ impl Moments {
         self.sums.add_times(self.monomials(raw_ut), count as i64);
     }
 
-    /// No samples any more, about the same centre.
-    pub(crate) fn clear(&mut self) {
-        (self.count, self.not_finite, self.sums) = (0, 0, ExactSums::ZERO);
-    }
-
     /// A sample that was added leaves the set: constant time, and exactly undoes [`Moments::add`].
     #[inline]
     pub fn remove(&mut self, raw_ut: &Vector3<f64>) {
         self.count = self.count.saturating_sub(1);
         self.not_finite = self.not_finite.saturating_sub(usize::from(!is_finite(raw_ut)));
         self.sums.add_times(self.monomials(raw_ut), -1);
-    }
-
-    /// Mean of the samples, in centred and scaled coordinates, and their covariance.
-    pub(crate) fn cloud(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        let [_, x, y, z, ..] = *self.means().first_chunk::<10>().expect("35 means");
-        (Vector3::new(x, y, z), self.cloud_covariance_ut2() / (self.scale_ut * self.scale_ut))
     }
 
     /// The monomials of one sample, in the order of [`place`].

@@ -1,5 +1,5 @@
 //! Our two estimators, and which of them answers: with a gyroscope the aided one, without one the adaptive one, and of both while a start
-//! tries them the one that knows more. Another takes the place of the one before in the same memory.
+//! tries them the one that knows more. Each begins anew in memory that was taken once.
 
 use super::Tunings;
 use super::adaptive::Adaptive;
@@ -20,20 +20,23 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 pub(crate) struct Ours {
     tunings: Tunings,
     strength_ut: Option<f64>,
-    pair: Pair,
+    adaptive: Adaptive,
+    gyroscope: Gyroscope,
     figures: Figures,
 }
 
+/// Which estimators a sample goes to.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box in each would allocate")]
-enum Pair {
-    Aided(Aided),
-    Adaptive(Adaptive),
-    /// The gyroscope is there, and has not led to a first calibration yet: one that stutters never does.
-    Starting(Aided, Adaptive),
+enum Gyroscope {
+    /// To the adaptive one.
+    Missing,
+    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does.
+    Starting(Aided),
+    /// To the aided one.
+    InUse(Aided),
 }
 
-/// The one of a pair that answers.
+/// The one that answers.
 enum Speaker<'a> {
     Aided(&'a Aided),
     Adaptive(&'a Adaptive),
@@ -52,35 +55,39 @@ pub(crate) struct GyroscopeErrors {
 impl Ours {
     /// Begins with the one that needs no gyroscope. All memory is taken here.
     pub fn new(tunings: Tunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
-        let pair = Pair::Adaptive(Adaptive::new(tunings.adaptive, strength_ut, None));
-        Self { tunings, strength_ut, pair, figures: Figures::new(windowed) }
+        let adaptive = Adaptive::new(tunings.adaptive, strength_ut, None);
+        Self { tunings, strength_ut, adaptive, gyroscope: Gyroscope::Missing, figures: Figures::new(windowed) }
     }
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self) {
-        self.pair = Pair::Adaptive(Adaptive::new(self.tunings.adaptive, self.strength_ut, None));
+        self.gyroscope = Gyroscope::Missing;
+        self.adaptive.restart(None);
         self.figures.restart();
     }
 
     /// Begins with what is given, without a gyroscope: the aided one takes over with the next rotation.
     pub fn begin_from(&mut self, given: Option<Given>) {
-        self.pair = Pair::Adaptive(Adaptive::new(self.tunings.adaptive, self.strength_ut, given));
+        self.gyroscope = Gyroscope::Missing;
+        self.adaptive.restart(given);
         self.figures.look_through(given.map(|given| given.calibration));
     }
 
     /// The gyroscope is usable now (or no longer): whether it is another estimator's turn. One that comes begins from `given`.
     pub fn follow_gyroscope(&mut self, is_usable: bool, given: impl FnOnce(&Self) -> Option<Given>) -> bool {
-        self.pair = match (&self.pair, is_usable) {
-            (Pair::Adaptive(adaptive), true) => {
+        self.gyroscope = match (&self.gyroscope, is_usable) {
+            (Gyroscope::Missing, true) => {
                 let mut aided = Aided::new(self.tunings.aided, self.strength_ut);
                 if let Some(given) = given(self) {
                     aided.begin_from(&given);
                 }
-                Pair::Starting(aided, adaptive.clone())
+                Gyroscope::Starting(aided)
             }
-            (Pair::Starting(_, adaptive), false) => Pair::Adaptive(adaptive.clone()),
-            (Pair::Aided(_), false) => {
-                Pair::Adaptive(Adaptive::new(self.tunings.adaptive, self.strength_ut, given(self)))
+            (Gyroscope::Starting(_), false) => Gyroscope::Missing,
+            (Gyroscope::InUse(_), false) => {
+                let given = given(self);
+                self.adaptive.restart(given);
+                Gyroscope::Missing
             }
             _ => return false,
         };
@@ -90,34 +97,36 @@ impl Ours {
     /// One sample that was checked, with what the other sensors said.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
-        let (status, answer) = match &mut self.pair {
-            Pair::Aided(aided) => aided.push(time_ns, raw_ut, paired),
-            Pair::Adaptive(adaptive) => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
-            Pair::Starting(aided, adaptive) => {
+        let adaptive = &mut self.adaptive;
+        let (status, answer) = match &mut self.gyroscope {
+            Gyroscope::InUse(aided) => aided.push(time_ns, raw_ut, paired),
+            Gyroscope::Missing => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
+            Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
                 let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
                 if knows_more(aided, adaptive) { told } else { other }
             }
         };
-        if let Pair::Starting(aided, _) = &self.pair
+        if let Gyroscope::Starting(aided) = &self.gyroscope
             && aided.has_learned()
         {
-            self.pair = Pair::Aided(aided.clone());
+            self.gyroscope = Gyroscope::InUse(aided.clone());
         }
-        let pair = &self.pair;
-        let answer = self.figures.finish(answer, &raw_ut, || match pair.speaker() {
+        let (gyroscope, adaptive) = (&self.gyroscope, &self.adaptive);
+        let answer = self.figures.finish(answer, &raw_ut, || match gyroscope.speaker(adaptive) {
             Speaker::Aided(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
             Speaker::Adaptive(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
         });
         (status, Answer { window: self.window(), ..answer })
     }
 
+    fn speaker(&self) -> Speaker<'_> {
+        self.gyroscope.speaker(&self.adaptive)
+    }
+
     /// Samples that the estimator looks at.
     pub fn window(&self) -> usize {
-        match &self.pair {
-            Pair::Adaptive(adaptive) => adaptive.window(),
-            Pair::Aided(_) | Pair::Starting(..) => self.counted().samples,
-        }
+        if matches!(self.gyroscope, Gyroscope::Missing) { self.adaptive.window() } else { self.counted().samples }
     }
 
     pub fn counted(&self) -> Counted {
@@ -125,14 +134,14 @@ impl Ours {
     }
 
     pub fn calibration(&self) -> Option<Calibration> {
-        match self.pair.speaker() {
+        match self.speaker() {
             Speaker::Aided(aided) => aided.calibration(),
             Speaker::Adaptive(adaptive) => adaptive.calibration(),
         }
     }
 
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        match self.pair.speaker() {
+        match self.speaker() {
             Speaker::Aided(aided) => aided.covariance(),
             Speaker::Adaptive(adaptive) => adaptive.covariance(),
         }
@@ -140,12 +149,12 @@ impl Ours {
 
     /// What was given, while no sample has come.
     pub fn untouched(&self) -> Option<Given> {
-        if let Pair::Adaptive(adaptive) = &self.pair { adaptive.untouched() } else { None }
+        self.adaptive.untouched().filter(|_| matches!(self.gyroscope, Gyroscope::Missing))
     }
 
     /// Whether the calibration in force was learned from live samples.
     pub fn has_learned(&self) -> bool {
-        match self.pair.speaker() {
+        match self.speaker() {
             Speaker::Aided(aided) => aided.has_learned(),
             Speaker::Adaptive(adaptive) => adaptive.has_learned(),
         }
@@ -153,8 +162,8 @@ impl Ours {
 
     /// The inside of the estimator that answers.
     pub fn explain(&self) -> Explanation {
-        let tries_both = matches!(self.pair, Pair::Starting(..));
-        let it = match self.pair.speaker() {
+        let tries_both = matches!(self.gyroscope, Gyroscope::Starting(_));
+        let it = match self.speaker() {
             Speaker::Aided(aided) => aided.explain(),
             Speaker::Adaptive(adaptive) => adaptive.explain(),
         };
@@ -163,18 +172,18 @@ impl Ours {
 
     /// Of the gyroscope, while it is in use.
     pub fn gyroscope(&self) -> Option<GyroscopeErrors> {
-        let (Pair::Aided(aided) | Pair::Starting(aided, _)) = &self.pair else { return None };
+        let (Gyroscope::InUse(aided) | Gyroscope::Starting(aided)) = &self.gyroscope else { return None };
         let (bias_rad_s, scale) = aided.gyroscope();
         Some(GyroscopeErrors { bias_rad_s, scale, is_useless: aided.is_gyroscope_useless() })
     }
 }
 
-impl Pair {
-    fn speaker(&self) -> Speaker<'_> {
+impl Gyroscope {
+    fn speaker<'a>(&'a self, adaptive: &'a Adaptive) -> Speaker<'a> {
         match self {
-            Self::Starting(aided, adaptive) if !knows_more(aided, adaptive) => Speaker::Adaptive(adaptive),
-            Self::Aided(aided) | Self::Starting(aided, _) => Speaker::Aided(aided),
-            Self::Adaptive(adaptive) => Speaker::Adaptive(adaptive),
+            Self::Starting(aided) if !knows_more(aided, adaptive) => Speaker::Adaptive(adaptive),
+            Self::InUse(aided) | Self::Starting(aided) => Speaker::Aided(aided),
+            Self::Missing => Speaker::Adaptive(adaptive),
         }
     }
 }

@@ -12,8 +12,6 @@ pub(crate) struct Ldl<const N: usize> {
     columns: [[f64; N]; N],
     /// D^-1.
     inverse: [f64; N],
-    /// log det H.
-    pub log_det: f64,
 }
 
 impl<const N: usize> Ldl<N> {
@@ -21,7 +19,7 @@ impl<const N: usize> Ldl<N> {
     #[inline]
     pub fn new(h: &SMatrix<f64, N, N>) -> Option<Self> {
         let mut columns = h.data.0;
-        let (mut inverse, mut determinant) = ([0.0; N], 1.0);
+        let mut inverse = [0.0; N];
         for j in 0..N {
             let (done, rest) = columns.split_at_mut(j + 1);
             let column = &mut done[j];
@@ -31,13 +29,12 @@ impl<const N: usize> Ldl<N> {
                 return None;
             }
             inverse[j] = 1.0 / pivot;
-            determinant *= pivot;
             for (i, next) in (j + 1..).zip(rest) {
                 add(next, -column[i] * inverse[j], column);
             }
             column.iter_mut().for_each(|value| *value *= inverse[j]);
         }
-        Some(Self { columns, inverse, log_det: determinant.ln() })
+        Some(Self { columns, inverse })
     }
 
     /// x with H x = g.
@@ -58,43 +55,6 @@ impl<const N: usize> Ldl<N> {
         }
         x
     }
-
-    /// H^-1 A.
-    #[inline]
-    pub fn solve_matrix(&self, a: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
-        let mut x = *a;
-        x.column_iter_mut().for_each(|mut column| column.copy_from(&self.solve(&column.clone_owned())));
-        x
-    }
-
-    /// H^-1.
-    #[inline]
-    pub fn inverse(&self) -> SMatrix<f64, N, N> {
-        let mut rows = SMatrix::<f64, N, N>::identity().data.0;
-        for i in 0..N {
-            let (done, rest) = rows.split_at_mut(i);
-            for (k, row) in done.iter().enumerate() {
-                add(&mut rest[0], -self.columns[k][i], row);
-            }
-        }
-        let mut columns = [[0.0; N]; N];
-        for (k, row) in rows.iter().enumerate() {
-            for i in 0..=k {
-                add(&mut columns[i], row[i] * self.inverse[k], row);
-            }
-        }
-        SMatrix::from_data(nalgebra::ArrayStorage(columns))
-    }
-}
-
-/// H g, H symmetric.
-#[inline]
-pub(crate) fn times<const N: usize>(h: &SMatrix<f64, N, N>, g: &SVector<f64, N>) -> SVector<f64, N> {
-    let mut out = [0.0; N];
-    for (k, row) in h.data.0.iter().enumerate() {
-        add(&mut out, g[k], row);
-    }
-    SVector::from(out)
 }
 
 /// sum += factor row

@@ -1,429 +1,353 @@
-//! The bank: hypotheses about when tau changed last and what changed, weighed by their joint probability with all samples
-//! (Bayesian online change-point detection, Adams and MacKay 2007, with moments as sufficient statistics).
-//!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + log P(kind) + its own evidence
-//! A child begins where a sample surprises the best hypothesis, and now and then without one. What is published is the mean and
-//! the second moment of the mixture.
+//! The bank: hypotheses of when the device changed last, weighed by their joint probability with all frames.
+//!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + its own evidence
+//! What is published is the mean and the second moment of the mixture.
 
-use super::hypothesis::{Hypothesis, Kind};
-use super::motion::Motion;
-use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
-use super::setting::{Sample, Setting};
+use super::filter::{Filter, Kind, State};
+use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
+use super::parameters::tau_of;
+use super::parameters::{Gaussian, Tau, TauMatrix, shape};
 use super::tuning::Tuning;
 use crate::calibration::Given;
 use crate::math::symmetric::{basis, six};
-use nalgebra::{SMatrix, Vector3};
-use std::f64::consts::LN_2;
-use std::ops::Range;
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Hypotheses that are kept.
-pub(super) const MOST: usize = 16;
-/// Former calibrations that are remembered.
-const FORMER: usize = 4;
-/// A centre of the moments further from the samples than this (field strengths) is moved: moments about it are badly conditioned.
-const FAR: f64 = 6.0;
-/// Variance below which no element of a given T or beta is believed to be known.
+/// Mathematics: variance below which no element of a given T or beta is believed to be known.
 const LEAST_VARIANCE: f64 = 1e-8;
-/// Mixture weights below this do not count.
-const NO_WEIGHT: f64 = 1e-5;
+/// Choice: hypotheses that are kept.
+const MOST: usize = 18;
+/// Mathematics: places for those that one frame brings: six cold ones, five changes of either kind, former ones, a fork and a twin.
+const BROUGHT: usize = 30;
+/// Choice: former calibrations that are remembered.
+const FORMER: usize = 3;
+/// Choice: log odds to the best below which a hypothesis is out.
+const HOPELESS: f64 = 25.0;
+/// Choice: frames that hypotheses may run through again with one frame.
+const BUDGET: i64 = 700;
+/// Choice: frames between looks for a change that nothing announces.
+const LOOK: u64 = 3;
+/// Choice: frames between cold starts while nothing is known well.
+const COLD_EVERY: u64 = 40;
+/// Choice: log odds of a cold start, and of a vertical that contradicts the field: one in 400.
+const LOG_RARE: f64 = -6.0;
+/// Choice: a window of so many frames that is known to [`KNOWN_DEG`] is cut to half.
+const KNOWN_FRAMES: u64 = 96;
+/// Choice: what counts as known, degrees.
+const KNOWN_DEG: f64 = 0.8;
 
-/// What a change begins from: the name of the change before it, what was known, the log joint probability of that and a change
-/// that is over now; and of a change that is not, with the latest miss.
-struct Before {
-    id: u32,
-    known: Gaussian,
-    log: f64,
-    born: (f64, f64),
-}
-
-/// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bank {
-    all: [Option<Hypothesis>; MOST],
-    former: [Option<Gaussian>; FORMER],
+    pub all: Vec<Filter>,
+    pub frames: Frames,
+    pub noise: Noise,
+    former: Vec<Gaussian>,
     next_id: u32,
     turn: usize,
-    since_look_s: f64,
+    unit_ut: f64,
+    looked: u64,
+    mirrored: u64,
 }
 
 impl Bank {
-    pub fn new() -> Self {
-        Self { all: [const { None }; MOST], former: [None; FORMER], next_id: 0, turn: 0, since_look_s: 0.0 }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.all.iter().all(Option::is_none)
-    }
-
-    /// All hypotheses, in no order.
-    pub fn each(&self) -> impl Iterator<Item = &Hypothesis> {
-        self.all.iter().flatten()
-    }
-
-    fn best_place(&self) -> Option<usize> {
-        let log = |i: &usize| self.all[*i].as_ref().map_or(f64::NEG_INFINITY, Hypothesis::log_joint);
-        (0..MOST).filter(|i| self.all[*i].is_some()).max_by(|a, b| log(a).total_cmp(&log(b)))
-    }
-
-    /// The likeliest hypothesis.
-    pub fn best(&self) -> Option<&Hypothesis> {
-        self.best_place().and_then(|place| self.all[place].as_ref())
-    }
-
-    /// In a free place, or in that of the least likely one that is less likely.
-    fn insert(&mut self, hypothesis: Hypothesis) {
-        if !hypothesis.log_joint().is_finite() {
-            return;
-        }
-        let log = |slot: &Option<Hypothesis>| slot.as_ref().map_or(f64::NEG_INFINITY, Hypothesis::log_joint);
-        if let Some(worst) = self.all.iter_mut().min_by(|a, b| log(a).total_cmp(&log(b)))
-            && log(worst) < hypothesis.log_joint()
-        {
-            *worst = Some(hypothesis);
+    /// Takes all memory.
+    pub fn new(unit_ut: f64) -> Self {
+        Self {
+            all: Vec::with_capacity(MOST + BROUGHT),
+            frames: Frames::new(),
+            noise: Noise::default(),
+            former: Vec::with_capacity(FORMER + 1),
+            next_id: 0,
+            turn: 0,
+            unit_ut,
+            looked: 0,
+            mirrored: 0,
         }
     }
 
-    /// Enters a hypothesis that begins now.
-    fn begin_one(&mut self, mut hypothesis: Hypothesis, time_ns: i64) {
+    /// Forgets everything, in the memory that is there.
+    pub fn clear(&mut self) {
+        self.all.clear();
+        self.frames.clear();
+        self.former.clear();
+        (self.next_id, self.turn) = (0, 0);
+        (self.looked, self.mirrored) = (0, 0);
+    }
+
+    /// Other noise is believed, and the frames are judged again with it.
+    pub fn believe(&mut self, noise: &Noise, tuning: &Tuning) {
+        self.noise = *noise;
+        self.frames.believe(noise);
+        for filter in &mut self.all {
+            filter.again(&self.frames, tuning, self.unit_ut);
+        }
+    }
+
+    pub fn best(&self) -> Option<&Filter> {
+        self.all.iter().max_by(|a, b| a.log_joint().total_cmp(&b.log_joint()))
+    }
+
+    fn new_id(&mut self) -> u32 {
         self.next_id += 1;
-        (hypothesis.id, hypothesis.onset_ns) = (self.next_id, time_ns);
-        self.insert(hypothesis);
+        self.next_id
     }
 
-    /// Hypotheses that know nothing but the first sample, or a calibration that was given.
-    pub fn begin(&mut self, time_ns: i64, u: &Vector3<f64>, given: Option<Gaussian>, at: &Setting) {
-        self.begin_cold(time_ns, u, if given.is_some() { at.tuning.log_cold } else { 0.0 }, at);
-        if let Some(known) = given
-            && let Some(mut hypothesis) = Hypothesis::new(Kind::Former, &known, u, 0.0, at)
-        {
-            hypothesis.error = known.error();
-            self.begin_one(hypothesis, time_ns);
-        }
-    }
-
-    fn begin_cold(&mut self, time_ns: i64, u: &Vector3<f64>, base: f64, at: &Setting) {
-        for deviation in [at.tuning.cold_little, at.tuning.cold_much] {
-            let prior = cold(u, deviation, at);
-            if let Some(mut hypothesis) = Hypothesis::new(Kind::Cold, &prior, u, base - LN_2, at) {
-                // a minimum is found from either side; at the sample itself there is none
-                hypothesis.known.mean[8] -= 0.9;
-                self.begin_one(hypothesis, time_ns);
-            }
+    /// Starts on all sides of a sample: the same belief, linear about different points.
+    pub fn begin_cold(&mut self, frame: &Frame, log: f64, strength_known: bool, tuning: &Tuning) {
+        let prior = cold(&frame.u, tuning);
+        let id = self.new_id();
+        // a vertical that contradicts the field is one that tells nothing
+        let heeds: &[bool] = if frame.up.is_some() { &[true, false] } else { &[false] };
+        let sides = heeds.iter().flat_map(|heeds| (0..6).map(move |side| (*heeds, side)));
+        for (heeds_vertical, side) in sides {
+            let mut base = State::new(&prior, frame.uneven.variance, frame.tilt.variance);
+            base.log = if frame.up.is_some() && !heeds_vertical { log + LOG_RARE } else { log };
+            let mut lin = prior.mean;
+            lin[6 + side / 2] += if side % 2 == 0 { -0.9 } else { 0.9 };
+            let mut filter = Filter::new(Kind::Cold, base, lin, self.frames.next, frame.time_ns);
+            (filter.id, filter.heeds_vertical) = (id, heeds_vertical);
+            filter.scale_sd = Some(if strength_known { 0.05 } else { 0.28 });
+            filter.restart();
+            self.all.push(filter);
         }
     }
 
-    /// By how much a sample, in units, misses what the best hypothesis expects, where it knows enough to call that a surprise.
-    pub fn surprise(&self, sample: &Sample, at: &Setting) -> Option<f64> {
-        let best = self.best().filter(|best| best.judges(at))?;
-        best.surprise(&sample.u, sample.count as f64, at).map(f64::abs)
+    pub fn begin_given(&mut self, frame: &Frame, given: &Gaussian) {
+        let base = State::new(given, frame.uneven.variance, frame.tilt.variance);
+        let mut filter = Filter::new(Kind::Former, base, given.mean, self.frames.next, frame.time_ns);
+        filter.id = self.new_id();
+        self.all.push(filter);
     }
 
-    /// A mean of neighbouring samples, `seconds` after the one before, and by how much it surprises.
-    pub fn push(&mut self, time_ns: i64, sample: &Sample, surprise: Option<f64>, seconds: f64, at: &Setting) {
-        let Some(place) = self.best_place() else { return };
-        let Some(best) = &self.all[place] else { return };
-        let tuning = at.tuning;
-        self.since_look_s += seconds;
-        if best.error > tuning.unsure_deg.to_radians().powi(2) * at.level.kappa {
-            if self.since_look_s >= 8.0 * tuning.look_s() {
-                let base = best.log_joint() + tuning.log_cold + expected(tuning.devices_per_h, self.since_look_s).ln();
-                self.begin_cold(time_ns, &sample.u, base, at);
-                self.since_look_s = 0.0;
+    /// A frame; whether it surprised the best hypothesis.
+    pub fn push(&mut self, frame: Frame, strength_known: bool, tuning: &Tuning) {
+        let best = self.best().cloned();
+        let unknown = 8.0_f64.to_radians().powi(2);
+        if let Some(best) = best.as_ref() {
+            let look = self.frames.next - self.looked >= LOOK;
+            // a cold start is always in the race
+            if best.error > unknown && self.frames.next - self.looked >= COLD_EVERY {
+                self.looked = self.frames.next;
+                self.begin_cold(&frame, best.log_joint() + LOG_RARE, strength_known, tuning);
             }
-        } else if surprise.is_some() {
-            self.spawn(place, time_ns, sample, surprise, seconds.max(1e-3), at);
-            self.since_look_s = 0.0;
-        } else if !sample.stale
-            && self.since_look_s >= tuning.look_s()
-            && best.age * at.period_s > 2.0 * tuning.look_s()
-        {
-            self.spawn(place, time_ns, sample, None, self.since_look_s, at);
-            self.since_look_s = 0.0;
-        }
-        for hypothesis in self.all.iter_mut().flatten() {
-            hypothesis.add(sample, at);
-        }
-        self.fit(at);
-        self.prune(time_ns, tuning);
-    }
-
-    /// What may have changed within the latest `seconds`, from what the best hypothesis knew before.
-    fn spawn(
-        &mut self,
-        place: usize,
-        time_ns: i64,
-        sample: &Sample,
-        surprise: Option<f64>,
-        seconds: f64,
-        at: &Setting,
-    ) {
-        let tuning = at.tuning;
-        let Some(parent) = &mut self.all[place] else { return };
-        if parent.has_news() {
-            parent.fit(at);
-            parent.absorb_if_known(at);
-        }
-        let parent = parent.clone();
-        let begins = parent.log_joint() + expected(tuning.changes_per_h(), seconds).ln();
-        // what is large does not come without a surprise; what goes on for a while is not small
-        let sizes = if surprise.is_some() { 0..2 } else { 0..1 };
-        let miss = surprise.unwrap_or(0.0);
-        let before = Before { id: parent.id, known: parent.known, log: begins, born: (begins, 0.0) };
-        self.begin_children(time_ns, &before, &parent, sample, (sizes, miss), at);
-        if surprise.is_none() {
-            self.consider_motion(&parent, at);
-        }
-        // or its change ends only now
-        if let Some(known) = parent.former {
-            let log = parent.in_progress + (seconds / tuning.change_s).ln();
-            let before = Before { id: parent.parent, known, log, born: (parent.in_progress, parent.missed_before) };
-            self.begin_children(time_ns, &before, &parent, sample, (1..2, miss), at);
-        }
-    }
-
-    /// All kinds of changes of these sizes.
-    fn begin_children(
-        &mut self,
-        time_ns: i64,
-        before: &Before,
-        parent: &Hypothesis,
-        sample: &Sample,
-        (sizes, miss): (Range<usize>, f64),
-        at: &Setting,
-    ) {
-        let tuning = at.tuning;
-        let centre = if (sample.u - parent.centre()).norm() > FAR { sample.u } else { *parent.centre() };
-        // kinds share the rate of changes
-        let Before { id, ref known, log, born } = *before;
-        let log_device = log + (tuning.devices_per_h / tuning.changes_per_h()).ln();
-        let log_place = log + (tuning.places_per_h / tuning.changes_per_h()).ln();
-        let child = |bank: &mut Self, kind, size: usize, prior: &Gaussian, log_child: f64| {
-            if let Some(mut child) = Hypothesis::new(kind, prior, &centre, log_child, at) {
-                (child.size, child.parent) = (size as u8, id);
-                child.former = Some(*known);
-                (child.in_progress, child.missed_before) = born;
-                child.motion = Motion::new(parent.motion.moves, parent.motion.rate, at);
-                bank.begin_one(child, time_ns);
-            }
-        };
-        let changed = |bank: &mut Self, kind, size, iron: f64, b: f64| {
-            // with M or without; both sizes where both may be
-            let share = 2.0 * sizes.len() as f64;
-            child(bank, kind, size, &after(known, iron, b, tuning), log_device - share.ln());
-        };
-        for size in sizes.clone() {
-            let (b_ut, place) = match size {
-                0 => (tuning.small_ut, tuning.small_place),
-                _ => (tuning.large_ut, tuning.large_place),
-            };
-            // a change is not much smaller than the miss that shows one component of it
-            let b = if size == 0 { b_ut / at.unit_ut } else { (b_ut / at.unit_ut).max(1.5 * miss) };
-            changed(self, Kind::HardIron, size, 0.0, b);
-            changed(self, Kind::All, size, tuning.iron_per_ut * b_ut, b);
-            child(self, Kind::Place, size, &elsewhere(known, place), log_place - (sizes.len() as f64).ln());
-        }
-        if sizes.contains(&1) {
-            for (index, former) in self.former.into_iter().flatten().enumerate() {
-                child(self, Kind::Former, index, &former, log_device - 8.0_f64.ln());
-            }
-        }
-    }
-
-    /// b may have begun to move, or to rest: the other of the two, where none competes yet.
-    fn consider_motion(&mut self, parent: &Hypothesis, at: &Setting) {
-        let tuning = at.tuning;
-        if parent.error.sqrt() >= 0.5 * tuning.absorb_moving_deg.to_radians() {
-            return;
-        }
-        let moves = !parent.motion.moves;
-        let log = parent.log_joint() + tuning.log_moves;
-        if self.each().any(|h| h.motion.moves == moves && h.log_joint() > log - 2.0) {
-            return;
-        }
-        for slot in &mut self.all {
-            if slot.as_ref().is_some_and(|h| h.motion.moves == moves) {
-                *slot = None;
-            }
-        }
-        let prior = if moves {
-            after(&parent.known, tuning.iron_per_ut * tuning.small_ut, tuning.moved_ut / at.unit_ut, tuning)
-        } else {
-            parent.known
-        };
-        if let Some(mut child) = Hypothesis::new(parent.kind, &prior, parent.centre(), log, at) {
-            child.motion = Motion::new(moves, Vector3::zeros(), at);
-            child.continues(parent);
-            self.insert(child);
-        }
-    }
-
-    /// The best hypothesis first, the others in turn, within a budget of iterations.
-    fn fit(&mut self, at: &Setting) {
-        let best = self.best_place();
-        let mut left = at.tuning.iterations as isize;
-        let mut twin = None;
-        self.turn = (self.turn + 1) % MOST;
-        let order = best.into_iter().chain((0..MOST).map(|i| (self.turn + i) % MOST).filter(|i| Some(*i) != best));
-        for place in order {
-            if left <= 0 {
-                break;
-            }
-            let Some(hypothesis) = &mut self.all[place] else { continue };
-            if !hypothesis.wants_fit() {
-                continue;
-            }
-            left -= hypothesis.fit(at) as isize;
-            hypothesis.absorb_if_known(at);
-            if twin.is_none() && hypothesis.looks_for_twin(at.tuning.twin_deg.to_radians().powi(2)) {
-                left -= 8;
-                twin = Some(place);
-            }
-        }
-        if let Some(hypothesis) = twin.and_then(|place| self.all[place].clone()) {
-            let mut starts = [None; 7];
-            starts[0] = Some(hypothesis.mirrored());
-            if hypothesis.kind == Kind::Cold && hypothesis.samples() < 100.0 {
-                for k in 0..6 {
-                    starts[1 + k] = Some(hypothesis.beside(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 }));
-                }
-            }
-            for start in starts.into_iter().flatten() {
-                if let Some(found) = hypothesis.twin(at, &start) {
-                    self.insert(found);
+            if best.error <= unknown || best.age > 50.0 {
+                let look = look && best.error <= unknown;
+                let mut tried = best.clone();
+                tried.add(&frame, tuning, self.unit_ut);
+                let surprised = tried.now.odd > 0 || tried.now.place_ns == Some(frame.time_ns);
+                if surprised || look {
+                    let seconds = frame.seconds * (self.frames.next - self.looked).max(1) as f64;
+                    self.looked = self.frames.next;
+                    self.spawn(best, &frame, surprised, seconds.min(1.0), tuning);
                 }
             }
         }
+        let doubtful =
+            best.is_some_and(|best| best.error > 3.0_f64.to_radians().powi(2) && best.length(&self.frames) > 8);
+        if doubtful && self.frames.next - self.mirrored >= 10 {
+            self.mirrored = self.frames.next;
+            self.twins(tuning);
+        }
+        self.frames.push(frame);
+        for filter in &mut self.all {
+            filter.add(&frame, tuning, self.unit_ut);
+        }
+        self.settle(tuning);
+        self.prune();
     }
 
-    fn prune(&mut self, time_ns: i64, tuning: &Tuning) {
-        let Some(best) = self.best_place() else { return };
-        let top = self.all[best].as_ref().map_or(0.0, Hypothesis::log_joint);
-        for place in 0..MOST {
-            let Some(own) = &self.all[place] else { continue };
-            let log = own.log_joint();
-            let beaten = |(other, h): (usize, &Option<Hypothesis>)| {
-                h.as_ref().is_some_and(|h| {
-                    other != place
-                        && (h.is_twin(own, tuning.same_place) || h.is_neighbour(own, time_ns))
-                        && (h.log_joint() > log || h.log_joint() == log && other < place)
-                })
-            };
-            if log < top + tuning.log_hopeless || !log.is_finite() || self.all.iter().enumerate().any(beaten) {
-                self.all[place] = None;
+    /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
+    fn spawn(&mut self, parent: &Filter, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
+        let known = parent.known();
+        let log = |per_h: f64| parent.log_joint() + (per_h * seconds.max(0.05) / 3600.0).ln();
+        let mut state = parent.now.clone();
+        state.odd = 0;
+        let number = self.frames.next;
+        let child = |kind: Kind, base: State, lin: Tau, id: u32, size: u8| {
+            let mut child = Filter::new(kind, base, lin, number, frame.time_ns);
+            (child.id, child.size, child.parent, child.heeds_vertical) = (id, size, parent.id, parent.heeds_vertical);
+            child.former = (kind != Kind::Place).then_some(known);
+            child
+        };
+        let (device, place) = (self.new_id(), self.new_id());
+        let honest = state.honest();
+        let scale = shape(&known.mean).trace() / 3.0;
+        let sizes = [(0, 0.25), (1, 1.0), (9, 6.0)].into_iter().take(if surprised { 3 } else { 2 });
+        let ways: &[bool] = if surprised { &[false, true] } else { &[false] };
+        for ((size, part), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
+            let step = tuning.step_ut * part;
+            let mut base = state.clone();
+            base.take_for_known(&honest);
+            for i in 0..3 {
+                base.p[(i, i)] += (tuning.iron_per_ut * step * scale).powi(2);
+                base.p[(3 + i, 3 + i)] += (0.7 * tuning.iron_per_ut * step * scale).powi(2);
+                base.p[(6 + i, 6 + i)] += (step / self.unit_ut).powi(2);
+            }
+            base.begin_spread();
+            base.log = log(tuning.devices_per_h) - std::f64::consts::LN_2;
+            let mut lin = known.mean;
+            if size == 9 && number > 1 {
+                // a step that is sudden is what the field jumped by
+                let jump = frame.u - self.frames.at(number - 1).u;
+                (0..3).for_each(|i| lin[6 + i] += jump[i]);
+            }
+            let mut child = child(Kind::Device, base, lin, device, size);
+            child.takes_time = takes_time;
+            self.all.push(child);
+        }
+        for (size, part) in [(0, 0.15), (1, 1.0)] {
+            let mut base = state.clone();
+            base.moves_to(tuning.place * part, frame.time_ns);
+            base.log = log(tuning.places_per_h) - std::f64::consts::LN_2;
+            self.all.push(child(Kind::Place, base, known.mean, place, size));
+        }
+        if surprised {
+            for (former, size) in self.former.iter().zip(2..) {
+                let mut base = state.with(former);
+                base.log = log(tuning.devices_per_h) - 2.0;
+                self.all.push(child(Kind::Former, base, former.mean, device, size));
             }
         }
-        // what was known before a change that is certain by now may hold again some day
-        if let Some(best) = self.best_place().and_then(|place| self.all[place].as_mut())
-            && best.error.sqrt() < tuning.absorb_deg.to_radians()
+        // b may move, or rest
+        let moves = !parent.moves;
+        if !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
+            self.all.retain(|it| it.moves != moves);
+            self.all.push(parent.fork(moves, number));
+        }
+    }
+
+    /// Starts on the other side of the best hypothesis' samples.
+    fn twins(&mut self, tuning: &Tuning) {
+        let Some(best) = self.best().cloned() else { return };
+        let n = best.length(&self.frames).max(1) as f64;
+        let numbers = best.first..self.frames.next;
+        let mean = numbers.clone().map(|k| self.frames.at(k).u).sum::<Vector3<f64>>() / n;
+        let spread = numbers.map(|k| self.frames.at(k).u - mean).map(|d| d * d.transpose()).sum::<Matrix3<f64>>();
+        let eigen = spread.symmetric_eigen();
+        let normal: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
+        let known = best.known();
+        let centre = super::parameters::centre(&known.mean);
+        let off = normal * (2.0 * normal.dot(&(centre - mean)));
+        let mut lin: Tau = known.mean;
+        (0..3).for_each(|i| lin[6 + i] -= off[i]);
+        let twin = best.about(lin, &self.frames, tuning, self.unit_ut);
+        self.all.push(twin);
+    }
+
+    /// The best first, the others in turn: those that have moved run again, within a budget.
+    fn settle(&mut self, tuning: &Tuning) {
+        let mut left = BUDGET;
+        self.all.sort_unstable_by(|a, b| b.log_joint().total_cmp(&a.log_joint()));
+        self.turn += 1;
+        let n = self.all.len();
+        for place in 0..n {
+            let k = if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) };
+            let filter = &mut self.all[k];
+            let length = filter.length(&self.frames);
+            if length + 2 >= FRAMES {
+                let until = self.frames.next - FRAMES / 2;
+                filter.forget(until, &self.frames, tuning, self.unit_ut);
+            } else if length >= KNOWN_FRAMES && filter.error < KNOWN_DEG.to_radians().powi(2) && !filter.wants_run() {
+                let until = self.frames.next - KNOWN_FRAMES / 2;
+                filter.forget(until, &self.frames, tuning, self.unit_ut);
+            }
+            let mut tries = if length < 32 { 4 } else { 2 };
+            while left > 0 && tries > 0 && filter.wants_run() {
+                left -= filter.run(&self.frames, tuning, self.unit_ut) as i64;
+                tries -= 1;
+            }
+            filter.judge(self.unit_ut);
+        }
+    }
+
+    fn prune(&mut self) {
+        self.all.sort_unstable_by(|a, b| b.log_joint().total_cmp(&a.log_joint()));
+        let Some(top) = self.all.first().map(Filter::log_joint) else { return };
+        let latest = self.frames.next;
+        let mut kept = 0;
+        for k in 0..self.all.len() {
+            let filter = &self.all[k];
+            let is_beaten = self.all[..kept].iter().any(|better| better.makes_needless(filter, latest));
+            let is_young = filter.kind == Kind::Cold && latest - filter.first < 8;
+            let is_likely = filter.log_joint().is_finite() && (filter.log_joint() > top - HOPELESS || is_young);
+            if is_likely && !is_beaten {
+                self.all.swap(kept, k);
+                kept += 1;
+            }
+        }
+        self.all.truncate(kept.min(MOST));
+        let limit = KNOWN_DEG.to_radians().powi(2);
+        if let Some(best) = self.all.first_mut()
+            && best.error < limit
             && let Some(former) = best.former.take()
         {
-            let known =
-                |slot: &Option<Gaussian>| slot.is_some_and(|g| (g.mean - former.mean).norm() <= tuning.same_place);
-            let place = self.former.iter().position(known).unwrap_or(FORMER - 1);
-            self.former[..=place].rotate_right(1);
-            self.former[0] = Some(former);
+            self.former.retain(|it| (it.mean - former.mean).norm() > 0.1);
+            self.former.insert(0, former);
+            self.former.truncate(FORMER);
         }
     }
 
-    /// Mean and second moment of all hypotheses by their probability; None while there are none.
-    pub fn mixture(&self, at: &Setting) -> Option<Gaussian> {
-        let best = self.best()?;
-        let changing = best.former.map(|former| {
-            let wide =
-                after(&former, at.tuning.iron_per_ut * at.tuning.large_ut, at.tuning.large_ut / at.unit_ut, at.tuning);
-            elsewhere(&wide, at.tuning.large_place)
-        });
-        let mut parts = [None; MOST + 1];
-        for (part, slot) in parts.iter_mut().zip(&self.all) {
-            *part = slot.as_ref().map(|h| (&h.known, (h.log_joint() - best.log_joint()).exp()));
-        }
-        parts[MOST] = changing.as_ref().map(|known| (known, (best.in_progress - best.log_joint()).exp()));
-        let sum: f64 = parts.iter().flatten().map(|(_, weight)| weight).sum();
-        let mean: Tau = parts.iter().flatten().map(|(known, weight)| known.mean * (weight / sum)).sum();
+    /// Mean and second moment of all hypotheses by their probability.
+    pub fn mixture(&self) -> Option<Gaussian> {
+        let top = self.best()?.log_joint();
+        let weight = |it: &Filter| (it.log_joint() - top).exp();
+        let sum: f64 = self.all.iter().map(weight).sum();
+        let parts = || self.all.iter().map(|it| (it.now.honest(), weight(it) / sum)).filter(|(_, share)| *share > 1e-5);
+        let mean: Tau = parts().map(|(known, share)| known.mean * share).sum();
         let mut covariance = TauMatrix::zeros();
-        for (known, weight) in parts.iter().flatten().filter(|(_, weight)| *weight > NO_WEIGHT * sum) {
+        for (known, share) in parts() {
             let off = known.mean - mean;
-            covariance += (known.covariance + off * off.transpose()) * (weight / sum);
+            covariance += (known.covariance + off * off.transpose()) * share;
         }
         Some(Gaussian { mean, covariance })
     }
 
+    /// All hypotheses, in no order.
+    pub fn each(&self) -> impl Iterator<Item = &Filter> {
+        self.all.iter()
+    }
+
     /// Probability of all hypotheses for which `is` holds.
-    pub fn probability(&self, is: impl Fn(&Hypothesis) -> bool) -> f64 {
-        let Some(top) = self.best().map(Hypothesis::log_joint) else { return 0.0 };
-        let of = |h: &Hypothesis| (h.log_joint() - top).exp();
-        let all: f64 = self.each().map(of).sum();
-        self.each().filter(|h| is(h)).map(of).sum::<f64>() / all
+    pub fn probability(&self, is: impl Fn(&Filter) -> bool) -> f64 {
+        let Some(top) = self.best().map(Filter::log_joint) else { return 0.0 };
+        let of = |it: &Filter| (it.log_joint() - top).exp();
+        let all: f64 = self.all.iter().map(of).sum();
+        self.all.iter().filter(|it| is(it)).map(of).sum::<f64>() / all
     }
 }
 
-/// How many changes are expected within some seconds.
-fn expected(per_h: f64, seconds: f64) -> f64 {
-    per_h * seconds / 3600.0
-}
-
-/// What was known, after a change of M by a relative `iron` and of b by `b` units, as standard deviations.
-fn after(known: &Gaussian, iron: f64, b: f64, tuning: &Tuning) -> Gaussian {
-    let mut covariance = known.covariance;
-    // relative to the size of T: the gauge of the field strength is free
-    let scale = shape(&known.mean).trace() / 3.0;
-    for (at, sd) in [(0, iron * scale), (3, tuning.cross * iron * scale), (6, b)] {
-        (at..at + 3).for_each(|i| covariance[(i, i)] += sd * sd);
-    }
-    Gaussian { mean: known.mean, covariance }
-}
-
-/// What was known of the device, in a place whose field is different by `size` (strength, and the vertical part).
-fn elsewhere(known: &Gaussian, size: f64) -> Gaussian {
-    let mut covariance = known.covariance;
-    for i in 0..6 {
-        for j in 0..6 {
-            covariance[(i, j)] += size * size * known.mean[i] * known.mean[j];
-        }
-    }
-    covariance[(9, 9)] += size * size;
-    Gaussian { mean: known.mean, covariance }
-}
-
-/// Before anything is known: T = k (I + deviation) with k for any field on Earth, or near that which is given; b within about a field strength of the first sample.
-fn cold(u: &Vector3<f64>, deviation: f64, at: &Setting) -> Gaussian {
-    let tuning = at.tuning;
-    let (scale, scale_sd) = match at.strength_ut {
-        Some(_) => (1.0, tuning.small_place),
-        None => (tuning.cold_scale, tuning.cold_scale_sd),
-    };
-    let mut mean = Tau::zeros();
+/// T = k (I + deviation), b within about a field strength of the first sample; k is left wide open here (`Filter::scale_sd`).
+fn cold(u: &Vector3<f64>, tuning: &Tuning) -> Gaussian {
     let mut covariance = TauMatrix::zeros();
     covariance[(9, 9)] = 1.0;
+    covariance.fixed_view_mut::<3, 3>(0, 0).fill(1.0);
     for i in 0..3 {
-        mean[i] = scale;
-        mean[6 + i] = u[i];
-        covariance[(i, i)] += deviation * deviation;
-        covariance[(3 + i, 3 + i)] = (tuning.cross * deviation).powi(2);
-        covariance[(6 + i, 6 + i)] = tuning.cold_centre * tuning.cold_centre;
-        for j in 0..3 {
-            covariance[(i, j)] += scale_sd * scale_sd;
-        }
+        covariance[(i, i)] += tuning.soft_iron.powi(2);
+        covariance[(3 + i, 3 + i)] = (0.7 * tuning.soft_iron).powi(2);
+        covariance[(6 + i, 6 + i)] = tuning.cold_centre.powi(2);
     }
-    Gaussian { mean, covariance }
+    Gaussian { mean: tau_of(&Matrix3::identity(), u), covariance }
 }
 
 /// A calibration that was given.
-pub(super) fn given(given: &Given, at: &Setting) -> Gaussian {
-    let per_unit = at.unit_ut / given.calibration.field_strength_ut();
+pub(super) fn given(given: &Given, unit_ut: f64) -> Gaussian {
+    let per_unit = unit_ut / given.calibration.field_strength_ut();
     let t = given.calibration.soft_iron_inverse() * per_unit;
-    let mean = tau_of(&t, &(given.calibration.hard_iron_ut() / at.unit_ut));
+    let mean = tau_of(&t, &(given.calibration.hard_iron_ut() / unit_ut));
     // T = k M^-1: dT = -T dM T / k
     let mut by = SMatrix::<f64, 9, 9>::zeros();
     for (k, dm) in basis().into_iter().enumerate() {
         by.fixed_view_mut::<6, 1>(0, 3 + k).copy_from(&six(&(t * dm * t / -per_unit)));
     }
-    by.fixed_view_mut::<3, 3>(6, 0).fill_diagonal(1.0 / at.unit_ut);
+    by.fixed_view_mut::<3, 3>(6, 0).fill_diagonal(1.0 / unit_ut);
     let mut covariance = TauMatrix::zeros();
     covariance.fixed_view_mut::<9, 9>(0, 0).copy_from(&(by * given.covariance * by.transpose()));
     // what was measured best is not known better than this
     (0..9).for_each(|k| covariance[(k, k)] += LEAST_VARIANCE);
     // the strength of this place may differ from that of the last
-    let mut known = elsewhere(&Gaussian { mean, covariance }, 2.0 * at.tuning.small_place);
-    known.covariance[(9, 9)] = 1.0;
-    known
+    for i in 0..6 {
+        for j in 0..6 {
+            covariance[(i, j)] += 0.01 * mean[i] * mean[j];
+        }
+    }
+    covariance[(9, 9)] = 1.0;
+    Gaussian { mean, covariance }
 }

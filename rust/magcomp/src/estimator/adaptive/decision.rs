@@ -1,86 +1,100 @@
-//! What is told of changes. A change is decided when the hypotheses that came with it have nearly all of the probability and it
-//! has lasted; what it was is told by how the parameters differ from those at the latest decision: directions that turned are
-//! the device, another strength or dip the place.
+//! What is told of changes.
 
 use super::bank::Bank;
-use super::hypothesis::{Hypothesis, Kind};
-use super::parameters::{Gaussian, Tau, shape};
+use super::filter::{Filter, Kind};
+use super::parameters::{Gaussian, Tau, beyond_earth};
 use super::tuning::Tuning;
 use crate::reading::{Event, EventKind, ModelOrder};
+
+/// Choice: least change of directions that is told, degrees; least change of strength or vertical part.
+const TOLD_DEG: f64 = 1.5;
+/// Choice: the same of the place, relative to its strength.
+const TOLD_PLACE: f64 = 0.1;
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Decision {
-    /// The hypothesis that was decided for, and what it says.
     id: u32,
+    /// Kind and onset of the change that is in force.
+    change: Option<(Kind, i64)>,
     told: Option<Tau>,
-    /// Another place: since when, and what is usual.
-    elsewhere: Option<(i64, Tau)>,
-    /// Since when something has changed that is not decided yet, ns.
+    /// The place is not as usual, since.
+    pub elsewhere: Option<i64>,
+    told_place: Option<i64>,
     pub suspected_ns: Option<i64>,
     pub order: ModelOrder,
     pub event: Option<Event>,
 }
 
 impl Decision {
-    /// Whether the likeliest hypothesis is of a change that is not decided yet, and would be told or is not known well enough.
-    pub fn watch(&mut self, bank: &Bank, tuning: &Tuning) {
-        let least = tuning.least_change_deg.to_radians().powi(2);
-        let matters = |told: &Tau, best: &Hypothesis| {
-            best.error > least
-                || turned(told, &best.known.mean) > least
-                || !is_same_place(told, &best.known.mean, 2.0 * tuning.small_place)
-        };
-        let best = bank.best().filter(|best| best.id != self.id && best.kind != Kind::Cold);
-        self.suspected_ns =
-            best.zip(self.told).filter(|(best, told)| matters(told, best)).map(|(best, _)| best.onset_ns);
-    }
-
-    /// Since when the place is another one than usual, ns.
-    pub fn elsewhere_ns(&self) -> Option<i64> {
-        self.elsewhere.map(|(since_ns, _)| since_ns)
-    }
-
-    /// Looks at the bank again.
-    pub fn review(&mut self, bank: &Bank, time_ns: i64, tuning: &Tuning) {
-        let seconds_since = |since_ns: i64| time_ns.saturating_sub(since_ns) as f64 * 1e-9;
-        // a place that lasts is what is usual
-        self.elsewhere = self.elsewhere.filter(|(since_ns, _)| seconds_since(*since_ns) < tuning.new_place_s);
+    pub fn review(&mut self, bank: &Bank, time_ns: i64, unit_ut: f64, tuning: &Tuning) {
+        let since = |ns: i64| time_ns.saturating_sub(ns) as f64 * 1e-9;
         let Some(best) = bank.best() else { return };
-        let (id, kind, onset_ns, mean) = (best.id, best.kind, best.onset_ns, best.known.mean);
-        let Some(before) = self.told.filter(|_| id != self.id && kind != Kind::Cold) else {
-            (self.id, self.told) = (id, Some(mean));
+        // the place
+        let (level, tilted, variance) = best.now.level();
+        let off = level.abs().max(tilted.abs()) > TOLD_PLACE && variance.sqrt() < 0.5 * TOLD_PLACE;
+        let beyond = beyond_earth(&best.now.tau(), unit_ut) > TOLD_PLACE;
+        self.elsewhere =
+            best.now.place_ns.filter(|ns| off && since(*ns) < tuning.new_place_s).or(beyond.then_some(best.onset_ns));
+        let place_sure = bank.probability(|it| it.now.place_ns == best.now.place_ns) > tuning.certain;
+        // the device
+        let known = best.known().mean;
+        let Some(before) = self.told.filter(|_| best.kind != Kind::Cold) else {
+            self.take(best);
             return;
         };
-        let own = |h: &Hypothesis| h.onset_ns >= onset_ns && h.id != self.id;
-        if seconds_since(onset_ns) < tuning.change_s || bank.probability(own) < tuning.certain {
+        self.suspected_ns = None;
+        // those that began while the change took place say the same
+        let began_ns = |onset_ns: i64| onset_ns.saturating_sub((tuning.ramp_s * 1e9) as i64);
+        let same = |(kind, ns): (Kind, i64)| {
+            kind == best.kind && ns >= began_ns(best.onset_ns) && best.onset_ns >= began_ns(ns)
+        };
+        if self.change.is_some_and(same) {
+            self.id = best.id;
+        }
+        let matters = |it: &Filter| {
+            it.error > TOLD_DEG.to_radians().powi(2)
+                || turned(&before, &it.known().mean) > TOLD_DEG.to_radians().powi(2)
+        };
+        if best.id != self.id && matters(best) {
+            self.suspected_ns = Some(best.onset_ns);
+        } else if best.now.odd > 0 {
+            self.suspected_ns = Some(time_ns);
+        }
+        if let Some(ns) = self.elsewhere
+            && best.now.place_ns == Some(ns)
+            && self.told_place != Some(ns)
+            && since(ns) >= tuning.change_s
+            && place_sure
+        {
+            self.told_place = Some(ns);
+            self.event = Some(Event { kind: EventKind::PlaceChanged, since_ns: ns, decided_ns: time_ns });
+        }
+        if best.id == self.id {
+            self.told = Some(known);
             return;
         }
-        (self.id, self.told) = (id, Some(mean));
-        self.order = match kind {
-            Kind::Former => ModelOrder::Former,
-            Kind::HardIron => ModelOrder::HardIron,
-            Kind::All => ModelOrder::All,
-            Kind::Cold | Kind::Place => self.order,
-        };
-        let is_place = |other: &Tau| !is_same_place(other, &mean, 2.0 * tuning.small_place);
-        let event = if turned(&before, &mean) > tuning.least_change_deg.to_radians().powi(2) {
-            if kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep }
-        } else if is_place(&before) {
-            let usual = self.elsewhere.map_or(before, |(_, usual)| usual);
-            self.elsewhere = is_place(&usual).then_some((onset_ns, usual));
-            EventKind::PlaceChanged
-        } else {
+        let own = |h: &Filter| h.onset_ns >= began_ns(best.onset_ns) && h.id != self.id;
+        if since(best.onset_ns) < tuning.change_s || !best.is_shown(tuning) || bank.probability(own) < tuning.certain {
             return;
-        };
-        // what is found out about a change that has been told already is no other change
-        let told = self.event.is_some_and(|told| {
-            (onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
-                && (told.kind == EventKind::PlaceChanged) == (event == EventKind::PlaceChanged)
-        });
-        if !told {
-            self.event = Some(Event { kind: event, since_ns: onset_ns, decided_ns: time_ns });
         }
+        self.take(best);
+        self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
+        if turned(&before, &known) > TOLD_DEG.to_radians().powi(2) {
+            let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+            let told = self.event.is_some_and(|told| {
+                (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
+                    && told.kind != EventKind::PlaceChanged
+            });
+            if !told {
+                self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
+            }
+        }
+    }
+
+    /// The change in force is that of a hypothesis.
+    fn take(&mut self, best: &Filter) {
+        (self.id, self.change, self.told) = (best.id, Some((best.kind, best.onset_ns)), Some(best.known().mean));
     }
 }
 
@@ -88,10 +102,4 @@ impl Decision {
 fn turned(a: &Tau, b: &Tau) -> f64 {
     let off = b - a;
     Gaussian { mean: *a, covariance: off * off.transpose() }.error()
-}
-
-/// Whether the field is about as strong and as steep.
-fn is_same_place(a: &Tau, b: &Tau, least: f64) -> bool {
-    let strength = |tau: &Tau| shape(tau).trace();
-    (strength(a) / strength(b) - 1.0).abs() < least && (a[9] - b[9]).abs() < least
 }

@@ -1,14 +1,13 @@
 //! What the estimator tells of its inside (`Compensator::explain`). Nothing here changes it.
 
 use super::Adaptive;
-use super::hypothesis::Kind;
+use super::filter::Kind;
 use crate::explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse,
 };
 
 impl Adaptive {
     pub fn explain(&self) -> Explanation {
-        let level = self.noise.level();
         Explanation {
             estimator: Estimator::Adaptive,
             phase: if !self.has_learned() {
@@ -25,8 +24,8 @@ impl Adaptive {
             compared_turn_deg: None,
             hypotheses: self.likeliest(),
             noise: NoiseLevels {
-                white_ut: Some(level.white.sqrt() * self.unit_ut),
-                local_ut: Some(level.uneven.sqrt() * self.unit_ut),
+                white_ut: Some(self.white().sqrt() * self.unit_ut),
+                local_ut: Some(self.bank.noise.uneven.size * self.unit_ut),
                 hard_iron_walk_ut: Some(self.tuning.walk_ut),
                 ..NoiseLevels::default()
             },
@@ -57,8 +56,7 @@ impl Adaptive {
 fn told(kind: Kind) -> ChangeKind {
     match kind {
         Kind::Cold => ChangeKind::FromNothing,
-        Kind::HardIron => ChangeKind::HardIron,
-        Kind::All => ChangeKind::Device,
+        Kind::Device => ChangeKind::Device,
         Kind::Place => ChangeKind::Place,
         Kind::Former => ChangeKind::DeviceBack,
     }

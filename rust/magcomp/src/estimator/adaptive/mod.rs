@@ -1,53 +1,58 @@
-//! The adaptive estimator: M and b from the magnetometer alone, at the speed the information in the samples allows.
-//!
-//! Since the latest change the samples lie on one ellipsoid |T (u - beta)| = 1; when that change was, and what it changed, is
-//! not known. A bank of hypotheses says each what it may be; the samples weigh them; the mixture is published.
-//! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `likelihood` (from moments) ·
-//! `hypothesis` (prior, fit, evidence) · `motion` (b that moves) · `bank` (hypotheses against each other) · `noise` (white, and of the place) ·
-//! `vertical` (gravity's constraint) · `grouping` (neighbours averaged) · `decision` (what is
-//! told of changes) · `published` (what is in force) · `explain` (for people).
-//! The derivation is in docs/METHOD.md.
+//! The estimator for a magnetometer without gyroscope: a bank of Kalman filters over stored frames.
+//! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `grouping` (neighbours averaged) · `frame` (what is
+//! stored) · `filter` (a hypothesis) · `spread` (what only noise tells) · `bank` (hypotheses against each other) · `decision` (what is told of
+//! changes) · `published` (what is in force) · `explain` (for people). The noise is learned by `noise/`. The derivation is in docs/METHOD-ADAPTIVE.md.
 
 mod bank;
 mod decision;
 mod explain;
+mod filter;
+mod frame;
 mod grouping;
-mod hypothesis;
-mod likelihood;
-mod motion;
-mod noise;
 mod parameters;
 mod published;
-mod setting;
+mod spread;
 mod tuning;
-mod vertical;
 
-use crate::calibration::{Calibration, Given, UNEVEN_UT, typical_field_ut};
+use crate::calibration::{Calibration, Given, typical_field_ut};
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::noise::{Markov, MeanSquare, Process, Stays};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::tilt::GRAVITY_M_S2;
 use bank::Bank;
 use decision::Decision;
+use filter::Kind;
+use frame::{Frame, Noise};
 use grouping::{Group, Grouping};
 use nalgebra::{SMatrix, Vector3};
-use noise::{Level, Noise};
 use parameters::{Gaussian, is_bounded};
 use published::Published;
-use setting::{Sample, Setting};
 pub(crate) use tuning::Tuning;
 
-/// Samples before there can be an estimate: as many as nine parameters need, and some.
+/// Format: samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
-/// Mean square turn, about one axis at least, after which a given calibration was looked at from sides enough to be confirmed, rad^2.
+/// Choice: mean square turn, about one axis at least, after which a given calibration was looked at from sides enough to be confirmed, rad^2.
 const TURNED_RAD2: f64 = 0.1;
 
-/// Where the device stays, and for how long, samples.
+/// Groups that become one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Pooled {
+    sum: Vector3<f64>,
+    up: Vector3<f64>,
+    groups: f64,
+}
+
+/// Where the device stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stay {
     at: Vector3<f64>,
-    samples: f64,
+    latest_ns: i64,
+    /// The mean that is formed now is of 2^length groups.
+    length: usize,
+    frames: u32,
+    pooled: Pooled,
 }
 
 /// The estimator. All state is plain numbers.
@@ -58,16 +63,25 @@ pub(crate) struct Adaptive {
     strength_ut: Option<f64>,
     given: Option<Given>,
     bank: Bank,
-    noise: Noise,
+    uneven: Markov,
+    tilt: Markov,
+    stays: Stays,
+    second: MeanSquare,
+    differing: MeanSquare,
+    tilt_white: MeanSquare,
+    /// What the frame before missed, along the field and along the vertical.
+    missed: Option<(f64, Option<f64>)>,
+    raw: [Vector3<f64>; 2],
+    period_s: f64,
     grouping: Grouping,
     stay: Stay,
     latest_ns: Option<i64>,
-    group_ns: Option<i64>,
+    frame_ns: Option<i64>,
     published: Option<Published>,
     worst: f64,
     decision: Decision,
     count: u64,
-    /// Sum of the corrected directions, and of how many groups.
+    /// Sum of the directions seen through the calibration that was given, and of how many groups.
     seen: Vector3<f64>,
     groups: u64,
     /// What became of the latest complete group: only told.
@@ -77,18 +91,38 @@ pub(crate) struct Adaptive {
 impl Adaptive {
     /// Knows nothing but, perhaps, the field's strength, uT, and a calibration to begin with.
     pub fn new(tuning: Tuning, strength_ut: Option<f64>, initial: Option<Given>) -> Self {
+        Self::in_memory(Bank::new(typical_field_ut(strength_ut)), tuning, strength_ut, initial)
+    }
+
+    /// As new, in the memory that is there.
+    pub fn restart(&mut self, initial: Option<Given>) {
+        let mut bank = std::mem::take(&mut self.bank);
+        bank.clear();
+        *self = Self::in_memory(bank, self.tuning, self.strength_ut, initial);
+    }
+
+    fn in_memory(bank: Bank, tuning: Tuning, strength_ut: Option<f64>, initial: Option<Given>) -> Self {
         let unit_ut = typical_field_ut(strength_ut);
-        Self {
+        let white = (tuning.noise_ut / unit_ut).powi(2);
+        let mut new = Self {
             tuning,
             unit_ut,
             strength_ut,
             given: initial,
-            bank: Bank::new(),
-            noise: Noise::new(&tuning, unit_ut),
+            bank,
+            uneven: Markov::new(tuning.uneven_ut / unit_ut, tuning.uneven_s),
+            tilt: Markov::new(tuning.tilt_rad, tuning.tilt_s),
+            stays: Stays::new(white * 0.25),
+            second: MeanSquare::new(white),
+            differing: MeanSquare::new(white * 0.25),
+            tilt_white: MeanSquare::new(1e-4),
+            missed: None,
+            raw: [Vector3::zeros(); 2],
+            period_s: 0.01,
             grouping: Grouping::default(),
-            stay: Stay { at: Vector3::zeros(), samples: 0.0 },
+            stay: Stay { at: Vector3::zeros(), latest_ns: 0, length: 0, frames: 0, pooled: Pooled::default() },
             latest_ns: None,
-            group_ns: None,
+            frame_ns: None,
             published: None,
             worst: 0.0,
             decision: Decision::default(),
@@ -96,121 +130,193 @@ impl Adaptive {
             seen: Vector3::zeros(),
             groups: 0,
             usage: None,
-        }
+        };
+        new.bank.noise = new.noise();
+        new
     }
 
     /// A raw sample, finite, times in order, and what gravity says with it, m/s^2.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
         let u = raw_ut / self.unit_ut;
-        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < self.tuning.calm;
+        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < 0.1;
         let up = up_m_s2.filter(calm).map(|up| up.normalize());
-        let seconds = self.latest_ns.map(|latest| time_ns.saturating_sub(latest) as f64 * 1e-9);
-        self.latest_ns = Some(time_ns);
-        self.noise.raw(&u, seconds);
-        self.count += 1;
-        if self.bank.is_empty() {
-            self.begin(time_ns, &u);
+        if let Some(latest) = self.latest_ns {
+            let seconds = time_ns.saturating_sub(latest) as f64 * 1e-9;
+            if seconds < 1.0 {
+                self.period_s += (if self.count < 3 { 1.0 } else { 0.02 }) * (seconds - self.period_s);
+            }
         }
-        let radius = self.tuning.group_ut / self.unit_ut + 4.5 * self.noise.white().sqrt();
-        let longest = ((self.tuning.group_s - self.noise.period_s()).max(0.0) * 1e9) as i64;
+        self.latest_ns = Some(time_ns);
+        if self.count >= 2 {
+            self.second.add((u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / 18.0);
+        }
+        self.raw = [self.raw[1], u];
+        self.count += 1;
+        if self.count == 1
+            && let Some(given) = &self.given
+        {
+            self.published = Some(Published::new(bank::given(given, self.unit_ut), self.unit_ut, self.strength_ut));
+        }
+        let radius = self.tuning.frame_ut / self.unit_ut + 4.5 * self.white().sqrt();
+        let longest = ((self.tuning.frame_s - self.period_s).max(0.0) * 1e9) as i64;
         for group in self.grouping.push((time_ns, u, up), radius, longest).into_iter().flatten() {
             self.take(&group);
         }
         (self.status(), self.answer(&u).without_gyroscope(up_m_s2))
     }
 
-    fn setting<'a>(&self, tuning: &'a Tuning) -> Setting<'a> {
-        Setting::new(tuning, self.unit_ut, self.strength_ut, self.noise.period_s(), self.noise.level())
+    /// White variance of a sample, units^2.
+    fn white(&self) -> f64 {
+        let v = if self.second.value() >= (4.0 / self.unit_ut).powi(2) {
+            self.differing.value()
+        } else {
+            self.second.value()
+        };
+        v.max((0.03 / self.unit_ut).powi(2))
     }
 
-    fn begin(&mut self, time_ns: i64, u: &Vector3<f64>) {
-        let tuning = self.tuning;
-        let at = self.setting(&tuning);
-        let given = self.given.map(|given| bank::given(&given, &at));
-        self.published = given.map(|known| Published::new(known, self.unit_ut, self.strength_ut));
-        self.bank.begin(time_ns, u, given, &at);
+    /// What is believed of the noise now.
+    fn noise(&self) -> Noise {
+        let tuning = &self.tuning;
+        let (uneven, tilt) = (self.uneven.process(), self.tilt.process());
+        Noise {
+            white: self.white(),
+            uneven: Process { size: uneven.size.hypot(tuning.floor_ut / self.unit_ut), ..uneven },
+            tilt_white: self.tilt_white.value().max(0.005_f64.powi(2)),
+            tilt: Process { size: tilt.size.max(tuning.least_tilt_rad), lasts_s: tilt.lasts_s.max(tuning.tilt_s) },
+        }
     }
 
     /// A complete group of neighbours.
     fn take(&mut self, group: &Group) {
         let tuning = self.tuning;
-        let at = self.setting(&tuning);
-        let (u, count) = (group.mean(), group.samples().len());
-        let seconds = self.group_ns.map_or(0.0, |before| group.began_ns().saturating_sub(before) as f64 * 1e-9);
-        self.group_ns = Some(group.began_ns());
-        let stale = self.stays(&u, count as f64, &at.level);
-        let sample = Sample { u, raw_ut: u * self.unit_ut, up: group.up(), count, stale };
-        let surprise = self.bank.surprise(&sample, &at);
-        self.usage = Some(match surprise {
-            _ if stale => SampleUse::AtRest,
-            Some(_) => SampleUse::Gated,
-            None => SampleUse::Used,
-        });
-        if !stale {
-            self.learn_noise(group, surprise.is_some(), &at.level);
+        let (count, time_ns) = (group.samples().len() as f64, group.began_ns());
+        let Some((pooled, stay, moved_s)) = self.pool(group) else {
+            self.usage = Some(SampleUse::AtRest);
+            return;
+        };
+        let (u, up, count) =
+            (pooled.sum / pooled.groups, pooled.up.try_normalize(0.5 * pooled.groups), count * pooled.groups);
+        let seconds = self.frame_ns.map_or(0.1, |before| time_ns.saturating_sub(before) as f64 * 1e-9).min(60.0);
+        self.frame_ns = Some(time_ns);
+        let noise = self.noise();
+        if self.bank.frames.next == 0 {
+            self.bank.noise = noise;
+        } else if self.bank.noise.differs(&noise) {
+            self.bank.believe(&noise, &tuning);
         }
-        self.bank.push(group.began_ns(), &sample, surprise, seconds.min(1.0), &at);
-        self.publish(group.began_ns(), &at);
-        if let Some(seen) = self.published.and_then(|published| parameters::see(&published.known.mean, &u)) {
+        let mut frame = Frame { time_ns, u, up, count, seconds, moved_s, stay, ..Frame::default() };
+        frame.believe(&self.bank.noise);
+        if self.bank.all.is_empty() {
+            let given = self.given.map(|given| bank::given(&given, self.unit_ut));
+            let given = given.filter(|_| self.bank.frames.next == 0);
+            if let Some(known) = given {
+                self.bank.begin_given(&frame, &known);
+            }
+            self.bank.begin_cold(&frame, if given.is_some() { -6.0 } else { 0.0 }, self.strength_ut.is_some(), &tuning);
+        }
+        self.learn(&frame);
+        self.bank.push(frame, self.strength_ut.is_some(), &tuning);
+        let is_odd = self
+            .bank
+            .best()
+            .is_some_and(|best| best.now.odd > 0 || best.now.place_ns == Some(time_ns) || best.onset_ns == time_ns);
+        self.usage = Some(if is_odd { SampleUse::Gated } else { SampleUse::Used });
+        self.publish(time_ns);
+        // through what was given: what is published may move where the device does not
+        let given = self.given.map(|given| bank::given(&given, self.unit_ut));
+        if let Some(seen) = given.and_then(|given| parameters::see(&given.mean, &u)) {
             self.seen += seen.direction;
             self.groups += 1;
         }
     }
 
+    /// A group enters the means of its stay; such a mean where it is complete, its variance, and for how long the device moved before it, s.
+    fn pool(&mut self, group: &Group) -> Option<(Pooled, f64, f64)> {
+        let (u, time_ns) = (group.mean(), group.began_ns());
+        let stays = (u - self.stay.at).norm() < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * 0.2).sqrt();
+        let mut moved_s = 0.0;
+        if !stays {
+            moved_s = (time_ns.saturating_sub(self.stay.latest_ns) as f64 * 1e-9).min(0.5);
+            self.stay = Stay { at: u, latest_ns: time_ns, length: 0, frames: 0, pooled: Pooled::default() };
+            self.stays.end();
+        }
+        self.stay.latest_ns = time_ns;
+        if let Some((e, _)) = self.bank.best().and_then(|best| parameters::distance(&best.known().mean, &u)) {
+            self.stays.add(e);
+        }
+        let stay = &mut self.stay;
+        stay.pooled.sum += u;
+        stay.pooled.up += group.up().unwrap_or_default();
+        stay.pooled.groups += 1.0;
+        if stay.pooled.groups < f64::from(1u32 << stay.length) {
+            return None;
+        }
+        let variance = self.stays.variance(stay.length)?;
+        stay.frames += 1;
+        if stay.frames > 1 {
+            stay.length += 1;
+        }
+        Some((std::mem::take(&mut stay.pooled), variance, moved_s))
+    }
+
     /// What the best hypothesis misses tells of the noise, where it is known well enough.
-    fn learn_noise(&mut self, group: &Group, surprised: bool, level: &Level) {
+    fn learn(&mut self, frame: &Frame) {
+        let tuning = self.tuning;
         let Some(best) = self.bank.best() else { return };
-        let white = best.error / level.kappa;
-        let count = group.samples().len() as f64;
-        if best.age * self.noise.period_s() <= 0.5 || white.sqrt() >= 5.0_f64.to_radians() || surprised {
-            self.noise.interrupt();
+        if best.now.odd > 0 || best.age * self.period_s < 0.5 || best.error > tuning.learn_deg.to_radians().powi(2) {
+            self.missed = None;
             return;
         }
-        let known = best.known;
-        if let Some(up) = group.up() {
-            let (e, g) = vertical::miss(&known.mean, &group.mean(), &up);
-            let rho = g.dot(&(known.covariance * g)).max(0.0);
-            let lasting = rho < self.noise.tilt();
-            self.noise.vertical((e, count), rho / level.kappa, lasting);
+        let known = best.known();
+        let (level, tilted, _) = best.now.level();
+        let Some((e, g)) = parameters::distance(&known.mean, &frame.u) else { return };
+        let rho = known.variance(&g);
+        let Some(slope) = parameters::see(&known.mean, &frame.u).map(|seen| seen.slope) else { return };
+        let miss = e - level / slope;
+        let mut vertical = None;
+        if let Some(up) = frame.up.filter(|_| best.heeds_vertical) {
+            let offset = frame.u - parameters::centre(&known.mean);
+            let Some(seen) = parameters::see(&known.mean, &frame.u) else { return };
+            let sine = up.dot(&seen.direction);
+            let v = sine - known.mean[9] - tilted;
+            let gv = parameters::gradient(&known.mean, &((up - seen.direction * sine) / seen.radius), &offset, 1.0);
+            vertical = Some((v, known.variance(&gv)));
         }
-        for u in group.samples() {
-            if let Some((e, g)) = parameters::distance(&known.mean, u) {
-                let rho = g.dot(&(known.covariance * g)).max(0.0);
-                self.noise.distance(e, rho / level.kappa, rho < level.white + level.uneven);
+        if let Some((before, vertical_before)) = self.missed {
+            self.differing.add(0.5 * (miss - before).powi(2));
+            if let Some((v, before)) = vertical.map(|v| v.0).zip(vertical_before) {
+                self.tilt_white.add(0.5 * (v - before).powi(2));
             }
         }
-    }
-
-    /// A device that stays sees one place of an uneven field again and again: whether it has told of it already.
-    fn stays(&mut self, u: &Vector3<f64>, count: f64, level: &Level) -> bool {
-        if (u - self.stay.at).norm() > self.tuning.group_ut / self.unit_ut {
-            self.stay = Stay { at: *u, samples: 0.0 };
+        self.missed = Some((miss, vertical.map(|v| v.0)));
+        self.uneven.add(miss, frame.white + rho, frame.moved_s);
+        if let Some((v, rho)) = vertical {
+            self.tilt.add(v, frame.tilt_white + rho, frame.seconds);
         }
-        self.stay.samples += count;
-        let place = level.uneven.max((UNEVEN_UT / self.unit_ut).powi(2));
-        let worth = if level.kappa > 2.0 { level.kappa * level.white / place } else { 1.0 / self.noise.period_s() };
-        self.stay.samples > worth.max(count)
     }
 
-    /// The mixture, where it is known well enough or much better than what is in force; else that, as sure as the mixture says.
-    fn publish(&mut self, time_ns: i64, at: &Setting) {
-        let Some(mixture) = self.bank.mixture(at) else { return };
+    /// The mixture, from when it is first known well enough; while a cold start is likeliest whose device has not turned, the one before, as sure
+    /// as the mixture says.
+    fn publish(&mut self, time_ns: i64) {
+        let Some(mixture) = self.bank.mixture() else { return };
         let mixture = Published::new(mixture, self.unit_ut, self.strength_ut);
+        let is_shown = self.bank.best().is_some_and(|best| best.kind != Kind::Cold || best.is_shown(&self.tuning));
         let narrow = self.tuning.publish_deg.to_radians().powi(2);
-        let held = self.published.filter(|_| mixture.error >= narrow).map(|published| {
-            let off = mixture.known.mean - published.known.mean;
-            let covariance = mixture.known.covariance + off * off.transpose();
-            Published::new(Gaussian { mean: published.known.mean, covariance }, self.unit_ut, self.strength_ut)
-        });
-        let better = mixture.error < narrow || held.is_some_and(|held| mixture.error < 0.25 * held.error);
-        if better && is_bounded(&mixture.known.mean) {
-            self.published = Some(mixture);
-            self.decision.review(&self.bank, time_ns, &self.tuning);
-        } else if held.is_some() {
-            self.published = held;
+        match &self.published {
+            None if mixture.error >= narrow || !is_shown => {}
+            Some(published) if !is_shown || !is_bounded(&mixture.known.mean) => {
+                let off = mixture.known.mean - published.known.mean;
+                let covariance = mixture.known.covariance + off * off.transpose();
+                let known = Gaussian { mean: published.known.mean, covariance };
+                self.published = Some(Published::new(known, self.unit_ut, self.strength_ut));
+            }
+            _ => self.published = Some(mixture).filter(|it| is_bounded(&it.known.mean)),
         }
-        self.decision.watch(&self.bank, &self.tuning);
-        if self.count.is_multiple_of(16)
+        if self.published.is_some() {
+            self.decision.review(&self.bank, time_ns, self.unit_ut, &self.tuning);
+        }
+        if (self.worst == 0.0 || self.count.is_multiple_of(16))
             && let Some(published) = &self.published
         {
             self.worst = published.worst();
@@ -218,9 +324,15 @@ impl Adaptive {
     }
 
     fn answer(&self, u: &Vector3<f64>) -> Answer {
-        let at = self.setting(&self.tuning);
         let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
-        let corrected = self.published.and_then(|published| published.correct(u, &at));
+        // what differs in strength and along the vertical differs across it, too
+        let elsewhere = self.bank.best().map_or(0.0, |best| {
+            let (level, tilted, _) = best.now.level();
+            let beyond = parameters::beyond_earth(&best.now.tau(), self.unit_ut);
+            0.5 * (level * level + tilted * tilted + beyond * beyond)
+        });
+        let noise = self.white() + self.bank.noise.uneven.size.powi(2);
+        let corrected = self.published.and_then(|published| published.correct(u, noise, elsewhere));
         let (field_ut, field_covariance_ut2) = corrected.unzip();
         Answer {
             field_ut,
@@ -244,7 +356,7 @@ impl Adaptive {
         if let Some(since_ns) = self.decision.suspected_ns {
             return Status::Suspect { since_ns };
         }
-        if let Some(since_ns) = self.decision.elsewhere_ns() {
+        if let Some(since_ns) = self.decision.elsewhere {
             return Status::Disturbed { since_ns };
         }
         if published.error > self.tuning.publish_deg.to_radians().powi(2) || !self.has_learned() {
@@ -272,7 +384,7 @@ impl Adaptive {
 
     /// What was given, before the first sample.
     pub fn untouched(&self) -> Option<Given> {
-        self.given.filter(|_| self.bank.is_empty())
+        self.given.filter(|_| self.count == 0)
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz].

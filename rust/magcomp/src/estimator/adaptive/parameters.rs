@@ -1,25 +1,21 @@
 //! The ten parameters tau = [T_xx T_yy T_zz T_xy T_xz T_yz beta_x beta_y beta_z s] in coordinates u = h_m / unit:
 //!     r = |T (u - beta)| = 1,   T = M^-1 unit / |h|, symmetric: an ellipsoid, and with gravity
 //!     up.T (u - beta) = s,      s = -sin(dip): what the field has along the vertical.
-//! Its quadric is d.p(tau) = r^2 - 1 with p = [A11 A22 A33 A12 A13 A23, -2 A beta, beta.A beta - 1], A = T^2, and d as in
-//! `ellipsoid/moments`. Derivatives: dA = T dT + dT T.
 
 #[cfg(test)]
 mod tests;
 
 use crate::ellipsoid::mean_square_angle;
 use crate::math::symmetric::{PLACES, basis, six, symmetric};
+use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Parameters of a hypothesis.
+/// Format: parameters of a hypothesis.
 pub(super) const COUNT: usize = 10;
 pub(super) type Tau = SVector<f64, COUNT>;
-pub(super) type Vector10 = SVector<f64, 10>;
 pub(super) type TauMatrix = SMatrix<f64, COUNT, COUNT>;
-pub(super) type Matrix10 = SMatrix<f64, 10, 10>;
-pub(super) type Jacobian = SMatrix<f64, 10, COUNT>;
 
-/// Half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
+/// Physics: half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
 const BOUNDS: (f64, f64) = (0.25, 3.5);
 
@@ -79,31 +75,6 @@ pub(super) fn is_bounded(tau: &Tau) -> bool {
     positive(t - Matrix3::from_diagonal_element(BOUNDS.0)) && positive(Matrix3::from_diagonal_element(BOUNDS.1) - t)
 }
 
-/// p(tau).
-pub(super) fn quadric(tau: &Tau) -> Vector10 {
-    let (t, beta) = (shape(tau), centre(tau));
-    let a = t * t;
-    let g = a * beta;
-    ten(&six(&a), &(g * -2.0), beta.dot(&g) - 1.0)
-}
-
-/// dp/dtau.
-pub(super) fn jacobian(tau: &Tau) -> Jacobian {
-    let (t, beta) = (shape(tau), centre(tau));
-    let a = t * t;
-    let mut j = Jacobian::zeros();
-    for (k, dt) in basis().into_iter().enumerate() {
-        let da = t * dt + dt * t;
-        let db = da * beta;
-        j.set_column(k, &ten(&six(&da), &(db * -2.0), beta.dot(&db)));
-    }
-    for i in 0..3 {
-        let da = a.column(i);
-        j.set_column(6 + i, &ten(&SVector::zeros(), &(da * -2.0), 2.0 * beta.dot(&da)));
-    }
-    j
-}
-
 /// One sample seen through tau.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
@@ -115,6 +86,12 @@ pub(super) struct Seen {
     pub radius: f64,
     /// |dr/du| = |T direction|.
     pub slope: f64,
+}
+
+/// By which share of its strength the field of tau is stronger, or weaker, than any of the Earth.
+pub(super) fn beyond_earth(tau: &Tau, unit_ut: f64) -> f64 {
+    let strength_ut = 3.0 * unit_ut / shape(tau).trace();
+    (1.0 - EARTH_UT.end / strength_ut).max(1.0 - strength_ut / EARTH_UT.start).max(0.0)
 }
 
 /// A sample seen through tau; None at the centre itself.

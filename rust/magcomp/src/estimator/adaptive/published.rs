@@ -3,7 +3,6 @@
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
 use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
-use super::setting::Setting;
 use crate::calibration::Calibration;
 use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -35,19 +34,18 @@ impl Published {
         self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
     }
 
-    /// A sample corrected, uT, and its covariance, uT^2.
-    pub fn correct(&self, u: &Vector3<f64>, at: &Setting) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+    /// A sample corrected, uT, and its covariance, uT^2. Of `noise` a sample tells by what it misses the ellipsoid, of `elsewhere` it tells
+    /// nothing; both are variances in units^2.
+    pub fn correct(&self, u: &Vector3<f64>, noise: f64, elsewhere: f64) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         let seen = see(&self.known.mean, u)?;
         let t = shape(&self.known.mean);
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let g = SMatrix::from_rows(&axes.map(|axis| gradient(&self.known.mean, &axis, &seen.offset, 0.0).transpose()));
-        let level = &at.level;
         // by what a sample that nothing explains misses the sphere it may be off across it, too
         let (miss, along) = distance(&self.known.mean, u)?;
-        let noise = level.white + level.uneven;
-        let is_off = 0.5 * miss * miss > at.half_square * (noise + self.known.variance(&along));
+        let is_off = miss * miss > 16.0 * (noise + self.known.variance(&along));
         let missed = if is_off { (seen.radius - 1.0).powi(2) } else { 0.0 };
-        let noise = t * t * noise + Matrix3::from_diagonal_element(missed);
+        let noise = t * t * noise + Matrix3::from_diagonal_element(missed.max(elsewhere));
         let covariance = g * self.known.covariance * g.transpose() + noise;
         let strength = self.strength_of(&t);
         let field = seen.direction * (seen.radius * strength);

@@ -1,4 +1,4 @@
-use super::{Ldl, add, solve, times};
+use super::{Ldl, add, solve};
 use nalgebra::{SMatrix, SVector};
 
 #[test]
@@ -11,15 +11,12 @@ fn agrees_with_a_general_factorisation() {
 }
 
 #[test]
-fn every_use_of_a_factorisation_agrees_with_the_inverse() {
+fn a_factorisation_solves_as_the_inverse_does() {
     let a = SMatrix::<f64, 9, 9>::from_fn(|i, j| ((i * 7 + j * 3) as f64 * 0.7).sin());
     let h = a * a.transpose() + SMatrix::identity() * 0.1;
-    let b = a + a.transpose();
     let g = SVector::<f64, 9>::from_fn(|i, _| i as f64 - 3.0);
     let (ldl, inverse) = (Ldl::new(&h).expect("positive definite"), h.try_inverse().expect("regular"));
-    assert!((ldl.inverse() - inverse).amax() < 1e-10);
-    assert!((ldl.log_det - h.determinant().ln()).abs() < 1e-10);
-    assert!((ldl.solve_matrix(&b) - inverse * b).amax() < 1e-8 && (ldl.solve(&g) - inverse * g).amax() < 1e-8);
+    assert!((ldl.solve(&g) - inverse * g).amax() < 1e-8);
 }
 
 #[test]
@@ -55,10 +52,7 @@ fn only_the_lower_triangle_is_read() {
 }
 
 #[test]
-fn products_are_those_of_nalgebra() {
-    let a = SMatrix::<f64, 4, 4>::from_fn(|i, j| ((i * 5 + j * 3) as f64 * 0.3).cos());
-    let (h, g) = (a + a.transpose(), SVector::<f64, 4>::from_fn(|i, _| i as f64 - 1.5));
-    assert!((times(&h, &g) - h * g).amax() < 1e-14);
+fn a_multiple_of_a_row_is_added() {
     let mut sum = [1.0, 2.0, 3.0];
     add(&mut sum, -2.0, &[0.5, 1.0, 0.0]);
     assert_eq!(sum, [0.0, 0.0, 3.0]);

@@ -6,20 +6,11 @@ fn example() -> (Tau, Vector3<f64>) {
 }
 
 #[test]
-fn the_quadric_is_the_squared_radius() {
-    let (tau, u) = example();
-    let (x, y, z) = (u.x, u.y, u.z);
-    let d = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z, x, y, z, 1.0];
-    let residual = quadric(&tau).dot(&Vector10::from_column_slice(&d));
-    assert!((residual - (see(&tau, &u).unwrap().radius.powi(2) - 1.0)).abs() < 1e-12);
-}
-
-#[test]
 fn derivatives_agree_with_finite_differences() {
     let (tau, u) = example();
     let seen = see(&tau, &u).unwrap();
     let along = [seen.direction, Vector3::x(), Vector3::y(), Vector3::z()];
-    let (j, [g, x, y, z]) = (jacobian(&tau), along.map(|along| gradient(&tau, &along, &seen.offset, 0.0)));
+    let [g, x, y, z] = along.map(|along| gradient(&tau, &along, &seen.offset, 0.0));
     for k in 0..9 {
         let moved = |by: f64| {
             let mut moved = tau;
@@ -27,8 +18,6 @@ fn derivatives_agree_with_finite_differences() {
             moved
         };
         let (above, below) = (moved(1e-5), moved(-1e-5));
-        let dp = (quadric(&above) - quadric(&below)) / 2e-5;
-        assert!((dp - j.column(k)).amax() < 1e-9, "p, column {k}");
         let (a, b) = (see(&above, &u).unwrap(), see(&below, &u).unwrap());
         assert!(((a.radius - b.radius) / 2e-5 - g[k]).abs() < 1e-9, "r, column {k}");
         let dv = (a.direction * a.radius - b.direction * b.radius) / 2e-5;

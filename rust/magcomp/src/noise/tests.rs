@@ -1,0 +1,106 @@
+use super::*;
+use nalgebra::{DMatrix, DVector};
+
+/// A repeatable standard normal sequence: sums of twelve numbers of a linear congruence.
+struct Normal(u64);
+
+impl Normal {
+    fn next(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// Misses of a process of this size that lasts so long, under white noise.
+fn misses(size: f64, lasts_s: f64, white: f64, seconds: f64, count: usize) -> Vec<f64> {
+    let (mut normal, mut x) = (Normal(7), 0.0);
+    let phi = (-seconds / lasts_s).exp();
+    let next = |_| {
+        x = phi * x + (1.0 - phi * phi).sqrt() * size * normal.next();
+        x + white * normal.next()
+    };
+    (0..count).map(next).collect()
+}
+
+#[test]
+fn a_lasting_error_is_learned_and_a_clock_that_stands_still_says_nothing_of_how_long() {
+    let mut learned = Markov::new(0.5, 0.2);
+    misses(2.0, 0.6, 0.1, 0.1, 1500).into_iter().for_each(|miss| learned.add(miss, 0.01, 0.1));
+    assert!((1.4..2.8).contains(&learned.process().size), "{}", learned.process().size);
+    let tau = -0.1 / learned.process().over(0.1).phi.ln();
+    assert!((0.3..1.3).contains(&tau), "{tau}");
+    assert_eq!(learned.process().over(0.0).phi, 1.0);
+
+    let mut still = Markov::new(0.5, 0.2);
+    let before = -1.0 / still.process().over(1.0).phi.ln();
+    misses(0.0, 1.0, 0.1, 1.0, 200).into_iter().for_each(|miss| still.add(miss, 0.01, 0.0));
+    assert!((-1.0 / still.process().over(1.0).phi.ln() / before - 1.0).abs() < 1e-9);
+}
+
+/// The grid's posterior mean against the likelihood of all misses at once, by their dense covariance.
+#[test]
+fn the_grid_agrees_with_the_likelihood_of_all_misses_at_once() {
+    let (white, dt) = (0.8_f64, 0.1);
+    // so few that next to nothing is forgotten, and none so far off that it is cut
+    let misses = misses(0.8, 0.4, white, dt, 12);
+    let mut grid = Markov::new(0.5, 0.2);
+    misses.iter().for_each(|miss| grid.add(*miss, white * white, dt));
+    let (mut sum, mut by_size) = (0.0, 0.0);
+    for i in -2..=2_i32 {
+        for k in -3..=3_i32 {
+            let (s, tau) = (0.5 * 3.0_f64.powi(k), 0.2 * 3.0_f64.powi(i));
+            let c = DMatrix::from_fn(12, 12, |a, b| {
+                s * s * (-(a.abs_diff(b) as f64) * dt / tau).exp() + if a == b { white * white } else { 0.0 }
+            });
+            let z = DVector::from_column_slice(&misses);
+            let cholesky = c.cholesky().unwrap();
+            let log = -0.5 * (z.dot(&cholesky.solve(&z)) + cholesky.determinant().ln());
+            let (ls, lt) = ((s / 0.5).ln(), (tau / 0.2).ln());
+            let weight = (log - 0.5 * (ls * ls + lt * lt)).exp();
+            (sum, by_size) = (sum + weight, by_size + weight * ls);
+        }
+    }
+    let expected = 0.5 * (by_size / sum).exp();
+    assert!((grid.process().size / expected - 1.0).abs() < 0.03, "{} against {expected}", grid.process().size);
+}
+
+#[test]
+fn a_stay_tells_more_and_more_under_white_noise_and_no_more_where_the_sensor_wanders() {
+    let mut normal = Normal(3);
+    let (mut white, mut wandering) = (Stays::new(1.0), Stays::new(1.0));
+    let mut x = 0.0;
+    for _ in 0..6000 {
+        white.add(normal.next());
+        x += 0.5 * normal.next();
+        wandering.add(x + 0.3 * normal.next());
+    }
+    assert!((0.8..1.2).contains(&white.variance(0).unwrap()));
+    let long = white.variance(4).expect("a longer mean is better");
+    assert!((0.03..0.12).contains(&long), "{long}");
+    assert!((1..5).all(|j| wandering.variance(j).is_none()));
+}
+
+#[test]
+fn an_end_of_a_stay_separates_what_comes_after_it() {
+    let mut stays = Stays::new(1.0);
+    let before = stays.variance(0);
+    stays.add(0.0);
+    stays.end();
+    stays.add(1000.0);
+    assert_eq!(stays.variance(0), before);
+}
+
+#[test]
+fn outliers_hardly_move_a_mean_square() {
+    let (mut normal, mut clean, mut spoilt) = (Normal(5), MeanSquare::new(1.0), MeanSquare::new(1.0));
+    for k in 0..5000 {
+        let square = 4.0 * normal.next().powi(2);
+        clean.add(square);
+        spoilt.add(if k % 50 == 0 { 1e6 } else { square });
+    }
+    assert!((clean.value() / 4.0 - 1.0).abs() < 0.15, "{}", clean.value());
+    assert!(spoilt.value() < 1.35 * clean.value(), "{}", spoilt.value());
+}
