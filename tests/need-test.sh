@@ -16,6 +16,7 @@ machine() { # UID: a machine with the tools one, two and three, a JDK 17, one fi
     for tool in bash sh sed touch chmod; do ln -s "$(type -P $tool)" "$work/bin/"; done
     for tool in one two three; do stand_in $tool ''; done
     stand_in javac 'echo javac 17.0.15'
+    stand_in python3 ''
     stand_in id "echo $1"
     stand_in apt-get "[ \$1 = update ] || {
         echo \"\$*\" | sed 's/.* --no-remove [^ ]* [^ ]* //' >>$work/log
@@ -24,10 +25,11 @@ machine() { # UID: a machine with the tools one, two and three, a JDK 17, one fi
         case \"\$*\" in *package-three*) touch $work/bin/three; chmod +x $work/bin/three ;; esac
         case \"\$*\" in *package-file*) touch $work/file-1 ;; esac
         case \"\$*\" in *package-jdk*) echo 'echo javac 21' >$work/bin/javac ;; esac
+        case \"\$*\" in *package-venv*) echo >$work/bin/python3 ;; esac
     }"
     touch "$work/file-1" "$work/log"
 }
-pairs=(one:package-one two:package-of-two three:package-three "$work/file-*:package-file" jdk:package-jdk)
+pairs=(one:package-one two:package-of-two three:package-three "$work/file-*:package-file" jdk:package-jdk venv:package-venv)
 run() { # PAIR...
     PATH=$work/bin JAVA_HOME='' bash -euc '. tests/need.sh; need part "$@"; echo went on' need "$@" >"$work/out" 2>&1
 }
@@ -38,6 +40,7 @@ hide() { # PACKAGE
         package-three) rm "$work/bin/three" ;;
         package-file) rm "$work/file-1" ;;
         package-jdk) stand_in javac 'echo javac 11.0.2' ;; # too old
+        package-venv) stand_in python3 'exit 1' ;; # Debian's python3 without python3-venv
     esac
 }
 

@@ -1,6 +1,6 @@
 # Sourced. `need PART TOOL:PACKAGE...` checks each tool by itself and installs the Debian packages of the missing ones. Where
 # it may not (not root, no apt-get) or apt-get fails, it names what is missing and ends the script.
-# TOOL is a command, an absolute path (with wildcards), or `jdk`: a Java compiler, 17 or newer.
+# TOOL is a command, an absolute path (with wildcards), `jdk`: a Java compiler, 17 or newer, or `venv`: Python that makes environments.
 
 # `cc` and the C library's headers: cargo links with them
 rust_tools=(cargo: cc:gcc '/usr/include/stdio.h:libc6-dev')
@@ -22,6 +22,7 @@ there() { # TOOL
             version=$("${JAVA_HOME:+$JAVA_HOME/bin/}javac" -version 2>&1 | sed -n 's/^javac \([0-9]*\).*/\1/p')
             [ "${version:-0}" -ge 17 ]
             ;;
+        venv) python3 -c 'import ensurepip, venv' 2>/dev/null ;;
         *) type -P "$1" >/dev/null ;; # one at a time: with several, `command -v` is content with any
     esac
 }

@@ -1,0 +1,242 @@
+//! `magcomp.Compensator` and `magcomp.Reading`.
+
+use crate::arrays::{times, to_array, to_matrix, to_rows, vector, vectors};
+use crate::calibration::Calibration;
+use crate::{ConfigError, EventError, KeptError, MagcompError};
+use magcomp::nalgebra::Vector3;
+use magcomp::{KeptCalibration, MagneticSample, RotationRateSample, UpSample};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// See `_magcomp.pyi`.
+#[pyclass(module = "magcomp")]
+pub(crate) struct Compensator(magcomp::Compensator);
+
+/// See `_magcomp.pyi`.
+#[pyclass(frozen, module = "magcomp")]
+pub(crate) struct Reading(magcomp::Reading);
+
+/// Samples of a sensor beside the magnetometer, as `(time_ns, values)`.
+type Stream = Vec<(i64, Vector3<f64>)>;
+
+fn stream(value: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>, name: &str) -> PyResult<Stream> {
+    let Some((time_ns, values)) = value else { return Ok(Vec::new()) };
+    let (time_ns, values) = (times(&time_ns, &format!("{name}[0]"))?, vectors(&values, &format!("{name}[1]"))?);
+    if time_ns.len() != values.len() {
+        let (have, of) = (time_ns.len(), values.len());
+        return Err(MagcompError::new_err(format!("{name} has {have} times and {of} samples")));
+    }
+    let mut stream: Stream = time_ns.into_iter().zip(values).collect();
+    stream.sort_by_key(|(time_ns, _)| *time_ns);
+    Ok(stream)
+}
+
+#[pymethods]
+impl Compensator {
+    #[new]
+    #[pyo3(signature = (**settings))]
+    fn new(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut config = magcomp::Config::default();
+        if let Some(settings) = settings {
+            let text: String = settings.py().import("json")?.call_method1("dumps", (settings,))?.extract()?;
+            config = serde_json::from_str(&text).map_err(|error| ConfigError::new_err(error.to_string()))?;
+        }
+        let made = magcomp::Compensator::new(config).map_err(|error| ConfigError::new_err(error.to_string()))?;
+        Ok(Self(made))
+    }
+
+    #[getter]
+    fn config<'py>(&self, python: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = serde_json::to_string(self.0.config()).expect("numbers under names");
+        python.import("json")?.call_method1("loads", (text,))
+    }
+
+    fn reset(&mut self) {
+        self.0.reset();
+    }
+
+    fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: &Bound<'_, PyAny>) -> PyResult<()> {
+        let sample = RotationRateSample { time_ns, rate_rad_s: vector(rate_rad_s, "rate_rad_s")? };
+        self.0.push_rotation_rate(sample).map_err(|error| EventError::new_err(error.to_string()))
+    }
+
+    fn push_up(&mut self, time_ns: i64, up_m_s2: &Bound<'_, PyAny>) -> PyResult<()> {
+        let sample = UpSample { time_ns, up_m_s2: vector(up_m_s2, "up_m_s2")? };
+        self.0.push_up(sample).map_err(|error| EventError::new_err(error.to_string()))
+    }
+
+    fn push(&mut self, time_ns: i64, field_ut: &Bound<'_, PyAny>) -> PyResult<Reading> {
+        Ok(Reading(self.0.push(MagneticSample { time_ns, field_ut: vector(field_ut, "field_ut")? })))
+    }
+
+    #[pyo3(signature = (time_ns, field_ut, *, rotation_rate = None, up = None))]
+    fn process<'py>(
+        &mut self,
+        time_ns: &Bound<'py, PyAny>,
+        field_ut: &Bound<'py, PyAny>,
+        rotation_rate: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        up: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let python = time_ns.py();
+        let (time_ns, fields) = (times(time_ns, "time_ns")?, vectors(field_ut, "field_ut")?);
+        if time_ns.len() != fields.len() {
+            let (have, of) = (time_ns.len(), fields.len());
+            return Err(MagcompError::new_err(format!("time_ns has {have} times for {of} samples of field_ut")));
+        }
+        let (rates, ups) = (stream(rotation_rate, "rotation_rate")?, stream(up, "up")?);
+        let compensator = &mut self.0;
+        let (readings, left_out) = python.detach(|| replay(compensator, &time_ns, &fields, &rates, &ups));
+        let of = |value: fn(&magcomp::Reading) -> Option<f64>| {
+            PyArray1::from_iter(python, readings.iter().map(|it| value(it).unwrap_or(f64::NAN)))
+        };
+        let rows = |value: fn(&magcomp::Reading) -> Option<Vector3<f64>>| {
+            let nothing = Vector3::repeat(f64::NAN);
+            to_rows(python, readings.iter().map(|it| value(it).unwrap_or(nothing).into()).collect())
+        };
+        let out = PyDict::new(python);
+        out.set_item("field_ut", rows(|it| it.field_ut))?;
+        out.set_item("filtered_field_ut", rows(|it| it.filtered_field_ut))?;
+        out.set_item("field_sigma_ut", of(|it| it.field_sigma_ut))?;
+        out.set_item("heading_deg", of(|it| Some(it.heading?.heading_deg)))?;
+        out.set_item("heading_sigma_deg", of(|it| it.heading?.heading_sigma_deg))?;
+        out.set_item("true_heading_deg", of(|it| it.heading?.true_heading_deg))?;
+        out.set_item("direction_sigma_deg", of(|it| it.direction_sigma_deg))?;
+        let labels: Vec<&str> = readings.iter().map(|it| it.status.label()).collect();
+        out.set_item("status", python.import("numpy")?.call_method1("array", (labels, "U10"))?)?;
+        out.set_item("events", events(&readings))?;
+        out.set_item("left_out", left_out)?;
+        Ok(out)
+    }
+
+    #[getter]
+    fn calibration(&self) -> Option<Calibration> {
+        self.0.calibration().map(Calibration)
+    }
+
+    #[getter]
+    fn covariance<'py>(&self, python: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
+        self.0.covariance().map(|covariance| to_matrix(python, &covariance))
+    }
+
+    fn keep(&self, unix_time_s: i64) -> Option<String> {
+        self.0.keep(unix_time_s).map(|kept| kept.to_json())
+    }
+
+    #[pyo3(signature = (kept, unix_time_s = None))]
+    fn adopt(&mut self, kept: &str, unix_time_s: Option<i64>) -> PyResult<()> {
+        let kept = KeptCalibration::from_json(kept).map_err(|error| KeptError::new_err(error.to_string()))?;
+        self.0.adopt(&kept, unix_time_s);
+        Ok(())
+    }
+
+    fn __copy__(&self) -> Self {
+        Self(self.0.clone())
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.__copy__()
+    }
+}
+
+/// All samples in the order of their times, a magnetic one after the others of its time; how many of the others were left out.
+fn replay(
+    compensator: &mut magcomp::Compensator,
+    time_ns: &[i64],
+    fields: &[Vector3<f64>],
+    rates: &Stream,
+    ups: &Stream,
+) -> (Vec<magcomp::Reading>, usize) {
+    let (mut rates, mut ups) = (rates.iter().peekable(), ups.iter().peekable());
+    let mut left_out = 0;
+    let readings = time_ns.iter().zip(fields).map(|(&time_ns, &field_ut)| {
+        loop {
+            let rate = rates.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
+            let up = ups.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
+            let pushed = match (rate, up) {
+                (None, None) => break,
+                (Some(at), up) if up.is_none_or(|up| at <= up) => {
+                    let (time_ns, rate_rad_s) = *rates.next().expect("it was looked at");
+                    compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s })
+                }
+                _ => {
+                    let (time_ns, up_m_s2) = *ups.next().expect("it was looked at");
+                    compensator.push_up(UpSample { time_ns, up_m_s2 })
+                }
+            };
+            left_out += usize::from(pushed.is_err());
+        }
+        compensator.push(MagneticSample { time_ns, field_ut })
+    });
+    (readings.collect(), left_out)
+}
+
+/// Each event once: kind, since when, and when it was decided, ns.
+fn events(readings: &[magcomp::Reading]) -> Vec<(String, i64, i64)> {
+    let mut found: Vec<magcomp::Event> = readings.iter().filter_map(|it| it.event).collect();
+    found.dedup();
+    found.into_iter().map(|it| (format!("{:?}", it.kind), it.since_ns, it.decided_ns)).collect()
+}
+
+#[pymethods]
+impl Reading {
+    #[getter]
+    fn time_ns(&self) -> i64 {
+        self.0.time_ns
+    }
+
+    #[getter]
+    fn field_ut<'py>(&self, python: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.0.field_ut.map(|field| to_array(python, &field))
+    }
+
+    #[getter]
+    fn filtered_field_ut<'py>(&self, python: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.0.filtered_field_ut.map(|field| to_array(python, &field))
+    }
+
+    #[getter]
+    fn field_sigma_ut(&self) -> Option<f64> {
+        self.0.field_sigma_ut
+    }
+
+    #[getter]
+    fn heading_deg(&self) -> Option<f64> {
+        self.0.heading.map(|heading| heading.heading_deg)
+    }
+
+    #[getter]
+    fn heading_sigma_deg(&self) -> Option<f64> {
+        self.0.heading?.heading_sigma_deg
+    }
+
+    #[getter]
+    fn true_heading_deg(&self) -> Option<f64> {
+        self.0.heading?.true_heading_deg
+    }
+
+    #[getter]
+    fn direction_sigma_deg(&self) -> Option<f64> {
+        self.0.direction_sigma_deg
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.0.status.label()
+    }
+
+    #[getter]
+    fn status_text(&self) -> String {
+        self.0.status.to_string()
+    }
+
+    #[getter]
+    fn event(&self) -> Option<(String, i64, i64)> {
+        events(&[self.0]).pop()
+    }
+
+    fn __repr__(&self) -> String {
+        let heading = self.0.heading.map_or("none".to_owned(), |heading| format!("{:.1} deg", heading.heading_deg));
+        format!("Reading(heading {heading}, {})", self.0.status)
+    }
+}
