@@ -2,10 +2,10 @@
 //!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + its own evidence
 //! What is published is the mean and the second moment of the mixture.
 
-use super::filter::{Filter, Kind, State};
+use super::filter::{Filter, Kind};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
-use super::parameters::tau_of;
-use super::parameters::{Gaussian, Tau, TauMatrix, shape};
+use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
+use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
 use crate::math::symmetric::{basis, six};
@@ -15,8 +15,8 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 const LEAST_VARIANCE: f64 = 1e-8;
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;
-/// Mathematics: places for those that one frame brings: six cold ones, five changes of either kind, former ones, a fork and a twin.
-const BROUGHT: usize = 30;
+/// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, three former ones, a fork and a twin.
+const BROUGHT: usize = 25;
 /// Choice: former calibrations that are remembered.
 const FORMER: usize = 3;
 /// Choice: log odds to the best below which a hypothesis is out.

@@ -38,7 +38,7 @@ impl Decision {
             best.now.place_ns.filter(|ns| off && since(*ns) < tuning.new_place_s).or(beyond.then_some(best.onset_ns));
         let place_sure = bank.probability(|it| it.now.place_ns == best.now.place_ns) > tuning.certain;
         // the device
-        let known = best.known().mean;
+        let known = best.now.tau();
         let Some(before) = self.told.filter(|_| best.kind != Kind::Cold) else {
             self.take(best);
             return;
@@ -53,8 +53,7 @@ impl Decision {
             self.id = best.id;
         }
         let matters = |it: &Filter| {
-            it.error > TOLD_DEG.to_radians().powi(2)
-                || turned(&before, &it.known().mean) > TOLD_DEG.to_radians().powi(2)
+            it.error > TOLD_DEG.to_radians().powi(2) || turned(&before, &it.now.tau()) > TOLD_DEG.to_radians().powi(2)
         };
         if best.id != self.id && matters(best) {
             self.suspected_ns = Some(best.onset_ns);
@@ -94,7 +93,7 @@ impl Decision {
 
     /// The change in force is that of a hypothesis.
     fn take(&mut self, best: &Filter) {
-        (self.id, self.change, self.told) = (best.id, Some((best.kind, best.onset_ns)), Some(best.known().mean));
+        (self.id, self.change, self.told) = (best.id, Some((best.kind, best.onset_ns)), Some(best.now.tau()));
     }
 }
 

@@ -1,7 +1,8 @@
 //! The estimator for a magnetometer without gyroscope: a bank of Kalman filters over stored frames.
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `grouping` (neighbours averaged) · `frame` (what is
-//! stored) · `filter` (a hypothesis) · `spread` (what only noise tells) · `bank` (hypotheses against each other) · `decision` (what is told of
-//! changes) · `published` (what is in force) · `explain` (for people). The noise is learned by `noise/`. The derivation is in docs/METHOD-ADAPTIVE.md.
+//! stored) · `state` (what is known, and a frame's update) · `filter` (a hypothesis) · `spread` (what only noise tells) · `bank` (hypotheses
+//! against each other) · `decision` (what is told of changes) · `published` (what is in force) · `explain` (for people). The noise is learned by
+//! `noise/`. The derivation is in docs/METHOD-ADAPTIVE.md.
 
 mod bank;
 mod decision;
@@ -12,6 +13,7 @@ mod grouping;
 mod parameters;
 mod published;
 mod spread;
+mod state;
 mod tuning;
 
 use crate::calibration::{Calibration, Given, typical_field_ut};
@@ -26,7 +28,7 @@ use filter::Kind;
 use frame::{Frame, Noise};
 use grouping::{Group, Grouping};
 use nalgebra::{SMatrix, Vector3};
-use parameters::{Gaussian, is_bounded};
+use parameters::{Gaussian, Tau, is_bounded};
 use published::Published;
 pub(crate) use tuning::Tuning;
 
@@ -81,7 +83,9 @@ pub(crate) struct Adaptive {
     worst: f64,
     decision: Decision,
     count: u64,
-    /// Sum of the directions seen through the calibration that was given, and of how many groups.
+    /// The calibration that was given, through which it is seen whether the device turns: what is published may move where it does not.
+    through: Option<Tau>,
+    /// Sum of the directions seen through it, and of how many groups.
     seen: Vector3<f64>,
     groups: u64,
     /// What became of the latest complete group: only told.
@@ -127,6 +131,7 @@ impl Adaptive {
             worst: 0.0,
             decision: Decision::default(),
             count: 0,
+            through: initial.map(|given| bank::given(&given, unit_ut).mean),
             seen: Vector3::zeros(),
             groups: 0,
             usage: None,
@@ -223,9 +228,7 @@ impl Adaptive {
             .is_some_and(|best| best.now.odd > 0 || best.now.place_ns == Some(time_ns) || best.onset_ns == time_ns);
         self.usage = Some(if is_odd { SampleUse::Gated } else { SampleUse::Used });
         self.publish(time_ns);
-        // through what was given: what is published may move where the device does not
-        let given = self.given.map(|given| bank::given(&given, self.unit_ut));
-        if let Some(seen) = given.and_then(|given| parameters::see(&given.mean, &u)) {
+        if let Some(seen) = self.through.and_then(|tau| parameters::see(&tau, &u)) {
             self.seen += seen.direction;
             self.groups += 1;
         }
@@ -270,19 +273,16 @@ impl Adaptive {
         }
         let known = best.known();
         let (level, tilted, _) = best.now.level();
-        let Some((e, g)) = parameters::distance(&known.mean, &frame.u) else { return };
-        let rho = known.variance(&g);
-        let Some(slope) = parameters::see(&known.mean, &frame.u).map(|seen| seen.slope) else { return };
-        let miss = e - level / slope;
-        let mut vertical = None;
-        if let Some(up) = frame.up.filter(|_| best.heeds_vertical) {
-            let offset = frame.u - parameters::centre(&known.mean);
-            let Some(seen) = parameters::see(&known.mean, &frame.u) else { return };
+        let Some(seen) = parameters::see(&known.mean, &frame.u) else { return };
+        let by_tau = parameters::gradient(&known.mean, &seen.direction, &seen.offset, 0.0) / seen.slope;
+        let rho = known.variance(&by_tau);
+        let miss = (seen.radius - 1.0) / seen.slope - level / seen.slope;
+        let vertical = frame.up.filter(|_| best.heeds_vertical).map(|up| {
             let sine = up.dot(&seen.direction);
-            let v = sine - known.mean[9] - tilted;
-            let gv = parameters::gradient(&known.mean, &((up - seen.direction * sine) / seen.radius), &offset, 1.0);
-            vertical = Some((v, known.variance(&gv)));
-        }
+            let across = (up - seen.direction * sine) / seen.radius;
+            let by_tau = parameters::gradient(&known.mean, &across, &seen.offset, 1.0);
+            (sine - known.mean[9] - tilted, known.variance(&by_tau))
+        });
         if let Some((before, vertical_before)) = self.missed {
             self.differing.add(0.5 * (miss - before).powi(2));
             if let Some((v, before)) = vertical.map(|v| v.0).zip(vertical_before) {

@@ -4,9 +4,9 @@
 //! turn, and the filter takes that for information. Where a device turns about one axis only, the samples lie in a plane, and all that the
 //! filter has of beta across that plane may be made by noise. With weights w = 1/S of the frames and v the plane's normal:
 //!     D = sum w (u - mean)(u - mean)^T,   N = sum w white,   share = N / v.D v:   of noise in the plane's thickness
-//! What is known of v.beta is at most what was known before, the thickness without noise, and what two means tell where what they depend on
-//! is known: that of the strength, along the mean direction, and that of the vertical part, along the vertical.
-//!     1 / variance <= 1 / before + (1 - share) v.T D T v + (v.n)^2 / (strength + uneven) + (v.up)^2 / (vertical part + tilt)
+//! What is known of v.beta is at most what was known before, the thickness without noise and its chance (n frames), and what two means tell
+//! where what they depend on is known: that of the strength, along the mean direction, and that of the vertical part, along the vertical.
+//!     1 / variance <= 1 / before + (1 - share (1 + 2 (2/n)^1/2))+ v.T D T v + (v.n)^2 / (strength + uneven) + (v.up)^2 / (vertical part + tilt)
 
 #[cfg(test)]
 mod tests;

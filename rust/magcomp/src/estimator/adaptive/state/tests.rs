@@ -1,6 +1,8 @@
+use super::super::parameters::TauMatrix;
 use super::*;
 
-const STILL: Way = Way { walk: 0.0, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true };
+const STILL: Way =
+    Way { walk: 0.0, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true, is_fixed: false };
 
 const TRUE: [f64; 10] = [1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2];
 
@@ -78,6 +80,6 @@ fn a_rest_tells_no_more_than_its_place() {
     }
     let seen = see(&lin, &frame.u).unwrap();
     let g = gradient(&lin, &seen.direction, &(seen.offset / seen.radius), 0.0) / seen.slope;
-    let left = known(&state).variance(&g);
+    let left = state.known().variance(&g);
     assert!(left > 0.8 * uneven.variance / (seen.slope * seen.slope), "{left:e}");
 }
