@@ -1,6 +1,6 @@
 //! A phone whose truth is known, for tests that need all three sensors.
 
-use magcomp::nalgebra::{Rotation3, Vector3};
+use magcomp::nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use magcomp::{Calibration, Compensator, MagneticSample, Reading, RotationRateSample, UpSample};
 
 /// Between two samples, ns.
@@ -80,6 +80,11 @@ impl Phone {
     /// That many samples more.
     pub fn run(&mut self, compensator: &mut Compensator, samples: usize) {
         (0..samples).for_each(|_| _ = self.advance(compensator));
+    }
+
+    /// Device to east, magnetic north, up.
+    pub fn attitude(&self) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_rotation_matrix(&self.attitude)
     }
 
     /// The heading of its top edge, degrees clockwise from magnetic north.

@@ -27,11 +27,12 @@
 //! | section III, a constant field | [`ConstantField`], [`Method::Constant`] | `estimator/paper/constant.rs` |
 //! | the gauge: M symmetric, M = P R | [`Calibration::from_any`] | `calibration.rs` |
 //! | ours, with a gyroscope: state, propagation, measurement, hypotheses | [`Method::Aided`] | `estimator/aided/` |
-//! | ours, the magnetometer alone: a bank of hypotheses over exact moments | [`Method::Adaptive`] | `estimator/adaptive/` |
+//! | ours, the magnetometer alone: a bank of filters over stored frames | [`Method::Adaptive`] | `estimator/adaptive/` |
 //! | events that are delivered late or in batches, in the order of their times | [`EventQueue`] | `sensing/order.rs` |
 //! | the turn between two samples; how far gravity leans | [`Compensator::push_rotation_rate`], [`Compensator::push_up`] | `sensing/` |
 //! | heading atan2(a.E, a.N), its sigma, inclination | [`heading`], [`heading_sigma_deg`] | `heading.rs` |
 //! | attitude from field and up, its sigma | [`attitude`], [`attitude_sigma_deg`] | `attitude.rs` |
+//! | headings from outside, carried by the gyroscope | [`Compensator::push_heading`], [`Compensator::push_attitude`] | `north/` |
 //! | when each direction was last seen, for every method | [`Coverage`] | `coverage/` |
 //! | one `push`, from sample to reading | [`Compensator`], [`Reading`] | `compensator.rs` |
 //! | why a reading says what it says | [`Compensator::explain`], [`Explanation`] | `explanation.rs`, `estimator/aided/explain.rs` |
@@ -57,6 +58,7 @@ mod heading;
 mod kept;
 mod math;
 mod noise;
+mod north;
 mod range;
 mod reading;
 mod sample;
@@ -85,8 +87,12 @@ pub use heading::{
 };
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
 pub use range::ConfigError;
-pub use reading::{Axis, Event, EventKind, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status};
-pub use sample::{MagneticSample, RotationRateSample, UpSample};
+pub use reading::{
+    Axis, Event, EventKind, HeadingAid, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status,
+};
+pub use sample::{
+    AttitudeSample, HeadedAxis, HeadingSample, MagneticSample, NorthReference, RotationRateSample, UpSample, Yaw,
+};
 pub use sensing::order::{EventQueue, SensorEvent};
 pub use sensing::pairing::EventRejection;
 #[doc(hidden)]

@@ -49,6 +49,21 @@ pub struct Reading {
     pub status: Status,
 }
 
+/// What headings from outside ([`crate::Compensator::push_heading`]) are worth. Its text is one sentence an app may show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub enum HeadingAid {
+    /// They agree with the magnetometer, which knows north at least as well by itself.
+    #[error("headings from outside agree")]
+    Used,
+    /// North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+    #[error("north comes from outside")]
+    Leads,
+    /// The latest one contradicts what is known, and is ignored.
+    #[error("the heading from outside disagrees, and is ignored")]
+    Disagrees,
+}
+
 /// The sensors an estimator runs on, as they come and go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]

@@ -14,7 +14,8 @@ use crate::replay::{
 use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
-use magcomp::{Config, HeadingConfig, ReferenceAxis, WindowedConfig};
+use magcomp::nalgebra::Vector3;
+use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
 use std::path::{Path, PathBuf};
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
@@ -25,7 +26,7 @@ const CHUNK: usize = 4096;
 /// IN is any input of `magcomp import`, or CSV, gzipped or not, with a header:
 /// t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's sign; rad/s; reference orientation, device to
 /// east-north-up). A row may leave a sensor's cells empty: then each has its own times. sys_mx,sys_my,sys_mz (uT) is the
-/// field that the operating system calibrated. Other columns are ignored. Out: the corrected sample c, the estimator's own
+/// field that the operating system calibrated; course_deg,course_sigma_deg are headings from outside (--course). Other columns are ignored. Out: the corrected sample c, the estimator's own
 /// estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
 ///
 /// The summary begins with what it comes to. Against a reference orientation the heading is judged up to one constant, the circular
@@ -69,6 +70,9 @@ pub(super) struct Replay {
     /// The axis whose heading it is
     #[arg(long, value_enum, default_value_t)]
     axis: AxisChoice,
+    /// Use the recording's columns course_deg,course_sigma_deg (from true north) as headings from outside; of what they are
+    #[arg(long, value_enum, value_name = "OF")]
+    course: Option<CourseOf>,
     /// Declination, degrees, east positive: adds the column true_heading_deg
     #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, -180.0, 180.0), allow_negative_numbers = true, conflicts_with_all = ["place", "date"])]
     declination: Option<f64>,
@@ -113,6 +117,27 @@ enum AxisChoice {
     Auto,
 }
 
+/// What a course is the heading of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CourseOf {
+    /// Top edge of the device
+    Top,
+    /// Back camera
+    Camera,
+    /// A vehicle in which the device lies in a holder
+    Vehicle,
+}
+
+impl From<CourseOf> for HeadedAxis {
+    fn from(it: CourseOf) -> Self {
+        match it {
+            CourseOf::Top => Self::Device(Vector3::y()),
+            CourseOf::Camera => Self::Device(-Vector3::z()),
+            CourseOf::Vehicle => Self::Vehicle,
+        }
+    }
+}
+
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
         let method = self.method.method();
@@ -151,7 +176,9 @@ impl Replay {
         };
 
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
-        let mut players = (0..self.passes).map(|_| Player::new(&config, ignore)).collect::<Result<Vec<_>, _>>()?;
+        let course_of = self.course.map(HeadedAxis::from);
+        let player = || Ok::<_, LabError>(Player::new(&config, ignore)?.aided_by_courses(course_of));
+        let mut players = (0..self.passes).map(|_| player()).collect::<Result<Vec<_>, _>>()?;
 
         let extent = *source.extent();
         let usual = usual_part(&extent);

@@ -1,6 +1,7 @@
 //! The columns of a recording, found by name, and the values of a line, with an error that names file, line, column and what was
 //! expected there.
 
+use super::rows::Course;
 use crate::error::{LabError, Place, shorten};
 use crate::time::{is_time, time_ns};
 use csv::ByteRecord;
@@ -17,6 +18,7 @@ pub(super) struct Line {
     pub system_ut: Option<Vector3<f64>>,
     pub attitude: Option<UnitQuaternion<f64>>,
     pub hard_iron_ut: Option<Vector3<f64>>,
+    pub course: Option<Course>,
 }
 
 /// Where each quantity is.
@@ -29,6 +31,7 @@ pub(super) struct Columns {
     system: Option<[usize; 3]>,
     reference: Option<[usize; 4]>,
     hard_iron: Option<[usize; 3]>,
+    course: Option<[usize; 2]>,
 }
 
 impl Columns {
@@ -58,6 +61,7 @@ impl Columns {
             system: group(["sys_mx", "sys_my", "sys_mz"], index, wrong)?,
             reference: group(["qw", "qx", "qy", "qz"], index, wrong)?,
             hard_iron: group(["true_bx", "true_by", "true_bz"], index, wrong)?,
+            course: group(["course_deg", "course_sigma_deg"], index, wrong)?,
             names,
         })
     }
@@ -122,6 +126,12 @@ impl Columns {
                 }
             },
             hard_iron_ut: of(self.hard_iron)?,
+            course: match self.course {
+                Some(cells) if !silent(&cells) => {
+                    Some(Course { heading_deg: number(cells[0])?, sigma_deg: number(cells[1])? })
+                }
+                _ => None,
+            },
         })
     }
 }

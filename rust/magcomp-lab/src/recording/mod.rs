@@ -15,7 +15,7 @@ mod write;
 pub use atomic::{AtomicFile, remove_unfinished_on_signals, write_atomically};
 pub use beside::{files_of, read_table};
 pub use read::Rows;
-pub use rows::{Extent, Inertial, Recording, Row, name_of};
+pub use rows::{Course, Extent, Inertial, Recording, Row, name_of};
 pub(crate) use source::GZIP;
 pub use source::{Source, read, read_from, unzipped};
 pub use write::write_recording;

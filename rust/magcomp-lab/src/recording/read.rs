@@ -68,7 +68,7 @@ impl Rows {
             self.before = Some((line.time_s, line.time_ns));
             system_ut = line.system_ut.or(system_ut);
             let Some(field_ut) = line.field_ut else {
-                if line.rate_rad_s.is_some() || line.up_m_s2.is_some() {
+                if line.rate_rad_s.is_some() || line.up_m_s2.is_some() || line.course.is_some() {
                     if before.len() == MOST_WAITING {
                         return Err(LabError::Recording {
                             place: Place {
@@ -82,8 +82,8 @@ impl Rows {
                             ),
                         });
                     }
-                    let Line { time_ns, rate_rad_s, up_m_s2, .. } = line;
-                    before.push(Inertial { time_ns, rate_rad_s, up_m_s2 });
+                    let Line { time_ns, rate_rad_s, up_m_s2, course, .. } = line;
+                    before.push(Inertial { time_ns, rate_rad_s, up_m_s2, course });
                 }
                 continue;
             };
@@ -97,6 +97,7 @@ impl Rows {
                 system_ut,
                 attitude: line.attitude,
                 hard_iron_ut: line.hard_iron_ut,
+                course: line.course,
             }));
         }
         Ok(None)

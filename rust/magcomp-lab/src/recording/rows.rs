@@ -4,7 +4,7 @@ use crate::simulate::Simulation;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 
-/// The values of the inertial sensors at one time.
+/// The values of the other sensors at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertial {
     /// In whole nanoseconds.
@@ -13,6 +13,17 @@ pub struct Inertial {
     pub rate_rad_s: Option<Vector3<f64>>,
     /// Accelerometer, m/s^2, Android's sign.
     pub up_m_s2: Option<Vector3<f64>>,
+    /// A heading from outside.
+    pub course: Option<Course>,
+}
+
+/// A heading that something else than the magnetometer knew, from true north.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// Clockwise from true north.
+    pub heading_deg: f64,
+    /// One standard deviation.
+    pub sigma_deg: f64,
 }
 
 /// A magnetometer sample, and the events of the other sensors since the sample before it.
@@ -36,12 +47,15 @@ pub struct Row {
     pub attitude: Option<UnitQuaternion<f64>>,
     /// True hard iron, uT, where it is known.
     pub hard_iron_ut: Option<Vector3<f64>>,
+    /// A heading from outside at this very time.
+    pub course: Option<Course>,
 }
 
 impl Row {
     /// The events of the inertial sensors up to this row, in order.
     pub fn inertial(&self) -> impl Iterator<Item = Inertial> {
-        let now = Inertial { time_ns: self.time_ns, rate_rad_s: self.rate_rad_s, up_m_s2: self.up_m_s2 };
+        let now =
+            Inertial { time_ns: self.time_ns, rate_rad_s: self.rate_rad_s, up_m_s2: self.up_m_s2, course: self.course };
         self.before.iter().copied().chain([now])
     }
 
@@ -117,6 +131,7 @@ impl Recording {
                     time_ns,
                     rate_rad_s: rates.next_if(|event| event.time_ns == time_ns).map(|event| event.rate_rad_s),
                     up_m_s2: ups.next_if(|event| event.time_ns == time_ns).map(|event| event.up_m_s2),
+                    course: None,
                 });
             }
             let now = events.pop_if(|event| event.time_ns == sample.time_ns);
@@ -130,6 +145,7 @@ impl Recording {
                 system_ut: None,
                 attitude: Some(truth.attitude),
                 hard_iron_ut: Some(truth.hard_iron_ut),
+                course: None,
             }
         });
         Self { path: PathBuf::from(name), rows: rows.collect() }

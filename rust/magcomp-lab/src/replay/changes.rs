@@ -118,6 +118,7 @@ mod tests {
             system_ut: None,
             attitude: None,
             hard_iron_ut: None,
+            course: None,
         };
         let recording = Recording { path: "r.csv".into(), rows: (0..1000).map(row).collect() };
         let mut steps = replay(&recording, &Config::default(), Ignore::default()).unwrap();

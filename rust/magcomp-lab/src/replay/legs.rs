@@ -148,6 +148,7 @@ mod tests {
                 system_ut: None,
                 attitude: None,
                 hard_iron_ut: None,
+                course: None,
             }
         };
         let recording = Recording { path: "walk.csv".into(), rows: (0..200).map(row).collect() };

@@ -126,6 +126,7 @@ mod tests {
                 system_ut: None,
                 attitude: None,
                 hard_iron_ut: None,
+                course: None,
             });
             assert!(level.up().is_some(), "{time_s}");
             if (15.3..17.9).contains(&time_s) {

@@ -1,9 +1,10 @@
 //! A compensator that is given the rows of a recording, in order.
 
 use crate::error::LabError;
-use crate::recording::{Inertial, Recording, Row};
+use crate::recording::{Course, Inertial, Recording, Row};
 use magcomp::{
-    Calibration, Compensator, Config, MagneticSample, Method, Reading, RotationRateSample, Tunings, UpSample,
+    Calibration, Compensator, Config, HeadedAxis, HeadingSample, MagneticSample, Method, NorthReference, Reading,
+    RotationRateSample, Tunings, UpSample,
 };
 use std::time::Instant;
 
@@ -35,6 +36,7 @@ pub struct Step {
 pub struct Player {
     compensator: Compensator,
     ignore: Ignore,
+    course_of: Option<HeadedAxis>,
 }
 
 impl Player {
@@ -43,7 +45,7 @@ impl Player {
     /// # Errors
     /// [`LabError::Config`] when the config is refused.
     pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
-        Ok(Self { compensator: Compensator::new(config.clone())?, ignore })
+        Ok(Self { compensator: Compensator::new(config.clone())?, ignore, course_of: None })
     }
 
     /// One whose choices are not the usual ones.
@@ -52,17 +54,28 @@ impl Player {
     /// [`LabError::Config`] when the config is refused.
     pub fn tuned(config: Config, method: Method, tunings: Tunings) -> Result<Self, LabError> {
         let compensator = Compensator::tuned(Config { method, ..config }, tunings)?;
-        Ok(Self { compensator, ignore: Ignore::default() })
+        Ok(Self { compensator, ignore: Ignore::default(), course_of: None })
+    }
+
+    /// The same, with the recording's courses as headings of `axis` from outside.
+    #[must_use]
+    pub fn aided_by_courses(self, axis: Option<HeadedAxis>) -> Self {
+        Self { course_of: axis, ..self }
     }
 
     /// Plays the next row.
     pub fn play(&mut self, row: &Row) -> Step {
-        for Inertial { time_ns, rate_rad_s, up_m_s2 } in row.inertial() {
+        for Inertial { time_ns, rate_rad_s, up_m_s2, course } in row.inertial() {
             if let Some(rate_rad_s) = rate_rad_s.filter(|_| !self.ignore.gyroscope) {
                 let _ = self.compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
             }
             if let Some(up_m_s2) = up_m_s2.filter(|_| !self.ignore.accelerometer) {
                 let _ = self.compensator.push_up(UpSample { time_ns, up_m_s2 });
+            }
+            if let (Some(axis), Some(Course { heading_deg, sigma_deg })) = (self.course_of, course) {
+                let reference = NorthReference::True;
+                let _ =
+                    self.compensator.push_heading(HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis });
             }
         }
         let (compensator, time_ns) = (&mut self.compensator, row.time_ns);

@@ -158,6 +158,7 @@ mod tests {
                 system_ut: None,
                 attitude: turned.map(|turned| turned * attitude(time_s)),
                 hard_iron_ut: None,
+                course: None,
             }
         };
         let recording = Recording { path: "r.csv".into(), rows: (0..3000).map(row).collect() };

@@ -69,6 +69,41 @@ fn true_heading_is_a_column_of_its_own() {
 }
 
 #[test]
+fn a_course_of_the_recording_turns_north() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = folder.path().join("plain.csv");
+    assert_eq!(run(&["simulate", text(&plain), "--seconds", "12", "--motion", "text"]).0, 0);
+    let (aided, output) = (folder.path().join("aided.csv"), folder.path().join("out.csv"));
+    let read = fs::read_to_string(&plain).unwrap();
+    let (header, rows) = read.split_once('\n').unwrap();
+    let at = |name: &str| header.split(',').position(|column| column == name).unwrap();
+    let (w, x, y, z) = (at("qw"), at("qx"), at("qy"), at("qz"));
+    // each second of the last half a heading of the top edge, 10 degrees too large
+    let rows = rows.lines().enumerate().map(|(k, row)| {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        let (w, x, y, z) = (cells[w], cells[x], cells[y], cells[z]);
+        let (east, north) = (2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z));
+        let course_deg = (east.atan2(north).to_degrees() + 10.0).rem_euclid(360.0);
+        if k > 600 && k % 100 == 0 { format!("{row},{course_deg},0.5\n") } else { format!("{row},,\n") }
+    });
+    fs::write(&aided, format!("{header},course_deg,course_sigma_deg\n{}", rows.collect::<String>())).unwrap();
+    let headings = |arguments: &[&str]| -> Vec<f64> {
+        let all = [&["replay", text(&aided), "--declination", "0", "--output", text(&output)], arguments].concat();
+        let (code, _, error) = run(&all);
+        assert_eq!((code, error.as_str()), (0, ""));
+        let written = fs::read_to_string(&output).unwrap();
+        written.lines().skip(1).map(|row| row.split(',').nth(7).unwrap().parse().unwrap_or(f64::NAN)).collect()
+    };
+    let (alone, with) = (headings(&[]), headings(&["--course", "top"]));
+    assert!(alone[..600].iter().zip(&with).all(|(one, other)| one == other || one.is_nan() && other.is_nan()));
+    let turned = (with.last().unwrap() - alone.last().unwrap() + 540.0).rem_euclid(360.0) - 180.0;
+    // between the magnetometer's north and that of the courses
+    assert!((1.0..11.0).contains(&turned), "{turned}");
+    let (code, _, error) = run(&["replay", text(&aided), "--course", "sideways"]);
+    assert!(code == 2 && error.contains("vehicle"), "{error}");
+}
+
+#[test]
 fn rejected_samples_keep_their_row() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("in.csv");

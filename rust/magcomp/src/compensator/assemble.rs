@@ -43,6 +43,12 @@ impl Pointing {
 }
 
 impl Compensator {
+    /// With the declination that headings from outside have shown, where none is set.
+    fn heading_config(&self) -> HeadingConfig {
+        let found = || self.north.declination_deg().map(|(declination_deg, _)| declination_deg);
+        HeadingConfig { declination_deg: self.config.heading.declination_deg.or_else(found), ..self.config.heading }
+    }
+
     /// The reading of a sample.
     pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
         // without a gyroscope nobody else carries the vertical
@@ -58,7 +64,7 @@ impl Compensator {
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: pointing.as_ref().and_then(|it| it.heading(&self.config.heading)),
+            heading: pointing.as_ref().and_then(|it| it.heading(&self.heading_config())),
             attitude: pointing.as_ref().and_then(Pointing::attitude),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,

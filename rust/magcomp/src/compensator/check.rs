@@ -23,6 +23,11 @@ impl PartialEq for Stream {
 }
 
 impl Stream {
+    /// Time of the latest sample that was accepted.
+    pub fn latest_ns(&self) -> Option<i64> {
+        self.latest.map(|latest| latest.time_ns)
+    }
+
     /// A sample is used; the time of the one before, ns.
     pub fn accept(&mut self, sample: MagneticSample) -> Option<i64> {
         (self.astray, self.astray_ns) = (0, 0);

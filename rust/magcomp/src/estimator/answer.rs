@@ -23,6 +23,19 @@ pub(crate) struct Answer {
     /// Samples that the estimator looks at.
     pub window: usize,
     pub counted: Counted,
+    /// How the gyroscope has turned the device since the sample before; `None` where that is not known.
+    pub carry: Option<Carry>,
+}
+
+/// A turn, and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Carry {
+    /// Takes a vector of the device frame at the sample before to that at this one.
+    pub turn: Matrix3<f64>,
+    /// One standard deviation of what the gyroscope's bias adds to the turn about the worst axis, rad. It lasts.
+    pub drift_rad: f64,
+    /// Variance of what its noise adds, per axis, rad^2.
+    pub noise_rad2: f64,
 }
 
 /// What the directions that were seen are counted over.

@@ -44,7 +44,8 @@ pub enum EventRejection {
     /// The magnitude is beyond anything the sensor can read.
     #[error("event is beyond the sensor's range")]
     OutOfRange,
-    /// The time is at or before a magnetometer sample already paired: that rotation has been handed out.
+    /// The time is at or before a magnetometer sample already paired: that rotation has been handed out. Of a heading: it is more than 5 s old,
+    /// or not after the latest one that was used.
     #[error("event is older than the last magnetometer sample paired")]
     Late,
     /// An event with this very time is there already.

@@ -34,7 +34,7 @@ mod watch;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::calibration::Calibration;
-use crate::estimator::answer::Answer;
+use crate::estimator::answer::{Answer, Carry};
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Gaussian;
 use crate::reading::{Event, SensorMode, Status};
@@ -47,7 +47,7 @@ use motion::Motion;
 use phase::{Phase, Running};
 use quarantine::Quarantine;
 use recent::Recent;
-use state::{CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
+use state::{BIAS, CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::Former;
@@ -200,6 +200,16 @@ impl Aided {
             (false, true) => SensorMode::GravityOnly,
             (false, false) => SensorMode::MagnetometerOnly,
         };
-        (status, Answer { up: self.motion.up, mode, event: self.event, ..answer })
+        let carry = step.as_ref().zip(self.phase.known()).map(|(step, filter)| {
+            // where m follows the place beyond what the filter believes, g is drawn along by as much
+            let published_ut2 = answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
+            let beyond = (published_ut2 / filter.variances(FIELD).sum()).max(1.0);
+            Carry {
+                turn: step.turn,
+                drift_rad: (filter.variances(BIAS).max() * beyond).sqrt() * step.dt_s,
+                noise_rad2: step.noise.turn_rad2(step.dt_s),
+            }
+        });
+        (status, Answer { up: self.motion.up, mode, event: self.event, carry, ..answer })
     }
 }

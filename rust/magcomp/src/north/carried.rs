@@ -1,0 +1,185 @@
+//! A direction of north that the gyroscope carries.
+
+use super::tuning::Tuning;
+use crate::estimator::answer::{Answer, Carry};
+use crate::heading::{VERTICAL, across_ut2};
+use nalgebra::{Matrix3, Vector3};
+
+/// East, north and up, device frame, of length 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Level {
+    pub east: Vector3<f64>,
+    pub north: Vector3<f64>,
+    pub up: Vector3<f64>,
+}
+
+impl Level {
+    /// North is where the horizontal part of `towards` points. `None` where it has none.
+    pub fn of(towards: &Vector3<f64>, up: &Vector3<f64>) -> Option<Self> {
+        let up = up.try_normalize(0.0)?;
+        let east = towards.cross(&up).try_normalize(VERTICAL * towards.norm())?;
+        Some(Self { east, north: up.cross(&east), up })
+    }
+
+    /// Clockwise from north, rad; `None` for an axis that is nearly vertical, whose heading no source tells.
+    pub fn bearing(&self, axis: &Vector3<f64>) -> Option<f64> {
+        let (east, north) = (axis.dot(&self.east), axis.dot(&self.north));
+        (east.hypot(north) > Tuning::USED.least_horizontal * axis.norm()).then(|| east.atan2(north))
+    }
+
+    /// Of the device's three axes the one that is the most horizontal.
+    pub fn most_horizontal(&self) -> Vector3<f64> {
+        Vector3::ith(self.up.iamin(), 1.0)
+    }
+
+    /// Its columns.
+    pub fn frame(&self) -> Matrix3<f64> {
+        Matrix3::from_columns(&[self.east, self.north, self.up])
+    }
+
+    /// Turned clockwise about up.
+    fn turned(&self, by_rad: f64) -> Self {
+        let (sin, cos) = by_rad.sin_cos();
+        let north = self.north * cos + self.east * sin;
+        Self { east: north.cross(&self.up), north, up: self.up }
+    }
+}
+
+/// A heading from outside as it is used.
+pub(super) struct Told {
+    /// What points there, device frame now.
+    pub axis: Vector3<f64>,
+    /// From magnetic north, rad; and where the magnetometer has it.
+    pub bearing_rad: f64,
+    pub own_bearing_rad: f64,
+    /// Variance as it was told, and that of the mounting or the declination it was read with, rad^2.
+    pub own_rad2: f64,
+    pub common_rad2: f64,
+    /// Seconds since the one before, as far as its error may be another.
+    pub new_s: f64,
+    pub is_vehicle: bool,
+}
+
+/// What the magnetometer says of north at a sample.
+pub(super) struct Own {
+    pub level: Level,
+    pub variance_rad2: f64,
+}
+
+impl Own {
+    pub fn of(answer: &Answer) -> Option<Self> {
+        let field_ut = answer.filtered_field_ut?;
+        let level = Level::of(&field_ut, &answer.up?)?;
+        let across_ut2 = across_ut2(&field_ut, &level.up, &answer.filtered_covariance_ut2?)?;
+        Some(Self { variance_rad2: across_ut2 / field_ut.cross(&level.up).norm_squared(), level })
+    }
+}
+
+/// North, and how well it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Carried {
+    level: Level,
+    /// s^2 but for what all headings have in common, rad^2.
+    own_rad2: f64,
+    /// Variance of the mounting or the declination that the headings were read with, rad^2.
+    common_rad2: f64,
+    /// Seconds of headings that speak for it.
+    pub support_s: f64,
+    /// It is published.
+    pub leads: bool,
+}
+
+impl Carried {
+    /// What the magnetometer says.
+    pub fn of(own: &Own) -> Self {
+        let support_s = Tuning::USED.own_support_s;
+        Self { level: own.level, own_rad2: own.variance_rad2, common_rad2: 0.0, support_s, leads: false }
+    }
+
+    /// What a heading says alone.
+    pub fn told(own: &Level, told: &Told) -> Self {
+        Self {
+            level: own.turned(told.own_bearing_rad - told.bearing_rad),
+            own_rad2: told.own_rad2,
+            common_rad2: told.common_rad2,
+            support_s: told.new_s,
+            leads: false,
+        }
+    }
+
+    /// East, north and up for an `up` that has become another a little.
+    pub fn level(&self, up: &Vector3<f64>) -> Level {
+        Level::of(&self.level.north, up).unwrap_or(self.level)
+    }
+
+    /// s^2, rad^2.
+    pub fn variance_rad2(&self) -> f64 {
+        self.own_rad2 + self.common_rad2
+    }
+
+    /// The device turned.
+    pub fn step(&mut self, carry: &Carry, up: Option<&Vector3<f64>>) {
+        let north = carry.turn * self.level.north;
+        let up = up.copied().unwrap_or(carry.turn * self.level.up);
+        if let Some(level) = Level::of(&north, &up) {
+            self.level = level;
+        }
+        self.own_rad2 = (self.own_rad2.sqrt() + carry.drift_rad).powi(2) + carry.noise_rad2;
+    }
+
+    /// Whether a heading that is off by so much, with this variance, may be right.
+    pub fn agrees(&self, off_rad: f64, told_rad2: f64) -> bool {
+        off_rad * off_rad < 9.0 * (self.variance_rad2() + told_rad2)
+    }
+
+    /// A heading that is off by so much. What its offset is off by repeats in each, so it is not averaged.
+    pub fn correct(&mut self, off_rad: f64, told: &Told, up: &Vector3<f64>) {
+        if told.common_rad2 == 0.0 {
+            self.own_rad2 += self.common_rad2;
+        }
+        let gain = self.own_rad2 / (self.own_rad2 + told.own_rad2 * Tuning::USED.repeat_s / told.new_s);
+        // the axis' heading grows as north turns back
+        self.level = self.level(up).turned(-gain * off_rad);
+        self.own_rad2 *= 1.0 - gain;
+        self.common_rad2 = told.common_rad2;
+        self.support_s += told.new_s;
+    }
+
+    /// A heading of so many seconds spoke for another one: whether none is left that speaks for this.
+    pub fn loses(&mut self, seconds: f64) -> bool {
+        self.support_s -= seconds;
+        self.support_s <= 0.0
+    }
+
+    /// Whether the magnetometer knows north as well, and does not exclude this; if not, it leads.
+    pub fn is_no_better_than(&mut self, own: &Own) -> bool {
+        let Some(off_rad) = own.level.bearing(&self.level.north) else { return false };
+        self.leads = self.variance_rad2() < own.variance_rad2 || !self.agrees(off_rad, own.variance_rad2);
+        !self.leads
+    }
+
+    /// North as it is published, and its variance, rad^2. How much of the magnetometer's error is in both is not known, and taken to be all: the mean by
+    /// their variances is as sure as the mean of their standard deviations.
+    pub fn published(&self, own: &Own) -> (Level, f64) {
+        let carried = self.level(&own.level.up);
+        let (mine_rad2, own_rad2) = (self.variance_rad2(), own.variance_rad2);
+        match own.level.bearing(&carried.north).filter(|off_rad| self.agrees(*off_rad, own_rad2)) {
+            Some(off_rad) => {
+                let share = mine_rad2 / (mine_rad2 + own_rad2);
+                let sd_rad = mine_rad2.sqrt() * (1.0 - share) + own_rad2.sqrt() * share;
+                (carried.turned(-share * off_rad), sd_rad * sd_rad)
+            }
+            None => (carried, mine_rad2),
+        }
+    }
+
+    /// Goes on from what the magnetometer says.
+    pub fn begin_at(&mut self, own: &Own) {
+        *self = Self { support_s: self.support_s, ..Self::of(own) };
+    }
+}
+
+/// An angle in [-pi, pi].
+pub(super) fn wrap(rad: f64) -> f64 {
+    rad.sin().atan2(rad.cos())
+}
