@@ -1,0 +1,441 @@
+// magcomp: frees a magnetometer from the magnetic disturbance that its device carries, sample by sample. C99 and C++17; magcomp.hpp wraps it for C++.
+// Written from the Rust sources by cbindgen (c/src/tests.rs): never edit it.
+//
+// Units: microtesla (ut), rad/s, m/s^2, degrees, nanoseconds (ns) of one clock. Device axes: x right, y up along the screen, z out of it; for a board:
+// any right-handed frame that all three sensors share, headings being those of its y axis.
+//
+// Numbers that are not known are NaN, in every struct; cases that are not known have a NONE.
+//
+// Structs begin with `size`, which the caller sets to sizeof before each call. A later version of the library appends members: it serves callers that know
+// fewer, and an older one sets `size` to the bytes that it filled.
+//
+// Errors: a function that can fail returns a magcomp_error; above MAGCOMP_ERROR_NONE it changed nothing, but for MAGCOMP_ERROR_PANICKED.
+// magcomp_compensator_last_error has the message. Each function's comment ends with the errors that it returns, without their MAGCOMP_ERROR_.
+// A magnetic sample that cannot be used is no error: its reading has MAGCOMP_STATUS_REJECTED.
+//
+// Threads: any thread may call. Two calls with one compensator wait for each other; compensators do not wait for one another. A text that the library
+// returns is the compensator's: it is good until the next call that makes the same kind of text, so threads that share a compensator lock around call and
+// text. Nobody may use a compensator while or after it is freed.
+//
+// Every text is UTF-8 and ends with a zero byte. A push that is not refused allocates no memory.
+
+
+#ifndef MAGCOMP_H
+#define MAGCOMP_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// No time since 1970 is known.
+#define MAGCOMP_TIME_UNKNOWN INT64_MIN
+
+// Whether a call did what it is for, and why not.
+enum magcomp_error
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // It did.
+  MAGCOMP_ERROR_NONE = 0,
+  // A pointer that must not be null is null.
+  MAGCOMP_ERROR_NULL_POINTER = 1,
+  // The `size` of a struct is not set, or smaller than any version's.
+  MAGCOMP_ERROR_SIZE = 2,
+  // A setting, or a number beside it, is unknown or outside its range; or a text is no JSON, or not UTF-8.
+  MAGCOMP_ERROR_CONFIG = 3,
+  // M, b and |h| are none that a calibration can have.
+  MAGCOMP_ERROR_CALIBRATION = 4,
+  // A text is no kept calibration. Start without it.
+  MAGCOMP_ERROR_KEPT_DAMAGED = 5,
+  // A kept calibration was written by a newer version. Update the library, or start without.
+  MAGCOMP_ERROR_KEPT_NEWER = 6,
+  // There is nothing to hand out yet: nothing was learned.
+  MAGCOMP_ERROR_NOTHING_YET = 7,
+  // A panic was caught: a fault of the library. The compensator refuses every call but reset, free and those for its texts.
+  MAGCOMP_ERROR_PANICKED = 8,
+  // A gyroscope or gravity event has a component that is NaN or infinite.
+  MAGCOMP_ERROR_EVENT_NOT_FINITE = 9,
+  // Such an event is beyond anything a sensor reads: 60 rad/s, 200 m/s^2.
+  MAGCOMP_ERROR_EVENT_OUT_OF_RANGE = 10,
+  // Such an event is at or before a magnetic sample that was pushed.
+  MAGCOMP_ERROR_EVENT_LATE = 11,
+  // Such an event has the time of another.
+  MAGCOMP_ERROR_EVENT_DUPLICATE = 12,
+  // Such an event is so far ahead of the magnetic samples that its clock must be another.
+  MAGCOMP_ERROR_EVENT_AHEAD = 13,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_error magcomp_error;
+#else
+typedef int32_t magcomp_error;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What the compensator is doing.
+enum magcomp_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // There is no calibration yet; `reason` says what is missing.
+  MAGCOMP_STATUS_COLLECTING = 0,
+  // Calibrated, and following changes.
+  MAGCOMP_STATUS_TRACKING = 1,
+  // Something changed, since `status_since_ns`; not yet decided whether the device or the place.
+  MAGCOMP_STATUS_SUSPECT = 2,
+  // Calibrated, but not learning; `reason` says why.
+  MAGCOMP_STATUS_HELD = 3,
+  // The place is disturbed, since `status_since_ns`, not the device; the calibration is kept.
+  MAGCOMP_STATUS_DISTURBED = 4,
+  // This sample was not used, and changed nothing; `reason` says why. 50 in a row whose times follow one another and not the latest used sample's are
+  // taken for another clock: the calibration stays, all else begins anew.
+  MAGCOMP_STATUS_REJECTED = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_status magcomp_status;
+#else
+typedef int32_t magcomp_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Why the status is what it is.
+enum magcomp_reason
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The status says it all.
+  MAGCOMP_REASON_NONE = 0,
+  // Collecting: too few samples.
+  MAGCOMP_REASON_SAMPLES = 1,
+  // Collecting: the device was hardly turned.
+  MAGCOMP_REASON_ROTATION = 2,
+  // Collecting: the device was not turned about enough axes.
+  MAGCOMP_REASON_DIRECTIONS = 3,
+  // Collecting: the samples allow no fit; see `fit_problem`.
+  MAGCOMP_REASON_FIT = 4,
+  // Held: the device lies still.
+  MAGCOMP_REASON_AT_REST = 5,
+  // Held: the device was hardly turned of late.
+  MAGCOMP_REASON_TOO_LITTLE_ROTATION = 6,
+  // Held, by the method `Windowed` alone: the latest orientations are too much alike.
+  MAGCOMP_REASON_LOW_UNIFORMITY = 7,
+  // Held: the latest fit was refused, or no place on Earth has such a field; see `fit_problem`.
+  MAGCOMP_REASON_FIT_REFUSED = 8,
+  // Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+  MAGCOMP_REASON_NO_GYROSCOPE = 9,
+  // Held, by the method `Constant` alone: it follows no changes.
+  MAGCOMP_REASON_CONSTANT = 10,
+  // Rejected: a component is NaN or infinite.
+  MAGCOMP_REASON_NOT_FINITE = 11,
+  // Rejected: a component is beyond the setting `range_ut`. Is the unit microtesla?
+  MAGCOMP_REASON_OUT_OF_RANGE = 12,
+  // Rejected: a component is at the sensor's full scale, the setting `rail_ut`.
+  MAGCOMP_REASON_SATURATED = 13,
+  // Rejected: time did not advance.
+  MAGCOMP_REASON_TIME_NOT_AFTER = 14,
+  // Rejected: time jumped ahead further than any pause. Is the unit nanoseconds?
+  MAGCOMP_REASON_TIME_JUMP = 15,
+  // Rejected: the same value to the last bit for too long: the sensor hangs.
+  MAGCOMP_REASON_STUCK = 16,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_reason magcomp_reason;
+#else
+typedef int32_t magcomp_reason;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Why samples allow no fit.
+enum magcomp_fit_problem
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // `reason` is about no fit.
+  MAGCOMP_FIT_PROBLEM_NONE = 0,
+  // Fewer than nine.
+  MAGCOMP_FIT_PROBLEM_TOO_FEW_SAMPLES = 1,
+  // They lie in one plane.
+  MAGCOMP_FIT_PROBLEM_PLANAR = 2,
+  // The directions seen leave too large an error.
+  MAGCOMP_FIT_PROBLEM_POOR_COVERAGE = 3,
+  // They lie on no one ellipsoid: something changed meanwhile.
+  MAGCOMP_FIT_PROBLEM_INCONSISTENT = 4,
+  // A surface that is no ellipsoid fits best.
+  MAGCOMP_FIT_PROBLEM_NOT_AN_ELLIPSOID = 5,
+  // A field strength that no place on Earth has. Is the unit microtesla?
+  MAGCOMP_FIT_PROBLEM_FIELD_OUT_OF_RANGE = 6,
+  // One is NaN or infinite.
+  MAGCOMP_FIT_PROBLEM_NOT_FINITE = 7,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_fit_problem magcomp_fit_problem;
+#else
+typedef int32_t magcomp_fit_problem;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A change that was decided.
+enum magcomp_event
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // None yet.
+  MAGCOMP_EVENT_NONE = 0,
+  // The device's own disturbance changed (a cover was put on), and was relearned.
+  MAGCOMP_EVENT_DEVICE_STEP = 1,
+  // The device is as it was before (the cover was taken off); that calibration was restored.
+  MAGCOMP_EVENT_DEVICE_STEP_BACK = 2,
+  // The field of the place changed; the calibration is held.
+  MAGCOMP_EVENT_PLACE_CHANGED = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_event magcomp_event;
+#else
+typedef int32_t magcomp_event;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The sensors that the estimator runs on.
+enum magcomp_mode
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Magnetometer, gyroscope and accelerometer.
+  MAGCOMP_MODE_GYROSCOPE_AND_GRAVITY = 0,
+  // No accelerometer: no heading.
+  MAGCOMP_MODE_GYROSCOPE_ONLY = 1,
+  // No usable gyroscope: changes are followed slower.
+  MAGCOMP_MODE_GRAVITY_ONLY = 2,
+  // The magnetometer alone: no heading.
+  MAGCOMP_MODE_MAGNETOMETER_ONLY = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_mode magcomp_mode;
+#else
+typedef int32_t magcomp_mode;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which parameters the latest change set free.
+enum magcomp_model_order
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The estimator does not tell.
+  MAGCOMP_MODEL_ORDER_NONE = 0,
+  // No parameter.
+  MAGCOMP_MODEL_ORDER_NOTHING = 1,
+  // b alone.
+  MAGCOMP_MODEL_ORDER_HARD_IRON = 2,
+  // All nine.
+  MAGCOMP_MODEL_ORDER_ALL = 3,
+  // Back to a calibration from before.
+  MAGCOMP_MODEL_ORDER_FORMER = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_model_order magcomp_model_order;
+#else
+typedef int32_t magcomp_model_order;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Finds M and b from a stream of samples, again whenever they change. magcomp_compensator_create makes one.
+typedef struct magcomp_compensator magcomp_compensator;
+
+// The answer to one magnetic sample. Numbers that are not known are NaN.
+typedef struct magcomp_reading {
+  // sizeof(magcomp_reading).
+  size_t size;
+  // Time of the sample, ns.
+  int64_t time_ns;
+  // The corrected sample M^-1 (h_m - b), uT, device axes.
+  double field_ut[3];
+  // The estimator's own, smoother estimate of it, uT; the heading comes from it.
+  double filtered_field_ut[3];
+  // One standard deviation of `field_ut` per axis, uT.
+  double field_sigma_ut;
+  // |field_ut|, uT.
+  double total_field_ut;
+  // Clockwise from magnetic north, 0 to 360 deg, of the axis that the setting `heading.axis` names.
+  double heading_deg;
+  // One standard deviation of `heading_deg`, 0 to 180 deg.
+  double heading_sigma_deg;
+  // Clockwise from true north, 0 to 360 deg; where the setting `heading.declination_deg` is.
+  double true_heading_deg;
+  // Angle of the field below the horizon, -90 to 90 deg.
+  double inclination_deg;
+  // The unit quaternion w, x, y, z that takes device axes to east, north (magnetic) and up; w is at least 0.
+  double attitude[4];
+  // Root of the sum of the variances of the attitude's error about three axes, 0 to 180 deg.
+  double attitude_sigma_deg;
+  // sigma_T, no unit: how evenly the latest directions are spread.
+  double sigma_t;
+  // Share of the directions that were seen of late, 0 to 1.
+  double coverage;
+  // Expected direction error of the calibration over all directions, 0 to 180 deg.
+  double direction_sigma_deg;
+  // The same for the one combination of parameters that is known worst, deg; without a gyroscope only.
+  double worst_sigma_deg;
+  // Samples that the estimator looks at.
+  uint64_t window;
+  // Of SUSPECT and DISTURBED: time of the first sample that did not fit, ns; else 0.
+  int64_t status_since_ns;
+  // Of the latest event: time of the first sample that did not fit any longer, ns; 0 where there is none.
+  int64_t event_since_ns;
+  // Of the latest event: when it was decided, ns; 0 where there is none.
+  int64_t event_decided_ns;
+  // What the compensator is doing.
+  magcomp_status status;
+  // Why.
+  magcomp_reason reason;
+  // Of FIT and FIT_REFUSED.
+  magcomp_fit_problem fit_problem;
+  // The latest change that was decided; it stays until the next.
+  magcomp_event event;
+  // The sensors that the estimator runs on.
+  magcomp_mode mode;
+  // Which parameters the latest change set free; without a gyroscope only.
+  magcomp_model_order model_order;
+} magcomp_reading;
+
+// h_m = M h + b: what a magnetometer reads, h_m, of the Earth's field h.
+typedef struct magcomp_calibration {
+  // sizeof(magcomp_calibration).
+  size_t size;
+  // Soft iron M, no unit, row by row: symmetric, positive definite, no element of it or of its inverse beyond +-1000.
+  double soft_iron[9];
+  // Hard iron b, uT, -100000 to 100000.
+  double hard_iron_ut[3];
+  // |h|, uT, 1 to 1000.
+  double field_strength_ut;
+} magcomp_calibration;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The library's version, such as 0.1.0.
+const char *magcomp_version(void);
+
+// Makes a compensator, with everything that it will ever need, and puts it into `compensator`; free it with magcomp_compensator_free.
+//
+// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are. They are
+//
+// - method: "Auto" (default), "Aided" (the same), "Adaptive" (the magnetometer alone), "Windowed" (the paper's), "Constant" (one fit, then kept)
+// - initial: a calibration to begin with, {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}; default none
+// - initial_sigma_ut: standard deviation of its hard iron per axis, 0.01 to 1000 uT, default 2
+// - range_ut: largest component of a raw sample, 1 to 100000 uT, default 2000
+// - rail_ut: the sensor's full scale, 1 to 100000 uT, default not known
+// - field_strength_ut: |h| where it is known, 1 to 1000 uT, default not known
+// - heading: see magcomp_compensator_set_heading
+// - windowed: n_min (100 samples), n_max (2000), sigma_th (0.1), normalisation, residual, noise_floor_ut (5): of the paper's method
+//
+// Errors: NULL_POINTER (`compensator`); CONFIG. `*compensator` is null then, and magcomp_compensator_last_error(NULL) has this thread's message.
+magcomp_error magcomp_compensator_create(const char *config_json,
+                                         struct magcomp_compensator **compensator);
+
+// Frees a compensator and its texts. Null is left alone.
+void magcomp_compensator_free(struct magcomp_compensator *compensator);
+
+// The message of the latest call with this compensator that failed, in English; of null: of the latest call of this thread that failed without one, as
+// create does. Empty before the first. Never null. Good until the next such call fails.
+const char *magcomp_compensator_last_error(const struct magcomp_compensator *compensator);
+
+// Begins anew with the same settings, also after a panic: what was learned and adopted is forgotten. Errors: NULL_POINTER.
+magcomp_error magcomp_compensator_reset(struct magcomp_compensator *compensator);
+
+// From now on headings are reported like this; nothing else changes. `heading_json` has the settings that are not to be the default; null: all are.
+//
+// - axis: "TopEdge" (+y, the default), "Camera" (-z) or "Auto" (the horizontal direction between both)
+// - screen_rotation: "Deg0" (default), "Deg90", "Deg180", "Deg270": how the screen's content is turned against the device
+// - declination_deg: east positive, -180 to 180 deg, default not known: gives `true_heading_deg`
+// - tilt_sigma_deg: standard deviation of `up` at rest, 0 to 90 deg, default 0.5
+//
+// Errors: NULL_POINTER (`compensator`); CONFIG.
+magcomp_error magcomp_compensator_set_heading(struct magcomp_compensator *compensator,
+                                              const char *heading_json);
+
+// A raw magnetic sample, uT, device axes; its time, ns, is after that of the sample before. Fills `reading`, whose size is set.
+//
+// Errors: NULL_POINTER (both); SIZE. A sample that cannot be used (NaN, out of range, time going backwards) is no error: see MAGCOMP_STATUS_REJECTED.
+magcomp_error magcomp_compensator_push(struct magcomp_compensator *compensator,
+                                       int64_t time_ns,
+                                       double x_ut,
+                                       double y_ut,
+                                       double z_ut,
+                                       struct magcomp_reading *reading);
+
+// A gyroscope's event, rad/s, device axes, counter-clockwise positive, at its own rate; its time, ns, is of the magnetic samples' clock. Push it before
+// the magnetic sample that follows it.
+//
+// Errors: NULL_POINTER; EVENT_NOT_FINITE, EVENT_OUT_OF_RANGE, EVENT_LATE, EVENT_DUPLICATE, EVENT_AHEAD: the event is left out, which does no harm now
+// and then.
+magcomp_error magcomp_compensator_push_rotation_rate(struct magcomp_compensator *compensator,
+                                                     int64_t time_ns,
+                                                     double x_rad_s,
+                                                     double y_rad_s,
+                                                     double z_rad_s);
+
+// An accelerometer's or gravity event, m/s^2, device axes: what an accelerometer at rest reads, which points up (+9.81 along z when flat). Else as
+// magcomp_compensator_push_rotation_rate.
+magcomp_error magcomp_compensator_push_up(struct magcomp_compensator *compensator,
+                                          int64_t time_ns,
+                                          double x_m_s2,
+                                          double y_m_s2,
+                                          double z_m_s2);
+
+// About so many seconds passed, 0 to 1e9, that the samples' clock does not show: the system slept. The calibration is as unsure as one that was kept for
+// so long. Errors: NULL_POINTER; CONFIG.
+magcomp_error magcomp_compensator_push_gap(struct magcomp_compensator *compensator,
+                                           double hidden_s);
+
+// The status of the latest reading as one English sentence with its numbers, such as "collecting: turn the device about more axes". Empty before the
+// first, and of null. Never null. Good until the next call of this function.
+const char *magcomp_compensator_status_text(const struct magcomp_compensator *compensator);
+
+// M, b and |h| in force. Fills `calibration`, whose size is set.
+//
+// Errors: NULL_POINTER (both); SIZE; NOTHING_YET.
+magcomp_error magcomp_compensator_calibration(const struct magcomp_compensator *compensator, struct magcomp_calibration *calibration);
+
+// From now on this calibration is in force, until something better is learned. `hard_iron_sigma_ut` is one standard deviation of each component of b, 0.01
+// to 1000 uT. Live samples judge it first: the status is MAGCOMP_STATUS_HELD until a turned device agrees.
+//
+// Errors: NULL_POINTER (both); SIZE; CALIBRATION; CONFIG (`hard_iron_sigma_ut`).
+magcomp_error magcomp_compensator_adopt_calibration(struct magcomp_compensator *compensator,
+                                                    const struct magcomp_calibration *calibration,
+                                                    double hard_iron_sigma_ut);
+
+// What was learned, with its covariance and age, as one line of JSON to be kept for the next launch. `unix_time_s` is now, seconds since 1970. The text is
+// the compensator's, good until the next call of this function.
+//
+// Errors: NULL_POINTER (both); NOTHING_YET: nothing was learned from live samples; `*kept_json` is null then.
+magcomp_error magcomp_compensator_keep(const struct magcomp_compensator *compensator,
+                                       int64_t unix_time_s,
+                                       const char **kept_json);
+
+// Begins with a text of magcomp_compensator_keep, as sure as its age makes it. `unix_time_s` is now, seconds since 1970 by the clock that keep was told;
+// MAGCOMP_TIME_UNKNOWN: as good as nothing is believed beforehand. Live samples judge it first, as above.
+//
+// Errors: NULL_POINTER (both); CONFIG (not UTF-8); KEPT_DAMAGED; KEPT_NEWER.
+magcomp_error magcomp_compensator_adopt(struct magcomp_compensator *compensator,
+                                        const char *kept_json,
+                                        int64_t unix_time_s);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* MAGCOMP_H */

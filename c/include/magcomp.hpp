@@ -1,0 +1,125 @@
+// magcomp for C++17: what magcomp.h has, freed by itself, with errors as exceptions. Units, ranges and threads are those of magcomp.h.
+#ifndef MAGCOMP_HPP
+#define MAGCOMP_HPP
+
+#include "magcomp.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace magcomp {
+
+// What a call refuses; what() is the message.
+class Error : public std::runtime_error {
+public:
+    Error(magcomp_error code, const char *message) : std::runtime_error(message), code_(code) {}
+    magcomp_error code() const noexcept { return code_; }
+
+private:
+    magcomp_error code_;
+};
+
+// Finds M and b from a stream of samples, again whenever they change. It can be moved, not copied; one that was moved from refuses every call. Every member
+// may throw Error.
+class Compensator {
+public:
+    // All settings their default, or those of a JSON text: see magcomp_compensator_create.
+    Compensator() : Compensator(nullptr, nullptr) {}
+    explicit Compensator(const std::string &config_json) : Compensator(config_json.c_str(), nullptr) {}
+
+    // Begins anew with the same settings.
+    void reset() { check(magcomp_compensator_reset(get())); }
+
+    // From now on headings are reported like this: see magcomp_compensator_set_heading.
+    void set_heading(const std::string &heading_json) { check(magcomp_compensator_set_heading(get(), heading_json.c_str())); }
+
+    // A raw magnetic sample, uT. One that cannot be used is no error: its reading has MAGCOMP_STATUS_REJECTED.
+    magcomp_reading push(std::int64_t time_ns, double x_ut, double y_ut, double z_ut) {
+        magcomp_reading reading{};
+        reading.size = sizeof reading;
+        check(magcomp_compensator_push(get(), time_ns, x_ut, y_ut, z_ut, &reading));
+        return reading;
+    }
+
+    // A gyroscope's event, rad/s, before the magnetic sample that follows it. Whether it was used; one that was left out does no harm now and then.
+    bool push_rotation_rate(std::int64_t time_ns, double x_rad_s, double y_rad_s, double z_rad_s) {
+        return used(magcomp_compensator_push_rotation_rate(get(), time_ns, x_rad_s, y_rad_s, z_rad_s));
+    }
+
+    // An accelerometer's or gravity event, m/s^2, up at rest. Whether it was used.
+    bool push_up(std::int64_t time_ns, double x_m_s2, double y_m_s2, double z_m_s2) {
+        return used(magcomp_compensator_push_up(get(), time_ns, x_m_s2, y_m_s2, z_m_s2));
+    }
+
+    // So many seconds passed that the samples' clock does not show.
+    void push_gap(double hidden_s) { check(magcomp_compensator_push_gap(get(), hidden_s)); }
+
+    // The status of the latest reading as a sentence.
+    std::string status_text() const { return magcomp_compensator_status_text(get()); }
+
+    // The message of the latest call that failed, also where it is no exception: an event that was left out.
+    std::string last_error() const { return magcomp_compensator_last_error(get()); }
+
+    // M, b and |h| in force; nothing before there is one.
+    std::optional<magcomp_calibration> calibration() const {
+        magcomp_calibration calibration{};
+        calibration.size = sizeof calibration;
+        if (is_there(magcomp_compensator_calibration(get(), &calibration))) return calibration;
+        return std::nullopt;
+    }
+
+    // From now on this calibration is in force, until something better is learned. Its `size` need not be set.
+    void adopt(magcomp_calibration calibration, double hard_iron_sigma_ut) {
+        calibration.size = sizeof calibration;
+        check(magcomp_compensator_adopt_calibration(get(), &calibration, hard_iron_sigma_ut));
+    }
+
+    // What was learned, as a text for the next launch; nothing before anything was. `unix_time_s` is now, seconds since 1970.
+    std::optional<std::string> keep(std::int64_t unix_time_s) const {
+        const char *kept = nullptr;
+        if (is_there(magcomp_compensator_keep(get(), unix_time_s, &kept))) return kept;
+        return std::nullopt;
+    }
+
+    // Begins with a text of keep, as sure as its age makes it.
+    void adopt(const std::string &kept_json, std::int64_t unix_time_s = MAGCOMP_TIME_UNKNOWN) {
+        check(magcomp_compensator_adopt(get(), kept_json.c_str(), unix_time_s));
+    }
+
+    // For functions of magcomp.h. It stays this object's.
+    magcomp_compensator *get() const noexcept { return owned_.get(); }
+
+private:
+    struct Free {
+        void operator()(magcomp_compensator *compensator) const noexcept { magcomp_compensator_free(compensator); }
+    };
+    std::unique_ptr<magcomp_compensator, Free> owned_;
+
+    Compensator(const char *config_json, magcomp_compensator *made) {
+        check(magcomp_compensator_create(config_json, &made));
+        owned_.reset(made);
+    }
+
+    void check(magcomp_error code) const {
+        if (code != MAGCOMP_ERROR_NONE) throw Error(code, magcomp_compensator_last_error(get()));
+    }
+
+    bool is_there(magcomp_error code) const {
+        if (code == MAGCOMP_ERROR_NOTHING_YET) return false;
+        check(code);
+        return true;
+    }
+
+    bool used(magcomp_error code) const {
+        if (code >= MAGCOMP_ERROR_EVENT_NOT_FINITE && code <= MAGCOMP_ERROR_EVENT_AHEAD) return false;
+        check(code);
+        return true;
+    }
+};
+
+} // namespace magcomp
+
+#endif

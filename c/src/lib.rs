@@ -1,0 +1,29 @@
+//! magcomp for C and C++: the core's `Compensator` behind an opaque pointer, plain structs, codes in place of errors. The docs of what is exported
+//! are those of `include/magcomp.h`, which cbindgen writes from these files.
+//!
+//! Names begin with their object's: `magcomp_push` and two more are taken by the stream that Swift uses (`rust/magcomp-ffi/src/c.rs`), and an app may
+//! link both.
+
+// what the caller of a function must keep to is said in the header: pointers are null or good
+#![allow(clippy::missing_safety_doc)]
+
+mod calibration;
+mod compensator;
+mod error;
+mod grows;
+mod reading;
+#[cfg(test)]
+mod tests;
+
+use std::ffi::{CStr, c_char};
+
+const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+    Ok(version) => version,
+    Err(_) => panic!("a version has no zero byte"),
+};
+
+/// The library's version, such as 0.1.0.
+#[unsafe(no_mangle)]
+pub extern "C" fn magcomp_version() -> *const c_char {
+    VERSION.as_ptr()
+}

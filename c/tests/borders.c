@@ -1,0 +1,308 @@
+/* What is refused, with which error, and that it changes nothing. */
+#include <limits.h>
+#include <magcomp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHECK(condition) ((condition) ? (void)0 : fail(__LINE__, #condition))
+/* the call comes before its message is read */
+#define REFUSED(expected, says, call)                                                                                     \
+    do {                                                                                                                  \
+        const magcomp_error code_ = (call);                                                                               \
+        refused(__LINE__, #call, MAGCOMP_ERROR_##expected, code_, magcomp_compensator_last_error(c), says);               \
+    } while (0)
+
+static void fail(int line, const char *what) {
+    fprintf(stderr, "borders.c:%d: not so: %s\n", line, what);
+    exit(1);
+}
+
+static void refused(int line, const char *call, magcomp_error expected, magcomp_error code, const char *message, const char *says) {
+    if (code == expected && strstr(message, says) != NULL) return;
+    fprintf(stderr, "borders.c:%d: %s answered %d, \"%s\"; expected %d, \"...%s...\"\n", line, call, code, message, expected, says);
+    exit(1);
+}
+
+static const int64_t STEP_NS = 10000000;
+static const double B_UT[3] = {20, -30, 40};
+
+static magcomp_compensator *made(const char *config) {
+    magcomp_compensator *c;
+    CHECK(magcomp_compensator_create(config, &c) == MAGCOMP_ERROR_NONE && c != NULL);
+    return c;
+}
+
+static magcomp_reading pushed(magcomp_compensator *c, int64_t time_ns, double x, double y, double z) {
+    magcomp_reading reading = {.size = sizeof reading};
+    CHECK(magcomp_compensator_push(c, time_ns, x, y, z, &reading) == MAGCOMP_ERROR_NONE);
+    CHECK(reading.size == sizeof reading && reading.time_ns == time_ns);
+    return reading;
+}
+
+/* A device with the hard iron B_UT that is turned to every side, gravity beside it. */
+static magcomp_reading turned(magcomp_compensator *c, int first, int count) {
+    magcomp_reading reading = {.size = 0};
+    for (int k = first; k < first + count; k++) {
+        const double a = 0.031 * k, b = 0.023 * k; /* attitude: about z, then about x */
+        const double east[2] = {cos(a), -sin(a)};
+        const double noise = 0.2 * sin(1.7 * k * k);
+        (void)magcomp_compensator_push_up(c, k * STEP_NS, 0.0, 9.81 * sin(b), 9.81 * cos(b));
+        /* north 22 uT, down 42 uT */
+        const double level[3] = {22 * -east[1], 22 * east[0], -42};
+        reading = pushed(c, k * STEP_NS, level[0] + B_UT[0] + noise, level[1] * cos(b) + level[2] * sin(b) + B_UT[1],
+                         -level[1] * sin(b) + level[2] * cos(b) + B_UT[2] - noise);
+    }
+    return reading;
+}
+
+static void configs(void) {
+    magcomp_compensator *const c = NULL; /* REFUSED reads this thread's message */
+    magcomp_compensator *out;
+    static const struct {
+        const char *text, *says;
+    } bad[] = {
+        {"", "EOF"},
+        {"{", "EOF"},
+        {"[3]", "config: "},
+        {"nonsense", "config: "},
+        {"\xff\xfe", "not UTF-8"},
+        {"{\"rail\": 3}", "unknown field `rail`"},
+        {"{\"a\\u0000b\": 3}", "unknown field"},
+        {"{\"rail_ut\": -1}", "rail_ut is -1.0, expected 1.0 to 100000.0 uT"},
+        {"{\"rail_ut\": 1e999}", "number out of range"},
+        {"{\"rail_ut\": NaN}", "config: "},
+        {"{\"method\": \"Best\"}", "unknown variant `Best`"},
+        {"{\"heading\": {\"declination_deg\": 500}}", "declination_deg"},
+        {"{\"windowed\": {\"n_max\": 99999999999}}", "n_max"},
+        {"{\"initial\": {\"soft_iron\": [0,0,0,0,0,0,0,0,0], \"hard_iron_ut\": [0,0,0], \"field_strength_ut\": 50}}", "soft iron"},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        out = (magcomp_compensator *)&out;
+        REFUSED(CONFIG, bad[k].says, magcomp_compensator_create(bad[k].text, &out));
+        CHECK(out == NULL);
+    }
+    char deep[20001];
+    memset(deep, '[', sizeof deep - 1);
+    deep[sizeof deep - 1] = 0;
+    REFUSED(CONFIG, "config: ", magcomp_compensator_create(deep, &out));
+    REFUSED(NULL_POINTER, "compensator is a null pointer", magcomp_compensator_create(NULL, NULL));
+}
+
+static void nulls(void) {
+    magcomp_compensator *c = NULL;
+    magcomp_reading reading = {.size = sizeof reading};
+    magcomp_calibration calibration = {.size = sizeof calibration};
+    const char *text = NULL;
+    const char *says = "compensator is a null pointer";
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push(c, 0, 1, 2, 3, &reading));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push_rotation_rate(c, 0, 1, 2, 3));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push_up(c, 0, 1, 2, 3));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push_gap(c, 1));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_reset(c));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_set_heading(c, NULL));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_calibration(c, &calibration));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_adopt_calibration(c, &calibration, 1));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_keep(c, 0, &text));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_adopt(c, "{}", 0));
+    CHECK(strcmp(magcomp_compensator_status_text(c), "") == 0);
+    magcomp_compensator_free(c);
+
+    c = made(NULL);
+    CHECK(strcmp(magcomp_compensator_last_error(c), "") == 0);
+    CHECK(strcmp(magcomp_compensator_status_text(c), "") == 0);
+    REFUSED(NULL_POINTER, "magcomp_reading", magcomp_compensator_push(c, 0, 1, 2, 3, NULL));
+    REFUSED(NULL_POINTER, "magcomp_calibration", magcomp_compensator_calibration(c, NULL));
+    REFUSED(NULL_POINTER, "magcomp_calibration", magcomp_compensator_adopt_calibration(c, NULL, 1));
+    REFUSED(NULL_POINTER, "kept_json", magcomp_compensator_keep(c, 0, NULL));
+    REFUSED(NULL_POINTER, "kept_json", magcomp_compensator_adopt(c, NULL, 0));
+    /* errors of this compensator are not this thread's, and a call that succeeds leaves them */
+    CHECK(strstr(magcomp_compensator_last_error(NULL), "kept_json") == NULL);
+    pushed(c, 0, 20, 0, 40);
+    CHECK(strstr(magcomp_compensator_last_error(c), "kept_json") != NULL);
+    magcomp_compensator_free(c);
+}
+
+static void sizes(void) {
+    magcomp_compensator *c = made(NULL);
+    magcomp_reading reading;
+    magcomp_calibration calibration;
+    const size_t bad[] = {0, 8, sizeof reading - 1, 4097, SIZE_MAX};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        memset(&reading, 0xa5, sizeof reading);
+        const magcomp_reading before = reading;
+        reading.size = bad[k];
+        REFUSED(SIZE, "sizeof(magcomp_reading), 240", magcomp_compensator_push(c, 0, 20, 0, 40, &reading));
+        CHECK(memcmp(&reading.time_ns, &before.time_ns, sizeof reading - sizeof reading.size) == 0);
+        calibration.size = bad[k] == sizeof reading - 1 ? sizeof calibration - 1 : bad[k];
+        REFUSED(SIZE, "sizeof(magcomp_calibration), 112", magcomp_compensator_calibration(c, &calibration));
+        REFUSED(SIZE, "sizeof(magcomp_calibration), 112", magcomp_compensator_adopt_calibration(c, &calibration, 2));
+    }
+    /* the samples of those calls were not used: their time is still to come */
+    CHECK(pushed(c, 0, 20, 0, 40).status == MAGCOMP_STATUS_COLLECTING);
+    CHECK(pushed(c, 0, 20, 0, 40).reason == MAGCOMP_REASON_TIME_NOT_AFTER);
+
+    /* a caller of a later version: what this one does not know stays as it was, and the caller can tell */
+    struct {
+        magcomp_reading known;
+        unsigned char later[64];
+    } grown;
+    memset(&grown, 0xa5, sizeof grown);
+    grown.known.size = sizeof grown;
+    CHECK(magcomp_compensator_push(c, STEP_NS, 20, 0, 40, &grown.known) == MAGCOMP_ERROR_NONE);
+    CHECK(grown.known.size == sizeof(magcomp_reading) && grown.known.time_ns == STEP_NS);
+    for (size_t k = 0; k < sizeof grown.later; k++) CHECK(grown.later[k] == 0xa5);
+    magcomp_compensator_free(c);
+}
+
+static void samples(void) {
+    magcomp_compensator *c = made("{\"rail_ut\": 1200}");
+    magcomp_reading r = pushed(c, 0, NAN, 0, 0);
+    CHECK(r.status == MAGCOMP_STATUS_REJECTED && r.reason == MAGCOMP_REASON_NOT_FINITE && r.fit_problem == MAGCOMP_FIT_PROBLEM_NONE);
+    CHECK(isnan(r.field_ut[0]) && isnan(r.total_field_ut) && isnan(r.heading_deg) && isnan(r.attitude[3]));
+    CHECK(r.event == MAGCOMP_EVENT_NONE && r.model_order == MAGCOMP_MODEL_ORDER_NONE && r.mode == MAGCOMP_MODE_MAGNETOMETER_ONLY);
+    CHECK(strcmp(magcomp_compensator_status_text(c), "rejected: field is not finite") == 0);
+    CHECK(pushed(c, 0, 0, -INFINITY, 0).reason == MAGCOMP_REASON_NOT_FINITE);
+    CHECK(pushed(c, 0, 0, 1300, 0).reason == MAGCOMP_REASON_SATURATED);
+    r = pushed(c, STEP_NS, 20, 0, 40);
+    CHECK(r.status == MAGCOMP_STATUS_COLLECTING && r.reason == MAGCOMP_REASON_SAMPLES);
+    CHECK(pushed(c, 0, 20, 0, 41).reason == MAGCOMP_REASON_TIME_NOT_AFTER);
+    CHECK(pushed(c, INT64_MIN, 20, 0, 41).reason == MAGCOMP_REASON_TIME_NOT_AFTER);
+    CHECK(pushed(c, INT64_MAX, 20, 0, 41).reason == MAGCOMP_REASON_TIME_JUMP);
+    CHECK(pushed(c, 2 * STEP_NS, 20, 0, 41).status == MAGCOMP_STATUS_COLLECTING);
+
+    REFUSED(EVENT_NOT_FINITE, "not finite", magcomp_compensator_push_rotation_rate(c, 3 * STEP_NS, NAN, 0, 0));
+    REFUSED(EVENT_NOT_FINITE, "not finite", magcomp_compensator_push_up(c, 3 * STEP_NS, 0, INFINITY, 0));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_rotation_rate(c, 3 * STEP_NS, 0, 0, 1e9));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_up(c, 3 * STEP_NS, 0, 0, 1e9));
+    REFUSED(EVENT_AHEAD, "another clock", magcomp_compensator_push_up(c, INT64_MAX, 0, 0, 9.81));
+    CHECK(magcomp_compensator_push_up(c, 3 * STEP_NS, 0, 0, 9.81) == MAGCOMP_ERROR_NONE);
+    REFUSED(EVENT_DUPLICATE, "same time", magcomp_compensator_push_up(c, 3 * STEP_NS, 0, 0, 9.81));
+    for (int k = 4; k < 8; k++) {
+        CHECK(magcomp_compensator_push_rotation_rate(c, k * STEP_NS, 0, 0, 1) == MAGCOMP_ERROR_NONE);
+        CHECK(pushed(c, k * STEP_NS, 20, 0, 40 + k).status == MAGCOMP_STATUS_COLLECTING);
+    }
+    REFUSED(EVENT_LATE, "older", magcomp_compensator_push_rotation_rate(c, 5 * STEP_NS, 0, 0, 1));
+    REFUSED(EVENT_LATE, "older", magcomp_compensator_push_rotation_rate(c, INT64_MIN, 0, 0, 1));
+    magcomp_compensator_free(c);
+    c = made("{\"range_ut\": 900}");
+    CHECK(pushed(c, 0, 0, 0, 1000).reason == MAGCOMP_REASON_OUT_OF_RANGE);
+    CHECK(strstr(magcomp_compensator_status_text(c), "1000.0 uT is outside +-900.0 uT") != NULL);
+    magcomp_compensator_free(c);
+}
+
+static void gaps(void) {
+    magcomp_compensator *c = made(NULL);
+    const double bad[] = {-1, NAN, INFINITY, 1e10};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) REFUSED(CONFIG, "hidden_s", magcomp_compensator_push_gap(c, bad[k]));
+    magcomp_reading r = turned(c, 0, 3000);
+    CHECK(r.status == MAGCOMP_STATUS_TRACKING);
+    CHECK(magcomp_compensator_push_gap(c, 3600) == MAGCOMP_ERROR_NONE);
+    const magcomp_reading later = turned(c, 3000, 1);
+    CHECK(later.status == MAGCOMP_STATUS_HELD && later.field_sigma_ut > r.field_sigma_ut);
+    magcomp_compensator_free(c);
+}
+
+static void calibrations(void) {
+    magcomp_compensator *c = made(NULL);
+    magcomp_calibration found = {.size = sizeof found}, back = {.size = sizeof back};
+    const char *kept = "";
+    REFUSED(NOTHING_YET, "no calibration yet", magcomp_compensator_calibration(c, &found));
+    REFUSED(NOTHING_YET, "no learned calibration yet", magcomp_compensator_keep(c, 0, &kept));
+    CHECK(kept == NULL);
+    CHECK(turned(c, 0, 3000).status == MAGCOMP_STATUS_TRACKING);
+    CHECK(magcomp_compensator_calibration(c, &found) == MAGCOMP_ERROR_NONE);
+    for (int axis = 0; axis < 3; axis++) CHECK(fabs(found.hard_iron_ut[axis] - B_UT[axis]) < 1);
+    CHECK(found.soft_iron[1] == found.soft_iron[3] && fabs(found.soft_iron[0] - 1) < 0.05 && fabs(found.field_strength_ut - hypot(22, 42)) < 3);
+
+    /* numbers */
+    magcomp_compensator *second = made("{\"heading\": {\"declination_deg\": -3}}");
+    CHECK(magcomp_compensator_adopt_calibration(second, &found, 2) == MAGCOMP_ERROR_NONE);
+    CHECK(magcomp_compensator_calibration(second, &back) == MAGCOMP_ERROR_NONE);
+    CHECK(memcmp(&found, &back, sizeof back) == 0);
+    magcomp_reading r = turned(second, 0, 10);
+    CHECK(r.status == MAGCOMP_STATUS_HELD && fabs(r.total_field_ut - found.field_strength_ut) < 3);
+    CHECK(fabs(remainder(r.true_heading_deg - r.heading_deg + 3, 360)) < 1e-9);
+    {
+        magcomp_compensator *const c_kept = c;
+        c = second; /* REFUSED reads its message */
+        magcomp_calibration before = {.size = sizeof before};
+        CHECK(magcomp_compensator_calibration(c, &before) == MAGCOMP_ERROR_NONE);
+        magcomp_calibration bad = found;
+        memset(bad.soft_iron, 0, sizeof bad.soft_iron);
+        REFUSED(CALIBRATION, "positive definite", magcomp_compensator_adopt_calibration(c, &bad, 2));
+        bad = found;
+        bad.soft_iron[1] += 0.5;
+        REFUSED(CALIBRATION, "P of M = P R", magcomp_compensator_adopt_calibration(c, &bad, 2));
+        bad = found;
+        bad.hard_iron_ut[2] = NAN;
+        REFUSED(CALIBRATION, "not finite", magcomp_compensator_adopt_calibration(c, &bad, 2));
+        bad = found;
+        bad.field_strength_ut = -5;
+        REFUSED(CALIBRATION, "field strength is -5", magcomp_compensator_adopt_calibration(c, &bad, 2));
+        REFUSED(CONFIG, "hard_iron_sigma_ut", magcomp_compensator_adopt_calibration(c, &found, 0));
+        REFUSED(CONFIG, "hard_iron_sigma_ut", magcomp_compensator_adopt_calibration(c, &found, NAN));
+        CHECK(magcomp_compensator_calibration(c, &back) == MAGCOMP_ERROR_NONE);
+        CHECK(memcmp(&before, &back, sizeof back) == 0);
+        c = c_kept;
+    }
+    magcomp_compensator_free(second);
+
+    /* a text */
+    CHECK(magcomp_compensator_keep(c, 1795560000, &kept) == MAGCOMP_ERROR_NONE);
+    char text[8192];
+    CHECK(strlen(kept) < sizeof text - 1);
+    strcpy(text, kept);
+    magcomp_compensator_free(c);
+    c = made(NULL);
+    const int64_t times[] = {1795560000, MAGCOMP_TIME_UNKNOWN, INT64_MAX, 0};
+    for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
+        CHECK(magcomp_compensator_adopt(c, text, times[k]) == MAGCOMP_ERROR_NONE);
+        CHECK(magcomp_compensator_calibration(c, &back) == MAGCOMP_ERROR_NONE);
+        CHECK(memcmp(&found, &back, sizeof back) == 0);
+        if (k == 1) {
+            CHECK(magcomp_compensator_reset(c) == MAGCOMP_ERROR_NONE);
+            REFUSED(NOTHING_YET, "", magcomp_compensator_calibration(c, &back));
+        }
+    }
+    CHECK(magcomp_compensator_reset(c) == MAGCOMP_ERROR_NONE);
+    CHECK(magcomp_compensator_adopt(c, text, 1795560000) == MAGCOMP_ERROR_NONE);
+    REFUSED(KEPT_NEWER, "version 99", magcomp_compensator_adopt(c, "{\"magcomp_calibration\": 99}", 0));
+    REFUSED(KEPT_DAMAGED, "damaged", magcomp_compensator_adopt(c, "", 0));
+    REFUSED(CONFIG, "not UTF-8", magcomp_compensator_adopt(c, "\xc3\x28", 0));
+    for (size_t length = strlen(text) - 1; length > 0; length /= 2) {
+        text[length] = 0;
+        REFUSED(KEPT_DAMAGED, "damaged", magcomp_compensator_adopt(c, text, 0));
+    }
+    r = turned(c, 0, 1);
+    CHECK(r.status == MAGCOMP_STATUS_HELD && isfinite(r.heading_deg) && isfinite(r.heading_sigma_deg));
+    magcomp_compensator_free(c);
+}
+
+static void headings(void) {
+    magcomp_compensator *c = made(NULL);
+    magcomp_reading r = turned(c, 0, 3000);
+    CHECK(isfinite(r.heading_deg) && isnan(r.true_heading_deg));
+    REFUSED(CONFIG, "tilt_sigma_deg", magcomp_compensator_set_heading(c, "{\"declination_deg\": 5, \"tilt_sigma_deg\": 91}"));
+    REFUSED(CONFIG, "unknown field `method`", magcomp_compensator_set_heading(c, "{\"method\": \"Auto\"}"));
+    CHECK(isnan(turned(c, 3000, 1).true_heading_deg));
+    CHECK(magcomp_compensator_set_heading(c, "{\"declination_deg\": 5}") == MAGCOMP_ERROR_NONE);
+    r = turned(c, 3001, 1);
+    CHECK(fabs(remainder(r.true_heading_deg - r.heading_deg - 5, 360)) < 1e-9);
+    CHECK(magcomp_compensator_set_heading(c, NULL) == MAGCOMP_ERROR_NONE);
+    CHECK(isnan(turned(c, 3002, 1).true_heading_deg));
+    magcomp_compensator_free(c);
+}
+
+int main(void) {
+    CHECK(strcmp(magcomp_version(), VERSION) == 0);
+    configs();
+    nulls();
+    sizes();
+    samples();
+    gaps();
+    calibrations();
+    headings();
+    return 0;
+}
