@@ -56,6 +56,10 @@ cc -std=c99 -Wall -Wextra -Wpedantic -Werror c/examples/stream.c -o "$home/by-pk
 # the README's code is the example
 sed -n '/^```c$/,/^```$/p' c/README.md | sed '1d;$d' | diff c/examples/stream.c - || fail "c/README.md shows another program than c/examples/stream.c"
 
+sed -n '/^```cpp$/,/^```$/p' README.md | sed '1d;$d' | while IFS= read -r line; do
+    grep -qF -- "$line" c/examples/stream.cpp || fail "README.md shows a line that c/examples/stream.cpp does not have: $line"
+done
+
 # events of a recording: sensor, time in ns, three values
 zcat tests/recordings/broad_34_attached_magnet_3cm.csv.gz | awk -F, 'NR > 1 {
     t = sprintf("%.0f", $1 * 1e9)

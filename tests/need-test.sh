@@ -117,7 +117,7 @@ stand_in swift 'echo "Apple Swift version 6.1.2"'
 swift env PATH="$work/bin" && grep -q 'on PATH: yes' "$work/out" || fail "does not see Swift 6"
 
 # every tool of a package that is not always there is asked for by the script that calls it
-tools='[a-z0-9.]+(-[a-z]+)*-19|readelf|nm|ar|unzip|zip|git|python3|mvn|javac|valgrind|debootstrap'
+tools='[a-z0-9.]+(-[a-z]+)*-19|readelf|nm|ar|unzip|zip|git|python3|mvn|javac|valgrind|debootstrap|cmake|pkg-config'
 for script in tests/*.sh bindings/*.sh ios/*.sh; do
     case "$script" in tests/need*.sh) continue ;; esac
     called=$(sed -E 's/^ *#.*//; s/(^| )need .*//' "$script" | grep -oE "(^|[ ({])($tools) " | tr -d ' ({' | sort -u || true)
@@ -189,7 +189,7 @@ asked() { # the pairs that the last run named as missing
         s/.*missing: ([^ ]+) \(Debian package (.*)\).*/\1:\2/p' "$work/out"
 }
 tried=0
-for call in 'tests/run.sh rust' bindings/generate.sh tests/kotlin.sh tests/swift.sh tests/mobile.sh tests/aar.sh tests/xcframework.sh \
+for call in 'tests/run.sh rust' bindings/generate.sh tests/kotlin.sh tests/swift.sh tests/c.sh tests/mobile.sh tests/aar.sh tests/xcframework.sh \
     ios/build-xcframework.sh 'ios/build-xcframework.sh --pack URL' tests/instructions.sh; do
     rm -rf "$root"/{given,usr/include,usr/share,usr/lib/{rustlib,jvm,any}} "$root"/usr/bin/{cargo,rustc}
     give unshare # mounts are not what is tried here

@@ -21,6 +21,8 @@ mapfile -t found < <(sed -n 's:.*<artifactId>magcomp-host</artifactId><version>\
 differs $outsider "${found[@]}"
 mapfile -t found < <(grep -oE 'magcomp[:-][0-9]+\.[0-9]+\.[0-9]+' android/README.md | sed 's/.*[:-]//')
 differs android/README.md "${found[@]}"
-mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' python/Cargo.toml)
-differs python/Cargo.toml "${found[@]}"
+for manifest in python/Cargo.toml c/Cargo.toml; do
+    mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' $manifest)
+    differs $manifest "${found[@]}"
+done
 grep -q "^## $version" CHANGELOG.md || { echo "versions: CHANGELOG.md has no section for $version" >&2; exit 1; }

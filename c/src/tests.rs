@@ -3,6 +3,7 @@
 use crate::calibration::Calibration;
 use crate::compensator::Compensator;
 use crate::error::Error;
+use crate::grows::{Grows, fill, room};
 use crate::reading::Reading;
 use std::path::Path;
 
@@ -78,6 +79,32 @@ fn layout_is_that_of_abi_txt() {
     let of_abi = |line: &&str| line.starts_with("struct") || line.starts_with("member");
     let listed: Vec<&str> = include_str!("../abi.txt").lines().filter(of_abi).collect();
     assert!(lines == listed, "abi.txt lists another layout than\n{}", lines.join("\n"));
+}
+
+/// A struct to which a later version appended `later`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Grown {
+    size: usize,
+    first: u64,
+    later: u64,
+}
+
+// SAFETY: numbers, of which the first is the size
+unsafe impl Grows for Grown {
+    const NAME: &str = "grown";
+    const FIRST: usize = std::mem::offset_of!(Grown, later);
+}
+
+#[test]
+fn a_later_version_fills_what_a_caller_of_the_first_knows() {
+    let mut caller = Grown { size: Grown::FIRST, first: 1, later: 2 };
+    // SAFETY: it has as much room as it says
+    unsafe {
+        let room = room(&raw const caller).unwrap();
+        fill(&raw mut caller, room, Grown { size: size_of::<Grown>(), first: 3, later: 4 });
+    }
+    assert_eq!((caller.size, caller.first, caller.later), (Grown::FIRST, 3, 2));
 }
 
 #[test]
