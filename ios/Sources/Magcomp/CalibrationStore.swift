@@ -10,13 +10,13 @@ public protocol CalibrationStore: Sendable {
     /// Keeps a text in the place of the one before. Never called while nothing was learned from live samples, so neither the
     /// system's hard iron nor what ``load()`` gave is ever saved as learned. Called in the background: when the status is first `.tracking`,
     /// then when the calibration has changed and 10 s have passed since the save before, and at the end of the
-    /// readings; and on the thread that calls ``Compass/save()``. A change of hard iron or soft iron counts. A change
+    /// readings; and when the app calls ``Compass/save()``. A change of hard iron or soft iron counts. A change
     /// of the field strength alone does not, because it follows the noise of a device at rest. Never called when
-    /// ``load()`` or the save before has kept the same, nor twice at once. Readings wait for it, and it must not call
-    /// the compass.
+    /// ``load()`` or the save before has kept the same, nor twice at once. Readings wait for it, the app's main thread
+    /// does not.
     func save(_ text: String)
 
-    /// Keeps nothing from now on, until it is told to save: called by ``Compass/reset()``.
+    /// Keeps nothing from now on, until it is told to save: called in the background after ``Compass/reset()``.
     func clear()
 }
 

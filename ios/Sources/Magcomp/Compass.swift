@@ -1,3 +1,5 @@
+import Foundation
+
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 #endif
@@ -83,10 +85,21 @@ public final class Compass: Sendable {
         CompensatedReadings { [readers] in readers.place(capacity: capacity) }
     }
 
-    /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where
-    /// iOS may end the app without warning.
-    public func save() { estimation.save() }
+    /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where iOS may end the
+    /// app without warning. It waits for nothing, neither for the store nor for a sample that is being worked on, so the main thread may
+    /// call it; iOS is asked to let the app live until the store has it.
+    public func save() {
+        estimation.save()
+        #if canImport(Darwin) && !os(macOS)
+        ProcessInfo.processInfo.performExpiringActivity(withReason: "saving the compass's calibration") { [estimation] isExpired in
+            if !isExpired { estimation.settle() }
+        }
+        #endif
+    }
 
     /// Forgets the learned calibration, in the store too; iterations go on with a first calibration.
     public func reset() { estimation.reset() }
+
+    /// Waits until the store has done all that it was told.
+    func settled() async { await estimation.settled() }
 }

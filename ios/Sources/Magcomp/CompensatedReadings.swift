@@ -1,5 +1,5 @@
-/// Readings, one for every magnetometer sample. Events run while anybody iterates: they stop when the last iterator is freed
-/// or its task is cancelled.
+/// Readings, one for every magnetometer sample. Events run while anybody iterates: they begin when an iterator is first asked for a
+/// reading, and stop when the last iterator is freed or its task is cancelled.
 public struct CompensatedReadings: AsyncSequence, Sendable {
     public typealias Element = CompensatedReading
 
@@ -7,22 +7,32 @@ public struct CompensatedReadings: AsyncSequence, Sendable {
 
     init(_ begin: @escaping @Sendable () -> Readers.Place) { self.begin = begin }
 
-    public func makeAsyncIterator() -> AsyncIterator {
-        let place = begin()
-        return AsyncIterator(numbered: place.readings.makeAsyncIterator(), taken: place.taken)
-    }
+    public func makeAsyncIterator() -> AsyncIterator { AsyncIterator(begin: begin) }
 
     public struct AsyncIterator: AsyncIteratorProtocol {
-        var numbered: AsyncThrowingStream<Readers.Numbered, any Error>.AsyncIterator
-        let taken: Taken
-        var expected = 0
+        let begin: @Sendable () -> Readers.Place
+        private var numbered: AsyncThrowingStream<Readers.Numbered, any Error>.AsyncIterator?
+        private var taken: Taken?
+        private var expected = 0
+
+        init(begin: @escaping @Sendable () -> Readers.Place) { self.begin = begin }
+
+        /// Events run, and readings are kept for it from now on.
+        mutating func start() {
+            guard numbered == nil else { return }
+            let place = begin()
+            (numbered, taken) = (place.readings.makeAsyncIterator(), place.taken)
+        }
 
         public mutating func next() async throws -> CompensatedReading? {
-            guard let (number, kept) = try await numbered.next() else { return nil }
+            // who was cancelled before it began starts nothing
+            if numbered == nil, Task.isCancelled { return nil }
+            start()
+            guard let (number, kept) = try await numbered?.next() else { return nil }
             var answer = kept
             answer.droppedBefore = number - expected
             expected = number + 1
-            taken.upTo(expected)
+            taken?.upTo(expected)
             return answer
         }
     }

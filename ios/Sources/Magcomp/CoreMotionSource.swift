@@ -163,13 +163,13 @@ private final class Updates: @unchecked Sendable {
         manager.magnetometerUpdateInterval = interval
         manager.startMagnetometerUpdates(to: queue) { @Sendable [weak self] data, error in
             if let error { self?.fail("magnetometer", error, in: run) }
-            if let data { self?.take(data) }
+            if let data { self?.take(data, in: run) }
         }
         guard motion else { return }
         manager.deviceMotionUpdateInterval = interval
         manager.startDeviceMotionUpdates(using: frame, to: queue) { @Sendable [weak self] data, error in
             if let error { self?.fail("gyroscope", error, in: run) }
-            if let data { self?.take(data) }
+            if let data { self?.take(data, in: run) }
         }
     }
 
@@ -192,19 +192,17 @@ private final class Updates: @unchecked Sendable {
         manager.stopDeviceMotionUpdates()
     }
 
-    private func take(_ data: CMMagnetometerData) {
+    private func take(_ data: CMMagnetometerData, in run: Int) {
         guard let timeNs = nanoseconds(data.timestamp) else { return }
         let nowS = Double(continuousNs()) * 1e-9
-        lock.withLock {
+        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))], of: run) {
             lag.magnetic(data.timestamp)
             sleep.see(data.timestamp, nowS: nowS)
         }
-        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))])
     }
 
-    private func take(_ motion: CMDeviceMotion) {
+    private func take(_ motion: CMDeviceMotion, in run: Int) {
         guard let timeNs = nanoseconds(motion.timestamp) else { return }
-        lock.withLock { lag.motion(motion.timestamp) }
         var events: [SensorSample] = []
         if options.gyroscope {
             let rate = motion.rotationRate
@@ -228,14 +226,20 @@ private final class Updates: @unchecked Sendable {
             let field = Vector3(calibrated.field)
             events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
         }
-        deliver(events)
+        deliver(events, of: run) { lag.motion(motion.timestamp) }
     }
 
     /// Nil for what is no time at all, which Core Motion never reports.
     private func nanoseconds(_ seconds: TimeInterval) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
 
-    private func deliver(_ events: [SensorSample]) {
-        let (all, due) = lock.withLock { (Array(listeners.values), events.flatMap { queued.push($0) }) }
+    /// Notes times, inside `lock`, and gives events to all listeners.
+    private func deliver(_ events: [SensorSample], of run: Int, note: () -> Void) {
+        let (all, due): ([Listener], [SensorSample]) = lock.withLock {
+            // they were on their way when their run ended, and another has begun since
+            guard run == self.run else { return ([], []) }
+            note()
+            return (Array(listeners.values), events.flatMap { queued.push($0) })
+        }
         for listener in all {
             for event in due { listener.yield(event) }
         }

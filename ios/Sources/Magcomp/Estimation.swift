@@ -1,7 +1,7 @@
 import Foundation
 
 /// A compensator that is made when first used and stays, what goes with its readings, and where its calibration is kept. One
-/// run of events pushes; any thread may save or reset it meanwhile.
+/// run of events pushes; any thread may save or reset it meanwhile. The store works outside the lock, in the order it was told.
 final class Estimation: @unchecked Sendable {
     /// About what a crash costs; flash memory wears out with more.
     private static let saveEveryNs = 10e9
@@ -17,6 +17,10 @@ final class Estimation: @unchecked Sendable {
     private let frame: (@Sendable () -> HeadingFrame)?
     private let sleptS: @Sendable () -> Double
     private let unixTimeS: @Sendable () -> Int64
+    /// The store's, one call at a time.
+    private let queue = DispatchQueue(label: "org.magcomp.store", qos: .userInitiated)
+    /// Calls of the store that are to come.
+    private let calls = DispatchGroup()
     // what follows is used inside `lock` alone
     private let lock = NSLock()
     /// Nil before it is first used, and after a defect.
@@ -42,6 +46,8 @@ final class Estimation: @unchecked Sendable {
     private var savedNs: Int64?
     private var unseen: [Vector3] = []
     private var lookedNs: Int64?
+    /// Whether the store was told something that no run has waited for.
+    private var isTold = false
 
     init(
         _ config: Config, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
@@ -89,8 +95,40 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
-    /// Saves what the store does not keep already.
-    func save() { lock.withLock { _ = saveChanged() } }
+    /// Saves what the store does not keep already, without waiting: neither for the store nor for a sample that is being worked on.
+    func save() {
+        queue.async(group: calls) { [self] in lock.withLock { _ = saveChanged() } }
+    }
+
+    /// Saves, and waits until the store has it.
+    func finish() async {
+        lock.withLock { _ = saveChanged() }
+        await settled()
+    }
+
+    /// Waits until the store has done all that it was told.
+    func settled() async {
+        await withCheckedContinuation { continuation in calls.notify(queue: queue) { continuation.resume() } }
+    }
+
+    /// Waits for what a run's own events have the store do: readings wait for the store.
+    func settledIfTold() async {
+        let told = lock.withLock {
+            defer { isTold = false }
+            return isTold
+        }
+        if told { await settled() }
+    }
+
+    /// As ``settled()``, for a thread that may wait.
+    func settle() { calls.wait() }
+
+    /// Inside `lock`, so that the store is told in the order things happened.
+    private func tell(_ call: @escaping @Sendable (any CalibrationStore) -> Void) {
+        guard let store else { return }
+        isTold = true
+        queue.async(group: calls) { call(store) }
+    }
 
     /// Forgets the learned calibration, in the store too.
     func reset() {
@@ -98,7 +136,7 @@ final class Estimation: @unchecked Sendable {
             forget()
             // one that can't be reset is made anew by the next run
             do { try compensator?.reset() } catch { compensator = nil }
-            store?.clear()
+            tell { $0.clear() }
         }
     }
 
@@ -188,10 +226,10 @@ final class Estimation: @unchecked Sendable {
     /// Whether there was anything to save that was learned and that the store does not keep already.
     private func saveChanged() -> Bool {
         // after a defect there is nothing to keep
-        guard let store, let compensator, let found = try? Self.correction(of: compensator), found != saved,
+        guard store != nil, let compensator, let found = try? Self.correction(of: compensator), found != saved,
             let kept = try? compensator.keep(unixTimeS: unixTimeS())
         else { return false }
-        store.save(kept)
+        tell { $0.save(kept) }
         (saved, storeError) = (found, nil)
         return true
     }

@@ -1,7 +1,7 @@
 /// Where events come from: a phone's sensors (``CoreMotionSource``), a recording (``RecordingSource``), or your own.
 public protocol MagneticFieldSource: Sendable {
-    /// The events, each sensor's in the order of their times. Cold: every iterator starts its own, and ends it when it is
-    /// freed or its task is cancelled, which must not take long. No event may be dropped on the way.
+    /// The events, each sensor's in the order of their times. Cold: every iterator starts its own when it is first asked for an event,
+    /// and ends it when it is freed or its task is cancelled, which must not take long. No event may be dropped on the way.
     func samples() -> SensorSamples
 
     /// Seconds that have passed so far and that the events' times do not show, because the phone slept; never less than before.
@@ -74,14 +74,20 @@ public struct SensorSamples: AsyncSequence, Sendable {
     ) where S.Element == SensorSample {
         self.live = live
         begin = {
-            var iterator = make().makeAsyncIterator()
-            return AsyncIterator { try await iterator.next() }
+            var iterator: S.AsyncIterator?
+            func start() { iterator = iterator ?? make().makeAsyncIterator() }
+            return AsyncIterator(start: start) {
+                start()
+                return try await iterator?.next()
+            }
         }
     }
 
     public func makeAsyncIterator() -> AsyncIterator { begin() }
 
     public struct AsyncIterator: AsyncIteratorProtocol {
+        /// Begins before the first event is asked for.
+        let start: () -> Void
         fileprivate let advance: () async throws -> SensorSample?
 
         public mutating func next() async throws -> SensorSample? { try await advance() }

@@ -82,24 +82,33 @@ final class Readers: Sendable {
 
     /// Feeds all events of a run; the calibration is saved at its end, whatever ended it, before readers know.
     private func feed(_ run: Int) async {
-        do {
-            try estimation.begin()
-            defer { estimation.save() }
-            let events = events()
-            for try await event in events {
-                // not every sequence ends with its task
-                if Task.isCancelled { break }
-                guard let answer = try estimation.push(event) else { continue }
-                for reader in state.value.readers.values where reader.run == run {
-                    if !events.live { await reader.room() }
-                    reader.take(answer)
-                }
+        var failure: (any Error)?
+        // else whoever asked has left
+        if !Task.isCancelled {
+            do {
+                await estimation.settled()
+                try estimation.begin()
+                try await feedAll(run)
+            } catch {
+                failure = error
             }
-        } catch {
-            end(run, error)
-            return
+            await estimation.finish()
         }
-        end(run, nil)
+        end(run, failure)
+    }
+
+    private func feedAll(_ run: Int) async throws {
+        let events = events()
+        for try await event in events {
+            // not every sequence ends with its task
+            if Task.isCancelled { break }
+            guard let answer = try estimation.push(event) else { continue }
+            await estimation.settledIfTold()
+            for reader in state.value.readers.values where reader.run == run {
+                if !events.live { await reader.room() }
+                reader.take(answer)
+            }
+        }
     }
 
     private func end(_ run: Int, _ error: (any Error)?) {

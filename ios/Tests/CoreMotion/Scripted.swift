@@ -95,6 +95,26 @@ extension CMMotionManager {
         return { [self] error in call(to.map { to in (to.queue, { to.handler(nil, error) }) }) }
     }
 
+    /// What delivers a magnetometer event to who gets them now, even once the updates have ended: it was on its way.
+    public func lateMagnetometer() -> (TimeInterval) -> Void {
+        let to = script.locked { $0.magnetometer }
+        return { [self] timestamp in
+            let data = CMMagnetometerData(timestamp: timestamp, magneticField: CMMagneticField(x: 1, y: 2, z: 3))
+            call(to.map { to in (to.queue, { to.handler(data, nil) }) })
+        }
+    }
+
+    /// What delivers a device-motion event so.
+    public func lateDeviceMotion() -> (TimeInterval) -> Void {
+        let to = script.locked { $0.deviceMotion }
+        return { [self] timestamp in
+            let data = CMDeviceMotion(
+                timestamp: timestamp, rotationRate: CMRotationRate(x: 0, y: 0, z: 0), gravity: CMAcceleration(x: 0, y: 0, z: -1),
+                magneticField: .init(field: .init(x: 0, y: 0, z: 0), accuracy: .uncalibrated))
+            call(to.map { to in (to.queue, { to.handler(data, nil) }) })
+        }
+    }
+
     private func call(_ what: (queue: OperationQueue, call: () -> Void)?) {
         guard let what else { return }
         nonisolated(unsafe) let call = what.call

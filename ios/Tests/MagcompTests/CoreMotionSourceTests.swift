@@ -18,6 +18,7 @@ import Testing
     func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
         var samples: [SensorSample] = []
         var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        iterator.start()
         play()
         while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
         return samples
@@ -66,6 +67,8 @@ import Testing
         #expect(manager.starts == 0, "cold")
         do {
             var iterator = sequence.makeAsyncIterator()
+            #expect(manager.starts == 0, "nobody has asked for an event")
+            iterator.start()
             #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
             #expect(manager.magnetometerUpdateInterval == 0.02 && manager.deviceMotionUpdateInterval == 0.02)
             #expect(manager.frame == .xArbitraryZVertical)
@@ -75,6 +78,7 @@ import Testing
         try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
         // and it can be iterated again
         var again = sequence.makeAsyncIterator()
+        again.start()
         play(at: 2)
         #expect(try await again.next()?.timeNs == 2_000_000_000)
         #expect(manager.starts == 2)
@@ -102,6 +106,7 @@ import Testing
             options: SensorOptions(gyroscope: false, up: false), manager: manager,
             continuousNs: { Int64(clock.value * 1e9) })
         var iterator = source.samples().makeAsyncIterator()
+        iterator.start()
         var (timeS, sleptS) = (100.0, 50.0)
         func pass(_ samples: Int, lateS: (Int) -> Double = { _ in 0 }) async throws {
             for k in 0..<samples {
@@ -133,6 +138,7 @@ import Testing
     @Test func theSystemsOwnFieldIsBesideOurs() async throws {
         let source = CoreMotionSource(options: SensorOptions(systemField: true), manager: manager)
         var readings = source.samples().compensated().makeAsyncIterator()
+        readings.start()
         try await eventually { manager.isDeviceMotionActive }
         #expect(manager.frame == .xArbitraryCorrectedZVertical)
         let accuracies: [(CMMagneticFieldCalibrationAccuracy, SystemFieldSample.Accuracy)] = [
@@ -183,6 +189,7 @@ import Testing
         #expect(manager.starts == 0 && manager.frame == [])
         options.systemField = false
         let without = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        without.start()
         #expect(manager.starts == 1 && manager.frame == .xArbitraryZVertical)
         withExtendedLifetime(without) {}
     }
@@ -207,6 +214,7 @@ import Testing
         // nobody was asked yet, or the person allowed it
         for manager in [CMMotionManager(), Authorized()] {
             let iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+            iterator.start()
             #expect(manager.starts == 1)
             withExtendedLifetime(iterator) {}
         }
@@ -238,6 +246,7 @@ import Testing
         }
         // also after events, and through the compensator; what came before arrives
         var readings = CoreMotionSource(manager: manager).samples().compensated().makeAsyncIterator()
+        readings.start()
         try await eventually { manager.isMagnetometerActive }
         manager.magnetometer(at: 1, 1, 2, 3)
         manager.magnetometerFails(CMErrorUnknown.error)
@@ -253,14 +262,21 @@ import Testing
     @Test func anOldRunsErrorDoesNotEndANewOne() async throws {
         let source = CoreMotionSource(manager: manager)
         var first = source.samples().makeAsyncIterator()
+        first.start()
         let late = manager.lateDeviceMotionError()
+        let (lateMagnetometer, lateDeviceMotion) = (manager.lateMagnetometer(), manager.lateDeviceMotion())
         manager.magnetometerFails(CMErrorUnknown.error)
         await #expect(throws: SensorError.self) { try await first.next() }
         var second = source.samples().makeAsyncIterator()
+        second.start()
         #expect(manager.starts == 2)
         late(CMErrorUnknown.error)
+        // nor are events that were on their way its own
+        lateMagnetometer(4)
+        lateDeviceMotion(4.01)
         play(at: 5)
         #expect(try await second.next()?.timeNs == 5_000_000_000)
+        #expect(source.lagS == nil, "device motion came first in this run")
         #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
         // its own error does
         manager.deviceMotionFails(CMErrorUnknown.error)
@@ -333,6 +349,7 @@ import Testing
     func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
         var readings: [CompensatedReading] = []
         var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
+        iterator.start()
         try await eventually { manager.isMagnetometerActive }
         play()
         while readings.count < count, let reading = try await iterator.next() { readings.append(reading) }
@@ -381,6 +398,8 @@ import Testing
         let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), manager: manager)
         var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
         var second = source.samples().makeAsyncIterator()
+        first?.start()
+        second.start()
         #expect(manager.starts == 1, "they share the updates")
         for time in [1.0, 2.0] { manager.magnetometer(at: time, 1, 2, 3) }
         for time in [1, 2] {
@@ -391,6 +410,15 @@ import Testing
         #expect(manager.isMagnetometerActive, "one is left")
         manager.magnetometer(at: 3, 1, 2, 3)
         #expect(try await second.next()?.timeNs == 3_000_000_000)
+    }
+
+    @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
+        let source = CoreMotionSource(manager: manager)
+        for _ in 0..<1000 {
+            _ = source.samples().makeAsyncIterator()
+            _ = source.samples().compensated().makeAsyncIterator()
+        }
+        #expect(manager.starts == 0)
     }
 
     @Test func noEventIsDroppedBeforeTheEstimator() async throws {

@@ -1,7 +1,7 @@
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-import Magcomp
+@testable import Magcomp
 import Testing
 
 /// Device motion that is delivered later than the magnetometer, on two recordings; prints the table of errors.
@@ -28,6 +28,7 @@ import Testing
             let manager = CMMotionManager()
             let source = CoreMotionSource(options: SensorOptions(holdS: holdS), manager: manager)
             var iterator = source.samples().compensated(capacity: rows.count).makeAsyncIterator()
+            iterator.start()
             try await eventually { manager.isMagnetometerActive }
             manager.play(rows, motionLateS: lagS)
             // the end: what waits goes out before the error

@@ -39,8 +39,10 @@ import Testing
 
     /// Reads from now on; `seen` grows.
     func reader(_ compass: Compass, _ seen: Shared<[CompensatedReading]>) -> Task<Void, any Error> {
-        var iterator = compass.readings(capacity: 10_000).makeAsyncIterator()
-        return Task {
+        var begun = compass.readings(capacity: 10_000).makeAsyncIterator()
+        begun.start()
+        return Task { [begun] in
+            var iterator = begun
             while let reading = try await iterator.next() { seen.change { $0.append(reading) } }
         }
     }
@@ -212,6 +214,7 @@ import Testing
         try await eventually { seen.value.count == 1500 }
         #expect(seen.value.last?.reading.status == .tracking && store.kept.value != nil)
         compass.reset()
+        await compass.settled()
         #expect(store.kept.value == nil)
         source.play(flat(1500))
         try await eventually { seen.value.count == 1501 }
@@ -224,7 +227,9 @@ import Testing
         // before anything runs, too: the next launch is as the first
         let other = Slow()
         other.kept.change { $0 = "kept" }
-        Compass(source: Played(events: []), store: other).reset()
+        let before = Compass(source: Played(events: []), store: other)
+        before.reset()
+        await before.settled()
         #expect(other.kept.value == nil)
     }
 
@@ -280,6 +285,7 @@ import Testing
         let (source, store) = (Live(), Slow())
         let compass = Compass(source: source, store: store)
         compass.save()
+        await compass.settled()
         #expect(store.calls.value == [], "nothing to save")
         let seen = Shared<[CompensatedReading]>([])
         let task = reader(compass, seen)
@@ -288,12 +294,120 @@ import Testing
         try await eventually { seen.value.count == 1500 }
         let before = store.kept.value
         compass.save()
+        await compass.settled()
         #expect(store.kept.value != before, "what came after the save at first tracking")
         let calls = store.calls.value
         compass.save()
+        await compass.settled()
         #expect(store.calls.value == calls, "not twice the same")
         task.cancel()
         try await task.value
+    }
+
+    /// A gate that opens when a call has come back; for a call that waits for the gate it never does.
+    final class Gate: CalibrationStore {
+        private let opened = DispatchSemaphore(value: 0)
+        let entered = Shared(0)
+        let opensInTime = Shared<[Bool]>([])
+
+        func pass() {
+            entered.change { $0 += 1 }
+            let inTime = opened.wait(timeout: .now() + 20) == .success
+            opensInTime.change { $0.append(inTime) }
+        }
+
+        func open() { opened.signal() }
+
+        func load() -> String? { nil }
+
+        func save(_ text: String) { pass() }
+
+        func clear() {}
+    }
+
+    @Test func savingWaitsNeitherForTheStoreNorForASample() async throws {
+        let (live, store, sensor, gated) = (Live(), Gate(), Gate(), Shared(false))
+        struct Gated: MagneticFieldSource {
+            let (live, sensor, gated): (Live, Gate, Shared<Bool>)
+
+            // asked for while a sample is worked on
+            var hiddenS: Double {
+                if gated.value { sensor.pass() }
+                return 0
+            }
+
+            func samples() -> SensorSamples { live.samples() }
+        }
+        let compass = Compass(source: Gated(live: live, sensor: sensor, gated: gated), store: store)
+        let seen = Shared<[CompensatedReading]>([])
+        let task = reader(compass, seen)
+        try await live.started(1)
+        // the save at first tracking; the next comes 10 s later
+        store.open()
+        live.play(events.prefix(1800))
+        try await eventually { seen.value.count == 900 }
+        compass.save()
+        compass.save()
+        store.open()
+        await compass.settled()
+        #expect(store.opensInTime.value == [true, true], "the store was still at it when save() came back")
+
+        gated.change { $0 = true }
+        live.play(flat(900))
+        try await eventually { sensor.entered.value == 1 }
+        compass.save()
+        sensor.open()
+        store.open()
+        try await eventually { seen.value.count == 901 }
+        #expect(sensor.opensInTime.value == [true])
+        gated.change { $0 = false }
+        store.open()
+        task.cancel()
+        try await task.value
+    }
+
+    @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
+        let source = Live()
+        let compass = Compass(source: source)
+        for _ in 0..<1000 { _ = compass.readings().makeAsyncIterator() }
+        for _ in 0..<1000 {
+            let task = Task {
+                while !Task.isCancelled { await Task.yield() }
+                for try await _ in compass.readings() {}
+            }
+            task.cancel()
+            try await task.value
+        }
+        // a run waits for those before it
+        let task = reader(compass, Shared([]))
+        try await source.started(1)
+        task.cancel()
+        try await task.value
+    }
+
+    @Test func aReaderThatLeavesBeforeItsRunBeginsStartsNothing() async throws {
+        let (source, store) = (Live(), Gate())
+        let compass = Compass(source: source, store: store)
+        let seen = Shared<[CompensatedReading]>([])
+        let first = reader(compass, seen)
+        try await source.started(1)
+        store.open()
+        source.play(events.prefix(1800))
+        try await eventually { seen.value.count == 900 }
+        // the save at the end of the run waits, and the next runs with it
+        first.cancel()
+        try await eventually { store.entered.value == 2 }
+        var gone: CompensatedReadings.AsyncIterator? = compass.readings().makeAsyncIterator()
+        gone?.start()
+        gone = nil
+        let last = reader(compass, Shared([]))
+        store.open()
+        try await source.started(2)
+        source.play(flat(900))
+        last.cancel()
+        try await last.value
+        #expect(source.state.value.starts == 2, "the first and the last")
+        store.open()
     }
 
     @Test func aRecordingWaitsForEveryReader() async throws {
