@@ -50,11 +50,16 @@ public final class Compass: Sendable {
     }
     #endif
 
-    /// The frame of the headings, whole. It may be set at any time from any thread. ``axis``, ``screenRotation`` and ``declinationDeg``
-    /// change one of its settings and leave what another thread sets meanwhile.
-    public var frame: HeadingFrame {
-        get { frames.value }
-        set { frames.value = newValue }
+    /// The frame of the headings, whole. Its settings may be set one by one at any time from any thread: ``axis``, ``screenRotation``
+    /// and ``setDeclinationDeg(_:)`` leave what another thread sets meanwhile.
+    public var frame: HeadingFrame { frames.value }
+
+    /// Sets the frame of the headings as a whole.
+    ///
+    /// - Throws: `MagcompError.config` when the declination is out of range; nothing has changed then
+    public func setFrame(_ frame: HeadingFrame) throws {
+        try Self.check(frame.declinationDeg)
+        frames.value = frame
     }
 
     /// The axis of the device the headings are those of.
@@ -69,11 +74,23 @@ public final class Compass: Sendable {
         set { frames.change { $0.screenRotation = newValue } }
     }
 
-    /// The declination of the place, degrees, east positive, for a true heading; ``GeomagneticField`` gives it. One out of range ends
-    /// the readings with `MagcompError.config`.
-    public var declinationDeg: Double? {
-        get { frames.value.declinationDeg }
-        set { frames.change { $0.declinationDeg = newValue } }
+    /// The declination of the place, degrees, east positive, for a true heading; nil: there is none.
+    public var declinationDeg: Double? { frames.value.declinationDeg }
+
+    /// From now on headings have a true heading by this declination; `GeomagneticField` gives that of a place.
+    ///
+    /// - Parameter declinationDeg: degrees, east positive, -180 to 180; nil: no true heading
+    /// - Throws: `MagcompError.config` when it is out of range; nothing has changed then
+    public func setDeclinationDeg(_ declinationDeg: Double?) throws {
+        try Self.check(declinationDeg)
+        frames.change { $0.declinationDeg = declinationDeg }
+    }
+
+    /// The core's own range; a test compares them.
+    private static func check(_ declinationDeg: Double?) throws {
+        guard let declinationDeg, !(-180...180).contains(declinationDeg) else { return }
+        throw MagcompError.config(
+            field: "heading.declination_deg", value: "\(declinationDeg)", expected: "-180.0 to 180.0 deg, or none")
     }
 
     /// One reading for every magnetometer sample, as long as somebody iterates. All iterators get the same readings,

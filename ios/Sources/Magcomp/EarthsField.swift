@@ -24,7 +24,8 @@ extension GeomagneticField {
 import CoreLocation
 
 extension GeomagneticField {
-    /// The Earth's field where and when a location was taken: its `declinationDeg` is for ``Compass/frame``.
+    /// The Earth's field where and when a location was taken: its `declinationDeg` is for
+    /// ``Compass/setDeclinationDeg(_:)``.
     ///
     /// - Throws: `MagcompError.place` when the location is not valid, or the model does not cover its date
     public init(at location: CLLocation) throws {

@@ -9,8 +9,10 @@ final class Estimation: @unchecked Sendable {
     private static let lookEveryNs = 0.2e9
     /// A run that begins earlier than the one before ended, by more than sensors' delays, has another clock.
     private static let anotherClockNs = 1e9
-    /// The system's field is beside a sample: a row at 50 Hz apart at most.
-    private static let besideNs = 20e6
+    /// The system's field is beside a sample for as long as the next one takes to come: a row at 50 Hz while that is not known.
+    private static let firstPeriodNs = 20e6
+    /// The slowest a sensor is asked for; what is longer is a pause.
+    private static let longestPeriodNs = 1e9
 
     private let config: Config
     private let store: (any CalibrationStore)?
@@ -27,6 +29,8 @@ final class Estimation: @unchecked Sendable {
     private var compensator: Compensator?
     private var currentFrame: HeadingFrame?
     private var systemField: SystemFieldSample?
+    /// Time between the latest two of them.
+    private var systemPeriodNs = firstPeriodNs
     /// Whether the system's hard iron would tell something: it was not told, and nothing was learned.
     private var wantsSystems = true
     /// Whether there is a calibration.
@@ -60,7 +64,7 @@ final class Estimation: @unchecked Sendable {
     /// A run of events begins: the first with what the store keeps, a later one with all that the one before has learned.
     func begin() throws {
         try lock.withLock {
-            (begins, systemField) = (true, nil)
+            (begins, systemField, systemPeriodNs) = (true, nil, Self.firstPeriodNs)
             guard compensator == nil else { return }
             forget()
             let made = try Compensator(config: config)
@@ -164,7 +168,7 @@ final class Estimation: @unchecked Sendable {
             begins = false
             if let latestNs, Double(event.timeNs) < Double(latestNs) - Self.anotherClockNs { try startClock(compensator) }
         }
-        if case .systemField(let sample) = event { systemField = sample }
+        if case .systemField(let sample) = event { see(sample) }
         guard case .magnetic(let sample) = event else { return try compensator.push(event).flatMap { _ in nil } }
         if let wanted = frame?(), wanted != currentFrame {
             try compensator.setHeadingFrame(wanted)
@@ -185,11 +189,20 @@ final class Estimation: @unchecked Sendable {
             storeError: storeError)
     }
 
+    private func see(_ sample: SystemFieldSample) {
+        if let before = systemField {
+            let apart = Self.apart(before.timeNs, sample.timeNs)
+            // what was delivered twice tells nothing
+            if apart > 0 { systemPeriodNs = apart <= Self.longestPeriodNs ? apart : Self.firstPeriodNs }
+        }
+        systemField = sample
+    }
+
     /// The system's hard iron, raw less calibrated field, is better than none: a heading at once. Beside a calibration it is listened
     /// to only where the system itself is sure of it.
     private func withSystemsHardIron(_ sample: MagneticSample) -> MagneticSample {
         guard let systemField, systemField.accuracy != .uncalibrated, systemField.accuracy == .high || !isInForce,
-            Self.apart(systemField.timeNs, sample.timeNs) <= Self.besideNs
+            Self.apart(systemField.timeNs, sample.timeNs) <= systemPeriodNs
         else { return sample }
         let (raw, field) = (sample.fieldUt, systemField.fieldUt)
         var told = sample

@@ -19,7 +19,6 @@ extension Heading {
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
     ///   - frame: the axis whose heading it is; with a declination there is a true heading
-    /// - Throws: `MagcompError.config` when the declination is out of range
     public init?(fieldUt: Vector3, up: Vector3, frame: HeadingFrame) throws {
         guard let found = try heading(fieldUt: fieldUt, up: up, frame: frame) else { return nil }
         self = found

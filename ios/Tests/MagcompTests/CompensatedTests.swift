@@ -232,7 +232,7 @@ import Testing
         let first = try await compass.readings().collected().last
         // another one: this one goes on with what it has learned
         let upsideDown = Compass(source: Played(events: events))
-        upsideDown.frame.screenRotation = .deg180
+        upsideDown.screenRotation = .deg180
         let second = try await upsideDown.readings().collected().last
         let turned = try #require(second?.reading.heading).headingDeg - (try #require(first?.reading.heading).headingDeg)
         #expect(abs((turned - 180).remainder(dividingBy: 360)) < 1e-9)

@@ -102,7 +102,7 @@ import Testing
         resting.layDown(80)
         let rest = (0..<300).flatMap { _ in resting.advance(still: true) }
         let compass = Compass(source: Played(events: rest), store: store, unixTimeS: { clock.value })
-        compass.frame.declinationDeg = 2
+        try compass.setDeclinationDeg(2)
         let first = try await compass.readings(capacity: 300).collected().last?.reading.heading
         clock.change { $0 += 60 }
         let again = try await compass.readings(capacity: 300).collected()

@@ -191,13 +191,32 @@ import Testing
         #expect(again.value.map { $0.reading.fieldUt != nil } == [true], "and with what was learned")
     }
 
-    @Test func aDeclinationOutOfRangeEndsReadingsAndLosesNothing() async throws {
+    @Test func aDeclinationOutOfRangeIsRefusedWhenItIsSetAndChangesNothing() async throws {
         let store = Slow()
         let compass = Compass(source: Played(events: events), store: store)
         _ = try await compass.readings().collected()
-        compass.frame.declinationDeg = 200
-        await #expect(throws: MagcompError.self) { try await compass.readings().collected() }
-        compass.frame.declinationDeg = 2
+        try compass.setFrame(HeadingFrame(axis: .camera, screenRotation: .deg90, declinationDeg: -180))
+        let frame = compass.frame
+        func refusal(_ body: () throws -> Void) -> String {
+            do {
+                try body()
+                return "taken"
+            } catch {
+                return error.localizedDescription
+            }
+        }
+        for deg in [200, -180.5, 180.5] {
+            let wrong = HeadingFrame(axis: .topEdge, screenRotation: .deg0, declinationDeg: deg)
+            let core = refusal { try Compensator().setHeadingFrame(wrong) }
+            #expect(core.contains("heading.declination_deg"))
+            #expect(refusal { try compass.setDeclinationDeg(deg) } == core)
+            #expect(refusal { try compass.setFrame(wrong) } == core)
+        }
+        for deg in [Double.nan, .infinity] { #expect(refusal { try compass.setDeclinationDeg(deg) } != "taken") }
+        #expect(compass.frame == frame)
+        try compass.setDeclinationDeg(nil)
+        #expect(compass.frame == HeadingFrame(axis: .camera, screenRotation: .deg90))
+        try compass.setDeclinationDeg(2)
         let last = try #require(try await compass.readings().collected().last)
         let heading = try #require(last.reading.heading)
         #expect(heading.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 2))
@@ -270,6 +289,48 @@ import Testing
         for events in [lying(.uncalibrated), Array(old[..<3])] {
             let readings = try await Compass(source: Played(events: events)).readings().collected()
             #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label() == "collecting" })
+        }
+    }
+
+    /// The system's field comes every 50 ms and once, after a pause, later; samples come between.
+    @Test func theSystemsFieldBelongsToASampleWithinItsOwnPeriod() async throws {
+        func system(_ ms: Int64) -> SensorSample {
+            let field = Vector3(x: 10, y: 28, z: -40)
+            return .systemField(SystemFieldSample(timeNs: ms * 1_000_000, fieldUt: field, accuracy: .high))
+        }
+        func sample(_ ms: Int64) -> [SensorSample] {
+            let raw = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
+            return [
+                .up(UpSample(timeNs: ms * 1_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .magnetic(MagneticSample(timeNs: ms * 1_000_000, fieldUt: raw)),
+            ]
+        }
+        func isBeside(_ events: [SensorSample]) async throws -> Bool {
+            let readings = try await Compass(source: Played(events: events)).readings().collected()
+            return try #require(readings.last).reading.fieldUt != nil
+        }
+        #expect(try await isBeside([system(1000)] + sample(1003)), "delivered apart")
+        #expect(try await isBeside([system(1000)] + sample(1020)))
+        #expect(try await !isBeside([system(1000)] + sample(1021)), "its period is not known")
+        #expect(try await isBeside([system(950), system(1000)] + sample(1050)))
+        #expect(try await !isBeside([system(950), system(1000)] + sample(1051)))
+        #expect(try await isBeside([system(950), system(1000), system(1000)] + sample(1050)), "twice the same")
+        #expect(try await !isBeside([system(990), system(1000)] + sample(1011)))
+        #expect(try await isBeside([system(1000)] + sample(990)), "a moment before it is as near")
+        #expect(try await isBeside([system(1000), system(2000)] + sample(3000)), "1 Hz")
+        #expect(try await !isBeside([system(1000), system(61_000)] + sample(61_021)), "a pause is no period")
+
+        // nor is what came before in a run of the same compass
+        let runs = CompassModelTests.Runs(samplesOfRuns: [
+            Played(events: [system(950), system(1000)]).samples(), Played(events: sample(1010)).samples(),
+            Played(events: [system(1100)] + sample(1150)).samples(),
+        ])
+        let compass = Compass(source: runs)
+        _ = try await compass.readings().collected()
+        for _ in 2...3 {
+            let last = try #require(try await compass.readings().collected().last)
+            #expect(last.reading.fieldUt == nil)
+            if runs.run.value == 2 { #expect(last.systemField == nil) }
         }
     }
 
