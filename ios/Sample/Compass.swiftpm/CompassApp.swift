@@ -3,15 +3,22 @@ import SwiftUI
 
 @main
 struct CompassApp: App {
-    private let source: CoreMotionSource
+    /// The phone's sensors; nil in the Simulator, which has none.
+    private let source: CoreMotionSource?
     @State private var model: CompassModel
 
     @Environment(\.scenePhase) private var phase
 
     init() {
-        // the system's own field too, to show it beside ours
-        source = CoreMotionSource(options: SensorOptions(systemField: true))
-        model = CompassModel(compass: Compass(source: source, store: UserDefaultsStore()))
+        #if targetEnvironment(simulator)
+        source = nil
+        model = CompassModel()
+        #else
+        // the system's own field too, to show it beside ours; an app that shows no lag has CompassModel() here as well
+        let sensors = CoreMotionSource(options: SensorOptions(systemField: true))
+        source = sensors
+        model = CompassModel(compass: Compass(source: sensors, store: UserDefaultsStore()))
+        #endif
     }
 
     var body: some Scene {

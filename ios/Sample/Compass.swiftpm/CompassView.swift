@@ -4,7 +4,7 @@ import SwiftUI
 /// One screen: the rose, the heading with its uncertainty as an arc, the field, the status in words, and guidance.
 struct CompassView: View {
     let model: CompassModel
-    let source: CoreMotionSource
+    let source: CoreMotionSource?
 
     var body: some View {
         VStack(spacing: 12) {
@@ -31,7 +31,7 @@ struct CompassView: View {
     }
 
     private var lag: String {
-        source.lagS.map { ($0 * 1000).formatted(.number.precision(.fractionLength(0))) + " ms" } ?? "not yet known to be"
+        source?.lagS.map { ($0 * 1000).formatted(.number.precision(.fractionLength(0))) + " ms" } ?? "not yet known to be"
     }
 
     private var field: String { model.totalFieldUt.map(microtesla) ?? "" }
@@ -43,6 +43,10 @@ struct CompassView: View {
     }
 
     private func length(_ v: Vector3) -> Double { (v.x * v.x + v.y * v.y + v.z * v.z).squareRoot() }
+}
+
+#Preview {
+    CompassView(model: CompassModel(compass: Compass(source: SimulatedSource())), source: nil)
 }
 
 /// Says how the window is turned, at the beginning and whenever that changes.

@@ -44,9 +44,16 @@ public final class Compass: Sendable {
 
     #if canImport(CoreMotion) && !os(macOS)
     /// The phone's sensors at 100 Hz, the calibration kept in the app's user defaults. Where iOS has a calibrated field it is asked for,
-    /// so that the first reading of all has a heading, with a wide sigma.
+    /// so that the first reading of all has a heading, with a wide sigma. In the Simulator, which has no sensors, a ``SimulatedSource``,
+    /// and nothing is kept.
+    ///
+    /// It asks the system for nothing before readings are iterated, so a view's initial value may be made as often as the view is.
     public convenience init() {
+        #if targetEnvironment(simulator)
+        self.init(source: SimulatedSource())
+        #else
         self.init(source: CoreMotionSource(options: .ofCompass(CMMotionManager.self)), store: UserDefaultsStore())
+        #endif
     }
     #endif
 

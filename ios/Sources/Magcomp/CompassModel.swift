@@ -43,6 +43,11 @@ public final class CompassModel {
         (self.compass, self.display) = (compass, display)
     }
 
+    #if canImport(CoreMotion) && !os(macOS)
+    /// That of a ``Compass/init()``: the phone's sensors, or in the Simulator a ``SimulatedSource``.
+    public convenience init(display: CompassDisplay = CompassDisplay()) { self.init(compass: Compass(), display: display) }
+    #endif
+
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
     public func run() async { await compass.follow(display) { show($0) } }
 

@@ -49,13 +49,18 @@ public final class CoreMotionSource: MagneticFieldSource {
 
     /// - Parameters:
     ///   - options: which sensors, how often
-    ///   - manager: an app should have one alone; its magnetometer and device-motion updates are this source's from now on
-    public convenience init(options: SensorOptions = SensorOptions(), manager: CMMotionManager = CMMotionManager()) {
+    ///   - manager: an app should have one alone; its magnetometer and device-motion updates are this source's. It is asked for
+    ///     when the first iterator begins, once
+    public convenience init(
+        options: SensorOptions = SensorOptions(), manager: @autoclosure @escaping () -> CMMotionManager = CMMotionManager()
+    ) {
         self.init(options: options, manager: manager, continuousNs: systemContinuousNs)
     }
 
     /// With another clock that counts sleep, nanoseconds.
-    init(options: SensorOptions, manager: CMMotionManager, continuousNs: @escaping @Sendable () -> Int64) {
+    init(
+        options: SensorOptions, manager: @escaping () -> CMMotionManager, continuousNs: @escaping @Sendable () -> Int64
+    ) {
         updates = Updates(manager, options, continuousNs)
     }
 
@@ -83,7 +88,8 @@ private final class Updates: @unchecked Sendable {
     private let queue = OperationQueue()
     // what follows is used inside `lock` alone
     private let lock = NSLock()
-    private let manager: CMMotionManager
+    private let make: () -> CMMotionManager
+    private lazy var manager = make()
     private var listeners: [Int: Listener] = [:]
     private var number = 0
     /// Runs of the sensors so far: what an old one still has to say is not of the present one.
@@ -93,8 +99,10 @@ private final class Updates: @unchecked Sendable {
     private var sleep = Sleep()
     private let continuousNs: @Sendable () -> Int64
 
-    init(_ manager: CMMotionManager, _ options: SensorOptions, _ continuousNs: @escaping @Sendable () -> Int64) {
-        (self.manager, self.options, self.continuousNs) = (manager, options, continuousNs)
+    init(
+        _ make: @escaping () -> CMMotionManager, _ options: SensorOptions, _ continuousNs: @escaping @Sendable () -> Int64
+    ) {
+        (self.make, self.options, self.continuousNs) = (make, options, continuousNs)
         queued = EventQueue(holdS: 0)
         queue.name = "org.magcomp.sensors"
         // events stay in order

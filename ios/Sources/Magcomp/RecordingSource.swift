@@ -53,7 +53,7 @@ public struct RecordingSource: MagneticFieldSource {
 
     public func samples() -> SensorSamples {
         SensorSamples(live: false) { [self] in
-            Rows(name: name, pace: speed.map { Pace(speed: $0, clock: clock) }, open: open)
+            Rows(name: name, pace: speed.map { Pace("RecordingSource", speed: $0, clock: clock) }, open: open)
         }
     }
 }
@@ -65,7 +65,7 @@ protocol PlayingClock: Sendable {
     func sleep(forNs: Int64) async throws
 }
 
-private struct SystemClock: PlayingClock {
+struct SystemClock: PlayingClock {
     var nowNs: Int64 { Int64(DispatchTime.now().uptimeNanoseconds) }
 
     // not by a deadline, which iOS 15 lacks
@@ -73,17 +73,21 @@ private struct SystemClock: PlayingClock {
 }
 
 /// When a row is due.
-private struct Pace {
-    let speed: Double
-    let clock: any PlayingClock
+struct Pace {
+    private let source: String
+    private let speed: Double
+    private let clock: any PlayingClock
     /// Time of the first row, and when it was read.
     private var start: (rowNs: Int64, nowNs: Int64)?
 
-    init(speed: Double, clock: any PlayingClock) { (self.speed, self.clock) = (speed, clock) }
+    /// - Parameter source: named in errors
+    init(_ source: String, speed: Double, clock: any PlayingClock) {
+        (self.source, self.speed, self.clock) = (source, speed, clock)
+    }
 
     func check() throws {
         guard speed > 0, speed.isFinite else {
-            throw MagcompError.config(field: "RecordingSource.speed", value: "\(speed)", expected: "above 0")
+            throw MagcompError.config(field: "\(source).speed", value: "\(speed)", expected: "above 0")
         }
     }
 

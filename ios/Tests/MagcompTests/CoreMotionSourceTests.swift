@@ -103,7 +103,7 @@ import Testing
     @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
         let clock = Shared(0.0)
         let source = CoreMotionSource(
-            options: SensorOptions(gyroscope: false, up: false), manager: manager,
+            options: SensorOptions(gyroscope: false, up: false), manager: { manager },
             continuousNs: { Int64(clock.value * 1e9) })
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
@@ -410,6 +410,29 @@ import Testing
         #expect(manager.isMagnetometerActive, "one is left")
         manager.magnetometer(at: 3, 1, 2, 3)
         #expect(try await second.next()?.timeNs == 3_000_000_000)
+    }
+
+    /// SwiftUI makes a view's initial state as often as the view, and keeps the first.
+    @Test @MainActor func aModelThatIsNotRunMakesNoManager() async throws {
+        let made = Shared(0)
+        func manager() -> CMMotionManager {
+            made.change { $0 += 1 }
+            return CMMotionManager()
+        }
+        for _ in 0..<100 {
+            let model = CompassModel(compass: Compass(source: CoreMotionSource(manager: manager())))
+            #expect(model.compass.frame.axis == .auto)
+        }
+        #expect(made.value == 0)
+        let source = CoreMotionSource(manager: manager())
+        for _ in 0..<3 {
+            let iterator = source.samples().makeAsyncIterator()
+            iterator.start()
+            withExtendedLifetime(iterator) {}
+        }
+        #expect(made.value == 1, "and then one")
+        // as an app writes it
+        #expect(CompassModel().reading == nil && CompassObject().state == CompassState())
     }
 
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
