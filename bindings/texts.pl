@@ -13,7 +13,7 @@ sub read_table {
     my (@names, %texts);
     while (<$in>) {
         next if /^#|^\s*$/;
-        my ($name, $text) = /^([a-z_]+) = (\S.*\S)$/ or die "$file:$.: expected `name = text`\n";
+        my ($name, $text) = /^([a-z_]+) = (\S(?:.*\S)?)$/ or die "$file:$.: expected `name = text`\n";
         die "$file:$.: $name is there twice\n" if exists $texts{$name};
         die "$file:$.: a % sign, a backslash or a quote would need care here\n" if $text =~ /[%\\"]/;
         push @names, $name;
@@ -64,7 +64,7 @@ for my $file (sort glob 'bindings/texts/*.txt') {
         my $text = formatted($texts->{$_}, { text => 's', int => 'd' }, $expected{$_});
         $text =~ s/&/&amp;/g; $text =~ s/</&lt;/g; $text =~ s/'/\\'/g; $text =~ s/^([@?])/\\$1/;
         qq(    <string name="magcomp_$_">$text</string>\n)
-    } @here;
+    } grep { !/^ios_/ } @here;
     my $values = $language eq 'en' && !$region ? 'values' : "values-$language" . ($region ? "-r$region" : '');
     written("android/library/src/main/res/$values/strings.xml", qq(<?xml version="1.0" encoding="utf-8"?>\n<!-- $generated -->\n<resources>\n$android</resources>\n));
     # Android looks in the English ones for a string that is left out, Apple's systems do not
@@ -74,8 +74,9 @@ for my $file (sort glob 'bindings/texts/*.txt') {
 }
 
 # what Android's own tools make of the resources, for Maven's build, which has none of them
+my @android = grep { !/^ios_/ } @$names;
 my $id = 0x7f0e0000;
-my $fields = join '', map { sprintf "        static int magcomp_%s = 0x%x;\n", $_, $id++ } @$names;
+my $fields = join '', map { sprintf "        static int magcomp_%s = 0x%x;\n", $_, $id++ } @android;
 written('android/library/src/maven/java/org/magcomp/R.java', <<"JAVA");
 package org.magcomp;
 
@@ -85,4 +86,4 @@ final class R {
 $fields    }
 }
 JAVA
-written('android/aar/src/main/aar/R.txt', join '', map { "int string magcomp_$_ 0x0\n" } @$names);
+written('android/aar/src/main/aar/R.txt', join '', map { "int string magcomp_$_ 0x0\n" } @android);

@@ -11,7 +11,8 @@ struct CompassView: View {
             CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
             Text(heading).font(.largeTitle).monospacedDigit()
             Text(field).monospacedDigit()
-            CompassAdvice(status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed)
+            CompassAdvice(
+                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
             ProgressView("directions seen", value: model.coverage)
             if let system = model.systemField {
                 Text("iOS: \(microtesla(length(system.fieldUt))), accuracy \(String(describing: system.accuracy))")

@@ -2,8 +2,9 @@
 #if canImport(SwiftUI)
 import SwiftUI
 
-/// A compass rose: north, east, south and west turned against the heading, and a sector of one standard deviation to both
-/// sides. Empty without a heading. Letters follow Dynamic Type; VoiceOver reads the heading and how sure it is.
+/// A compass rose: north, east, south and west in the app's language and a tick every 10 degrees turn against the heading under a
+/// lubber line, which stands for the phone, with a sector of one standard deviation to both sides of north. Without a heading the
+/// circle alone. Letters follow Dynamic Type; VoiceOver reads the heading and how sure it is.
 @available(iOS 15, macOS 12, *)
 public struct CompassRose: View {
     private let headingDeg: Double?
@@ -22,15 +23,18 @@ public struct CompassRose: View {
             if let headingDeg {
                 Group {
                     Sector(halfWidthDeg: min(sigmaDeg, 180)).fill(.red.opacity(0.25))
-                    ForEach(Array(["N", "E", "S", "W"].enumerated()), id: \.offset) { k, letter in
+                    Ticks().stroke(.secondary, lineWidth: 1)
+                    ForEach(Array(roseLetters().enumerated()), id: \.offset) { k, letter in
                         VStack {
-                            Text(letter).font(.title2).foregroundStyle(k == 0 ? Color.red : Color.primary)
+                            // within the ticks
+                            Text(letter).padding(.top, 16).font(.title2).foregroundStyle(k == 0 ? Color.red : Color.primary)
                             Spacer()
                         }
                         .rotationEffect(.degrees(90 * Double(k)))
                     }
                 }
                 .rotationEffect(.degrees(-headingDeg))
+                LubberLine().stroke(.primary, style: StrokeStyle(lineWidth: 4, lineCap: .round))
             }
         }
         .aspectRatio(1, contentMode: .fit)
@@ -56,31 +60,70 @@ private struct Sector: Shape {
     }
 }
 
-/// What the compass is doing and what the person can do, under a rose; a disturbed place stands out.
+/// A tick every 10 degrees, longer every 30.
+@available(iOS 15, macOS 12, *)
+private struct Ticks: Shape {
+    func path(in rect: CGRect) -> Path {
+        let radius = min(rect.width, rect.height) / 2
+        return Path { path in
+            for k in 0..<36 {
+                let (angle, length) = (Double(k) * .pi / 18, k.isMultiple(of: 3) ? 14.0 : 7)
+                for (n, r) in [radius, radius - length].enumerated() {
+                    let point = CGPoint(x: rect.midX + r * sin(angle), y: rect.midY - r * cos(angle))
+                    if n == 0 { path.move(to: point) } else { path.addLine(to: point) }
+                }
+            }
+        }
+    }
+}
+
+/// A short line at the top that does not turn.
+@available(iOS 15, macOS 12, *)
+private struct LubberLine: Shape {
+    func path(in rect: CGRect) -> Path {
+        let top = rect.midY - min(rect.width, rect.height) / 2
+        return Path { path in
+            path.move(to: CGPoint(x: rect.midX, y: top))
+            path.addLine(to: CGPoint(x: rect.midX, y: top + 18))
+        }
+    }
+}
+
+/// What the compass is doing and what the person can do, under a rose; a disturbed place stands out. Where access to the sensors was
+/// refused there is a button to the app's page in Settings.
 @available(iOS 15, macOS 12, *)
 public struct CompassAdvice: View {
     private let status: String
     private let guidance: String?
     private let isDisturbed: Bool
+    private let error: CompassError?
+    @Environment(\.openURL) private var openURL
 
     /// - Parameters:
     ///   - status: ``CompassState/status``
     ///   - guidance: ``CompassState/guidance``
     ///   - isDisturbed: ``CompassState/isDisturbed``
-    public init(status: String, guidance: String?, isDisturbed: Bool) {
-        (self.status, self.guidance, self.isDisturbed) = (status, guidance, isDisturbed)
+    ///   - error: ``CompassState/error``
+    public init(status: String, guidance: String?, isDisturbed: Bool, error: CompassError? = nil) {
+        (self.status, self.guidance, self.isDisturbed, self.error) = (status, guidance, isDisturbed, error)
     }
 
     public var body: some View {
         VStack(spacing: 4) {
             Text(status)
             if let guidance { Text(guidance).bold() }
+            if let recovery = error?.recoverySuggestion { Text(recovery) }
+            #if os(iOS)
+            if error?.isMendedInSettings == true, let settings = URL(string: UIApplication.openSettingsURLString) {
+                Button(say("ios_open_settings")) { openURL(settings) }
+            }
+            #endif
         }
         .multilineTextAlignment(.center)
         .padding(8)
         .frame(maxWidth: .infinity)
         .background(isDisturbed ? Color.orange.opacity(0.3) : Color.clear, in: RoundedRectangle(cornerRadius: 8))
-        .accessibilityElement(children: .combine)
+        .accessibilityElement(children: .contain)
     }
 }
 #endif

@@ -145,9 +145,9 @@ private final class Updates: @unchecked Sendable {
         guard (0...0.25).contains(options.holdS) else {
             throw MagcompError.config(field: "SensorOptions.holdS", value: "\(options.holdS)", expected: "0 to 0.25 s")
         }
-        if refused(type(of: manager)) { throw SensorError.accessRefused(sensor: "motion sensors") }
+        if refused(type(of: manager)) { throw SensorError.accessRefused(sensor: .motion) }
         guard manager.isMagnetometerAvailable else {
-            throw SensorError.missing(sensor: "magnetometer", advice: "hide the compass")
+            throw SensorError.missing(sensor: .magnetometer, advice: "hide the compass")
         }
         let motion = options.gyroscope || options.up || options.systemField
         // only this frame and those of a compass carry the calibrated field
@@ -155,12 +155,12 @@ private final class Updates: @unchecked Sendable {
         if motion {
             guard manager.isDeviceMotionAvailable else {
                 throw SensorError.missing(
-                    sensor: "gyroscope",
+                    sensor: .gyroscope,
                     advice: "without a heading, use SensorOptions(gyroscope: false, up: false)")
             }
             guard type(of: manager).availableAttitudeReferenceFrames().contains(frame) else {
                 throw SensorError.missing(
-                    sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
+                    sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
             }
         }
         run += 1
@@ -170,13 +170,13 @@ private final class Updates: @unchecked Sendable {
         let interval = 1 / Double(options.rateHz)
         manager.magnetometerUpdateInterval = interval
         manager.startMagnetometerUpdates(to: queue) { @Sendable [weak self] data, error in
-            if let error { self?.fail("magnetometer", error, in: run) }
+            if let error { self?.fail(.magnetometer, error, in: run) }
             if let data { self?.take(data, in: run) }
         }
         guard motion else { return }
         manager.deviceMotionUpdateInterval = interval
         manager.startDeviceMotionUpdates(using: frame, to: queue) { @Sendable [weak self] data, error in
-            if let error { self?.fail("gyroscope", error, in: run) }
+            if let error { self?.fail(.gyroscope, error, in: run) }
             if let data { self?.take(data, in: run) }
         }
     }
@@ -257,7 +257,7 @@ private final class Updates: @unchecked Sendable {
 
     var hiddenS: Double { lock.withLock { sleep.hiddenS } }
 
-    private func fail(_ sensor: String, _ error: any Error, in run: Int) {
+    private func fail(_ sensor: SensorError.Sensor, _ error: any Error, in run: Int) {
         let reason = error as NSError
         let code = reason.domain == CMErrorDomain ? UInt32(exactly: reason.code) : nil
         // passes by itself when the device is moved

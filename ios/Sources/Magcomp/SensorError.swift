@@ -1,28 +1,54 @@
 import Foundation
 
-/// The phone's sensors can't be used as asked. The description says what an app can do.
+/// The phone's sensors can't be used as asked. Its `localizedDescription` is for people, in the app's language; ``developerText`` says what
+/// the app can do.
 public enum SensorError: Error, Equatable, Sendable {
+    /// A sensor, or what iOS makes of several; in English.
+    public enum Sensor: String, CaseIterable, Sendable {
+        case magnetometer
+        case gyroscope
+        case calibratedField = "calibrated magnetic field"
+        case motion = "motion sensors"
+    }
+
     /// The device has no such sensor; what the app can do instead.
-    case missing(sensor: String, advice: String)
+    case missing(sensor: Sensor, advice: String)
     /// The person or a profile has refused access to the sensor.
-    case accessRefused(sensor: String)
+    case accessRefused(sensor: Sensor)
     /// The system stopped delivering a sensor's events, for the reason it gave.
-    case refused(sensor: String, reason: String)
+    case refused(sensor: Sensor, reason: String)
+
+    /// What an app can do, in English, for a log.
+    public var developerText: String {
+        switch self {
+        case .missing(let sensor, let advice): "this device has no \(sensor.rawValue); \(advice)"
+        case .accessRefused(let sensor):
+            "access to the \(sensor.rawValue) was refused; ask to allow it in Settings > Privacy & Security > Motion & Fitness"
+        case .refused(let sensor, let reason):
+            "the system refused to deliver the \(sensor.rawValue) (\(reason)); iterate again to try again"
+        }
+    }
 }
 
 extension SensorError: LocalizedError {
     public var errorDescription: String? {
         switch self {
-        case .missing(let sensor, let advice): "this device has no \(sensor); \(advice)"
-        case .accessRefused(let sensor):
-            "access to the \(sensor) was refused; ask to allow it in Settings > Privacy & Security > Motion & Fitness"
-        case .refused(let sensor, let reason):
-            "the system refused to deliver the \(sensor) (\(reason)); iterate again to try again"
+        case .missing(let sensor, _): say("ios_error_missing", sensor.localizedName)
+        case .accessRefused: say("ios_error_access_refused")
+        case .refused(let sensor, _): say("ios_error_refused", sensor.localizedName)
+        }
+    }
+
+    public var recoverySuggestion: String? {
+        switch self {
+        case .missing: nil
+        case .accessRefused: say("ios_recovery_settings")
+        case .refused: say("ios_recovery_again")
         }
     }
 }
 
-/// Why a compass has no readings.
+/// Why a compass has no readings. Its `localizedDescription` and `recoverySuggestion` are for people, in the app's language.
 public enum CompassError: Error, Equatable, Sendable {
     /// The phone's sensors.
     case sensor(SensorError)
@@ -40,19 +66,32 @@ public enum CompassError: Error, Equatable, Sendable {
             }
     }
 
-    /// Whether the person can mend it in the system's settings: an app shows a button that opens
-    /// `UIApplication.openSettingsURLString` then.
+    /// Whether the person can mend it in the system's settings: ``CompassAdvice`` shows a button to them then, or an app its own, to
+    /// `UIApplication.openSettingsURLString`.
     public var isMendedInSettings: Bool {
         if case .sensor(.accessRefused) = self { true } else { false }
+    }
+
+    /// What an app can do, in English, for a log.
+    public var developerText: String {
+        switch self {
+        case .sensor(let error): error.developerText
+        case .library(let error): error.localizedDescription
+        case .source(let description): description
+        }
     }
 }
 
 extension CompassError: LocalizedError {
     public var errorDescription: String? {
         switch self {
-        case .sensor(let error): error.localizedDescription
-        case .library(let error): error.localizedDescription
+        case .sensor(let error): error.errorDescription
+        case .library: say("ios_error_library")
         case .source(let description): description
         }
+    }
+
+    public var recoverySuggestion: String? {
+        if case .sensor(let error) = self { error.recoverySuggestion } else { nil }
     }
 }

@@ -100,10 +100,24 @@ extension FitProblem {
     }
 }
 
+extension SensorError.Sensor {
+    var localizedName: String {
+        switch self {
+        case .magnetometer: say("ios_sensor_magnetometer")
+        case .gyroscope: say("ios_sensor_gyroscope")
+        case .calibratedField: say("ios_sensor_calibrated_field")
+        case .motion: say("ios_sensor_motion")
+        }
+    }
+}
+
+/// The letters of a rose, clockwise from north.
+func roseLetters() -> [String] { [say("ios_rose_north"), say("ios_rose_east"), say("ios_rose_south"), say("ios_rose_west")] }
+
 /// A text of the table, its placeholders filled.
 func say(_ key: String, _ values: any CVarArg...) -> String {
     let format = Bundle.module.localizedString(forKey: key, value: nil, table: nil)
     return values.isEmpty ? format : String(format: format, arguments: values)
 }
 
-private func say(_ key: String, _ why: String) -> String { say(key, NSString(string: why)) }
+func say(_ key: String, _ why: String) -> String { say(key, NSString(string: why)) }

@@ -83,7 +83,7 @@ import Testing
         }
     }
 
-    @Test func aDisplayOutOfRangeIsAnErrorInWords() async {
+    @Test func aDisplayOutOfRangeIsAnErrorInWords() async throws {
         let compass = Compass(source: Played(events: tumbling(10)))
         for (display, field) in [
             (CompassDisplay(rateHz: 0), "rateHz"), (CompassDisplay(rateHz: .nan), "rateHz"),
@@ -92,7 +92,9 @@ import Testing
         ] {
             let model = CompassModel(compass: compass, display: display)
             await model.run()
-            #expect(model.status.contains("CompassDisplay.\(field)"), "\(model.status)")
+            let text = try #require(model.error).developerText
+            #expect(text.contains("CompassDisplay.\(field)"), "\(text)")
+            #expect(model.status == "The compass does not work in this version of the app.", "for people")
         }
     }
 
@@ -192,7 +194,7 @@ import Testing
     }
 
     @Test func anErrorIsShownInWords() async {
-        let missing = SensorError.missing(sensor: "magnetometer", advice: "hide the compass")
+        let missing = SensorError.missing(sensor: .magnetometer, advice: "hide the compass")
         struct Without: MagneticFieldSource {
             let error: SensorError
 
@@ -202,8 +204,35 @@ import Testing
         }
         let model = CompassModel(compass: Compass(source: Without(error: missing)))
         await model.run()
-        #expect(model.status == "this device has no magnetometer; hide the compass")
+        #expect(model.status == "This device has no magnetometer.")
+        #expect(model.error?.developerText == "this device has no magnetometer; hide the compass")
         #expect(model.error == .sensor(missing) && model.error?.isMendedInSettings == false)
+    }
+
+    @Test func everyErrorHasAWordForPeopleAndOneForDevelopers() throws {
+        struct Own: LocalizedError { var errorDescription: String? { "of the app's source" } }
+        let again = SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 103")
+        let errors: [(CompassError, people: String, mend: String?, developers: String)] = [
+            (
+                CompassError(SensorError.accessRefused(sensor: .motion)), "The app may not use the motion sensors.",
+                "Allow it in Settings > Privacy & Security > Motion & Fitness.", "access to the motion sensors was refused"
+            ),
+            (CompassError(again), "The gyroscope has stopped.", "Try again.", "CMErrorDomain 103"),
+            (
+                CompassError(SensorError.missing(sensor: .calibratedField, advice: "advice")),
+                "This device has no calibrated magnetic field.", nil, "advice"
+            ),
+            (CompassError(MagcompError.closed), "The compass does not work in this version of the app.", nil, "closed"),
+            (CompassError(Own()), "of the app's source", nil, "of the app's source"),
+        ]
+        for (error, people, mend, developers) in errors {
+            #expect(error.localizedDescription == people && error.recoverySuggestion == mend, "\(error)")
+            #expect(error.developerText.contains(developers), "\(error.developerText)")
+            #expect(error.isMendedInSettings == (mend?.contains("Settings") == true))
+        }
+        // English names the sensors as developers do
+        for sensor in SensorError.Sensor.allCases { #expect(sensor.localizedName == sensor.rawValue) }
+        #expect(roseLetters() == ["N", "E", "S", "W"])
     }
 
     /// Plays another source at every run.
@@ -221,7 +250,7 @@ import Testing
         SensorSamples {
             AsyncThrowingStream<SensorSample, any Error> { continuation in
                 for event in events { continuation.yield(event) }
-                continuation.finish(throwing: SensorError.accessRefused(sensor: "magnetometer"))
+                continuation.finish(throwing: SensorError.accessRefused(sensor: .magnetometer))
             }
         }
     }
@@ -244,7 +273,7 @@ import Testing
     }
 
     @Test func anErrorLeavesNothingOfTheReadingsBeforeIt() async {
-        let access = SensorError.accessRefused(sensor: "magnetometer").localizedDescription
+        let access = "The app may not use the motion sensors."
         let model = CompassModel(
             compass: Compass(
                 source: Runs(samplesOfRuns: [
@@ -257,7 +286,7 @@ import Testing
             await model.run()
             #expect(shown(model) == nothing)
             #expect(model.status == access)
-            #expect(model.error == .sensor(.accessRefused(sensor: "magnetometer")))
+            #expect(model.error == .sensor(.accessRefused(sensor: .magnetometer)))
             #expect(model.error?.isMendedInSettings == true && model.error?.localizedDescription == access)
         }
     }

@@ -159,7 +159,7 @@ import Testing
 
     @Test func aMissingSensorIsATypedErrorThatSaysWhatToDo() async throws {
         manager.lack(magnetometer: true)
-        await #expect(throws: SensorError.missing(sensor: "magnetometer", advice: "hide the compass")) {
+        await #expect(throws: SensorError.missing(sensor: .magnetometer, advice: "hide the compass")) {
             try await samples(1) {}
         }
         manager.lack(deviceMotion: true)
@@ -167,7 +167,7 @@ import Testing
             _ = try await samples(1) {}
             Issue.record("no error")
         } catch let error as SensorError {
-            #expect(error.localizedDescription.contains("SensorOptions(gyroscope: false, up: false)"))
+            #expect(error.developerText.contains("SensorOptions(gyroscope: false, up: false)"))
         }
         // and that works
         let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) { manager.magnetometer(at: 1, 1, 2, 3) }
@@ -181,7 +181,7 @@ import Testing
         let manager = WithoutCorrected()
         var options = SensorOptions(systemField: true)
         let missing = SensorError.missing(
-            sensor: "calibrated magnetic field", advice: "use SensorOptions(systemField: false)")
+            sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
         await #expect(throws: missing) {
             var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
             _ = try await iterator.next()
@@ -205,7 +205,7 @@ import Testing
             override class func authorizationStatus() -> CMAuthorizationStatus { .authorized }
         }
         for manager in [Denied(), Restricted()] {
-            await #expect(throws: SensorError.accessRefused(sensor: "motion sensors")) {
+            await #expect(throws: SensorError.accessRefused(sensor: .motion)) {
                 var iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
                 _ = try await iterator.next()
             }
@@ -234,14 +234,14 @@ import Testing
 
     @Test func refusedAccessEndsTheSequenceWithATypedError() async throws {
         for code in [CMErrorNotAuthorized, CMErrorNotEntitled] {
-            await #expect(throws: SensorError.accessRefused(sensor: "magnetometer")) {
+            await #expect(throws: SensorError.accessRefused(sensor: .magnetometer)) {
                 try await samples(1) { manager.magnetometerFails(code.error) }
             }
-            let words = SensorError.accessRefused(sensor: "magnetometer").localizedDescription
+            let words = SensorError.accessRefused(sensor: .magnetometer).developerText
             #expect(words.contains("Settings > Privacy & Security > Motion & Fitness"), "\(words)")
             #expect(!manager.isMagnetometerActive && !manager.isDeviceMotionActive)
         }
-        await #expect(throws: SensorError.refused(sensor: "gyroscope", reason: "CMErrorDomain 109")) {
+        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 109")) {
             try await samples(1) { manager.deviceMotionFails(CMErrorNotAvailable.error) }
         }
         // also after events, and through the compensator; what came before arrives
@@ -251,7 +251,7 @@ import Testing
         manager.magnetometer(at: 1, 1, 2, 3)
         manager.magnetometerFails(CMErrorUnknown.error)
         #expect(try await readings.next() != nil)
-        await #expect(throws: SensorError.refused(sensor: "magnetometer", reason: "CMErrorDomain 103")) {
+        await #expect(throws: SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103")) {
             try await readings.next()
         }
         // who tries again gets events again
@@ -280,7 +280,7 @@ import Testing
         #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
         // its own error does
         manager.deviceMotionFails(CMErrorUnknown.error)
-        await #expect(throws: SensorError.refused(sensor: "gyroscope", reason: "CMErrorDomain 103")) {
+        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 103")) {
             while try await second.next() != nil {}
         }
     }

@@ -177,7 +177,7 @@ import Testing
         let readers = seen.map { reader(compass, $0) }
         try await source.started(1)
         source.play(events)
-        let refused = SensorError.accessRefused(sensor: "magnetometer")
+        let refused = SensorError.accessRefused(sensor: .magnetometer)
         source.finish(refused)
         for task in readers { await #expect(throws: refused) { try await task.value } }
         #expect(seen.allSatisfy { $0.value.count == 1500 })
