@@ -115,7 +115,8 @@ public final class Compass: Sendable {
     public func save() {
         estimation.save()
         #if canImport(Darwin) && !os(macOS)
-        ProcessInfo.processInfo.performExpiringActivity(withReason: "saving the compass's calibration") { [estimation] isExpired in
+        ProcessInfo.processInfo.performExpiringActivity(withReason: "saving the compass's calibration") {
+            [estimation] isExpired in
             if !isExpired { estimation.settle() }
         }
         #endif

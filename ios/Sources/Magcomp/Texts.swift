@@ -112,7 +112,9 @@ extension SensorError.Sensor {
 }
 
 /// The letters of a rose, clockwise from north.
-func roseLetters() -> [String] { [say("ios_rose_north"), say("ios_rose_east"), say("ios_rose_south"), say("ios_rose_west")] }
+func roseLetters() -> [String] {
+    [say("ios_rose_north"), say("ios_rose_east"), say("ios_rose_south"), say("ios_rose_west")]
+}
 
 /// A text of the table, its placeholders filled.
 func say(_ key: String, _ values: any CVarArg...) -> String {

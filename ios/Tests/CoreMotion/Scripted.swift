@@ -109,7 +109,8 @@ extension CMMotionManager {
         let to = script.locked { $0.deviceMotion }
         return { [self] timestamp in
             let data = CMDeviceMotion(
-                timestamp: timestamp, rotationRate: CMRotationRate(x: 0, y: 0, z: 0), gravity: CMAcceleration(x: 0, y: 0, z: -1),
+                timestamp: timestamp, rotationRate: CMRotationRate(x: 0, y: 0, z: 0),
+                gravity: CMAcceleration(x: 0, y: 0, z: -1),
                 magneticField: .init(field: .init(x: 0, y: 0, z: 0), accuracy: .uncalibrated))
             call(to.map { to in (to.queue, { to.handler(data, nil) }) })
         }

@@ -58,7 +58,9 @@ import Testing
             return all
         }
         let clock = Clock()
-        let (played, read) = (try await first(SimulatedSource(speed: 2, clock: clock)), try await first(SimulatedSource(speed: nil)))
+        let (played, read) = (
+            try await first(SimulatedSource(speed: 2, clock: clock)), try await first(SimulatedSource(speed: nil))
+        )
         #expect(played == read && played.count == 300)
         #expect(clock.slept.value == Array(repeating: 5_000_000, count: 99), "100 steps of 10 ms, twice as fast")
         await #expect(throws: MagcompError.config(field: "SimulatedSource.speed", value: "0.0", expected: "above 0")) {
