@@ -127,4 +127,7 @@ public final class Compass: Sendable {
 
     /// Waits until the store has done all that it was told.
     func settled() async { await estimation.settled() }
+
+    /// The compensator's, for tests alone.
+    var fastHandle: Int64? { estimation.fastHandle }
 }

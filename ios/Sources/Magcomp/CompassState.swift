@@ -85,44 +85,68 @@ extension Compass {
     /// nothing known; an error leaves nothing but itself and its text.
     @MainActor
     func follow(_ display: CompassDisplay, show: (CompassState) -> Void) async {
-        var state = CompassState()
-        show(state)
-        var heading = display.smoothingHalfLifeS.map { HeadingSmoother(halfLifeS: $0) }
-        var trueHeading = heading
-        func take(_ answer: CompensatedReading) {
-            let (before, trueBefore) = (state.headingDeg, state.trueHeadingDeg)
-            state.show(answer)
-            let timeNs = answer.sample.timeNs
-            state.headingDeg = smooth(state.headingDeg, timeNs, &heading)
-            state.trueHeadingDeg = smooth(state.trueHeadingDeg, timeNs, &trueHeading)
-            if isLittle(before, state.headingDeg), isLittle(trueBefore, state.trueHeadingDeg) {
-                (state.headingDeg, state.trueHeadingDeg) = (before, trueBefore)
-            }
-            show(state)
-        }
-        func isLittle(_ one: Double?, _ other: Double?) -> Bool {
-            guard let one, let other else { return one == other }
-            return abs((one - other).remainder(dividingBy: 360)) < display.headingFilterDeg
-        }
-        var shownNs: Int64?
-        var waiting: CompensatedReading?
+        var screen = CompassScreen(display)
+        show(screen.state)
         do {
             try display.check()
             // a screen needs the newest alone
-            for try await answer in readings(capacity: 1) {
-                let timeNs = answer.sample.timeNs
-                // the clock may have begun anew since, so either may be the later
-                if let shownNs, abs(Double(timeNs) - Double(shownNs)) * display.rateHz < 1e9 {
-                    waiting = answer
-                } else {
-                    (shownNs, waiting) = (timeNs, nil)
-                    take(answer)
-                }
-            }
-            if let waiting { take(waiting) }
+            for try await answer in readings(capacity: 1) where screen.see(answer) { show(screen.state) }
+            if screen.end() { show(screen.state) }
         } catch {
             show(CompassState(error: CompassError(error)))
         }
+    }
+}
+
+/// What a screen shows of the readings it sees: some of them, smoothed, little changes left out, as its display says.
+struct CompassScreen {
+    private(set) var state = CompassState()
+    private let display: CompassDisplay
+    private var heading, trueHeading: HeadingSmoother?
+    private var shownNs: Int64?
+    private var waiting: CompensatedReading?
+
+    init(_ display: CompassDisplay) {
+        self.display = display
+        heading = display.smoothingHalfLifeS.map { HeadingSmoother(halfLifeS: $0) }
+        trueHeading = heading
+    }
+
+    /// Whether the state shows this reading now.
+    mutating func see(_ answer: CompensatedReading) -> Bool {
+        let timeNs = answer.sample.timeNs
+        // the clock may have begun anew since, so either may be the later
+        if let shownNs, abs(Double(timeNs) - Double(shownNs)) * display.rateHz < 1e9 {
+            waiting = answer
+            return false
+        }
+        (shownNs, waiting) = (timeNs, nil)
+        take(answer)
+        return true
+    }
+
+    /// Whether the last reading was not shown yet; now the state shows it.
+    mutating func end() -> Bool {
+        guard let waiting else { return false }
+        take(waiting)
+        self.waiting = nil
+        return true
+    }
+
+    private mutating func take(_ answer: CompensatedReading) {
+        let (before, trueBefore) = (state.headingDeg, state.trueHeadingDeg)
+        state.show(answer)
+        let timeNs = answer.sample.timeNs
+        state.headingDeg = smooth(state.headingDeg, timeNs, &heading)
+        state.trueHeadingDeg = smooth(state.trueHeadingDeg, timeNs, &trueHeading)
+        if isLittle(before, state.headingDeg), isLittle(trueBefore, state.trueHeadingDeg) {
+            (state.headingDeg, state.trueHeadingDeg) = (before, trueBefore)
+        }
+    }
+
+    private func isLittle(_ one: Double?, _ other: Double?) -> Bool {
+        guard let one, let other else { return one == other }
+        return abs((one - other).remainder(dividingBy: 360)) < display.headingFilterDeg
     }
 }
 

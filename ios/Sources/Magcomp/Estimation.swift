@@ -248,14 +248,19 @@ final class Estimation: @unchecked Sendable {
     }
 
     private static func correction(of compensator: Compensator) throws -> Correction? {
-        try compensator.calibration().map { Correction(softIron: $0.softIron, hardIronUt: $0.hardIronUt) }
+        try compensator.calibration().map(Correction.init)
     }
 
-    /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
-    private struct Correction: Equatable {
-        var softIron: SoftIron
-        var hardIronUt: Vector3
-    }
+    /// The compensator's, for tests alone.
+    var fastHandle: Int64? { lock.withLock { compensator?.fastHandle } }
+}
+
+/// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
+struct Correction: Equatable {
+    private let softIron: SoftIron
+    private let hardIronUt: Vector3
+
+    init(_ calibration: Calibration) { (softIron, hardIronUt) = (calibration.softIron, calibration.hardIronUt) }
 }
 
 /// Seconds since 1970.

@@ -35,6 +35,32 @@ import Testing
         #expect(over.contains { $0.modelOrder != nil && $0.directionSigmaDeg != nil && $0.worstSigmaDeg != nil })
     }
 
+    @Test func theModeSaysWhichSensorsAreUsed() throws {
+        for (gyroscope, up, mode) in [
+            (true, true, SensorMode.gyroscopeAndGravity), (true, false, .gyroscopeOnly), (false, true, .gravityOnly),
+            (false, false, .magnetometerOnly),
+        ] {
+            let (compensator, native) = (try Compensator(), try NativeCompensator(config: Config()))
+            for k in 1...200 {
+                let timeNs = Int64(k) * stepNs
+                if gyroscope {
+                    let rate = RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: 0.1, y: 0, z: 0))
+                    try compensator.pushRotationRate(rate)
+                    try native.pushRotationRate(sample: rate)
+                }
+                if up {
+                    let sample = UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.8))
+                    try compensator.pushUp(sample)
+                    try native.pushUp(sample: sample)
+                }
+                let sample = MagneticSample(timeNs: timeNs, fieldUt: Vector3(x: 20, y: Double(k % 7), z: -40))
+                let found = try compensator.push(sample).mode
+                #expect(try found == native.push(sample: sample).mode)
+                if k == 200 { #expect(found == mode) }
+            }
+        }
+    }
+
     @Test func everyStatusIsReadFromCAsUniffiHasIt() throws {
         let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
         let problems: [FitProblem] = [

@@ -100,6 +100,91 @@ import Testing
         #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.80665))))
     }
 
+    @Test func everySensorMayBeAskedForAlone() async throws {
+        // nobody knows at first that the others never come: their events are waited for
+        func alone(_ options: SensorOptions) async throws -> SensorSample? {
+            try await samples(1, options) {
+                for time in [1, 1.06] {
+                    manager.deviceMotion(
+                        at: time, gravity: (0, 0, -1), rate: (1, 2, 3),
+                        field: CMCalibratedMagneticField(field: .init(x: 10, y: 20, z: -40), accuracy: .high))
+                    manager.magnetometer(at: time, 1, 2, 3)
+                }
+            }.first
+        }
+        let field = SystemFieldSample(timeNs: 1_000_000_000, fieldUt: Vector3(x: 10, y: 20, z: -40), accuracy: .high)
+        #expect(try await alone(SensorOptions(gyroscope: false, up: false, systemField: true)) == .systemField(field))
+        let rate = RotationRateSample(timeNs: 1_000_000_000, rateRadS: Vector3(x: 1, y: 2, z: 3))
+        #expect(try await alone(SensorOptions(up: false)) == .rotationRate(rate))
+        let all = try await samples(4, SensorOptions(up: false)) {
+            for time in [1, 1.06] { play(at: time) }
+            manager.magnetometerFails(CMErrorUnknown.error)
+        }
+        #expect(all.allSatisfy { if case .up = $0 { false } else { true } } && all.count == 4)
+    }
+
+    @Test func timesAreRoundedToNanoseconds() async throws {
+        // 1.001 s are 1000999999.9999999 ns, as numbers go
+        for time in [1.001, 16.13, 4.1] {
+            let found = try await samples(1, SensorOptions(gyroscope: false, up: false)) {
+                manager.magnetometer(at: .nan, 1, 2, 3)
+                manager.magnetometer(at: time, 1, 2, 3)
+            }
+            #expect(found.first?.timeNs == Int64((time * 1000).rounded()) * 1_000_000)
+        }
+    }
+
+    @Test func theLagIsTheLargestOfThisSecondAndTheOneBefore() async throws {
+        let source = CoreMotionSource(options: SensorOptions(holdS: 0), manager: manager)
+        var iterator = source.samples().makeAsyncIterator()
+        iterator.start()
+        /// The lag when device motion has come so much later than the magnetometer's latest event.
+        func lagMs(at time: Double, lateMs: Double) async throws -> Double? {
+            manager.magnetometer(at: time + lateMs / 1000, 1, 2, 3)
+            manager.deviceMotion(at: time, gravity: (0, 0, -1))
+            for _ in 0..<3 { #expect(try await iterator.next() != nil) }
+            return source.lagS.map { ($0 * 1000).rounded() }
+        }
+        #expect(try await lagMs(at: 1, lateMs: 10) == 10)
+        #expect(try await lagMs(at: 1.5, lateMs: 30) == 30)
+        #expect(try await lagMs(at: 1.9, lateMs: 20) == 30)
+        #expect(try await lagMs(at: 2.1, lateMs: 5) == 30, "the next second")
+        #expect(try await lagMs(at: 3.2, lateMs: 7) == 7)
+    }
+
+    /// What an earlier run left waiting, and its lag, are not the next one's.
+    @Test func anotherRunBeginsWithNothing() async throws {
+        let source = CoreMotionSource(manager: manager)
+        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
+        first?.start()
+        for time in [1, 1.01] { play(at: time) }
+        #expect(try await first?.next() != nil)
+        // waits for device motion
+        manager.magnetometer(at: 1.02, 7, 7, 7)
+        try await eventually { source.lagS != nil }
+        try await Task.sleep(for: .milliseconds(20))
+        first = nil
+        try await eventually { !manager.isMagnetometerActive }
+        var second = source.samples().makeAsyncIterator()
+        second.start()
+        #expect(source.lagS == nil)
+        play(at: 1.03)
+        #expect(try await second.next()?.timeNs == 1_030_000_000)
+    }
+
+    @Test func errorsOfAnotherDomainAreNotCoreMotions() async throws {
+        for code in [CMErrorNotAuthorized, CMErrorDeviceRequiresMovement] {
+            let error = NSError(domain: "org.other", code: Int(code.rawValue))
+            let expected = SensorError.refused(sensor: .magnetometer, reason: "org.other \(code.rawValue)")
+            await #expect(throws: expected) {
+                try await samples(1) {
+                    manager.magnetometerFails(error)
+                    play(at: 1)
+                }
+            }
+        }
+    }
+
     @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
         let clock = Shared(0.0)
         let source = CoreMotionSource(

@@ -96,6 +96,23 @@ import Testing
         }
     }
 
+    /// Sydney by the World Magnetic Model; the field of the Earth's core falls with the third power of the distance from its middle.
+    @Test func theEarthsFieldOfAPlace() throws {
+        let date = Date(timeIntervalSince1970: 1_770_000_000)
+        func field(_ longitudeDeg: Double, heightM: Double) throws -> GeomagneticField {
+            try GeomagneticField(latitudeDeg: -33.87, longitudeDeg: longitudeDeg, heightM: heightM, date: date)
+        }
+        let sydney = try field(151.21, heightM: 0)
+        #expect((12..<14).contains(sydney.declinationDeg), "\(sydney)")
+        #expect((55..<60).contains(sydney.totalFieldUt))
+        #expect(try !(12..<14).contains(field(-151.21, heightM: 0).declinationDeg))
+        let high = try field(151.21, heightM: 400_000).totalFieldUt / sydney.totalFieldUt
+        #expect((0.81..<0.87).contains(high), "(6371 / 6771)^3 is 0.83: \(high)")
+        #expect(throws: MagcompError.self) {
+            try GeomagneticField(latitudeDeg: 0, longitudeDeg: 0, date: Date(timeIntervalSince1970: .infinity))
+        }
+    }
+
     @Test func unitsByTheirLimits() throws {
         let limits = facts.limits
         let compensator = try Compensator()

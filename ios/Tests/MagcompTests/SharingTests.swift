@@ -427,6 +427,39 @@ import Testing
         try await task.value
     }
 
+    /// A run is at a sample when its reader leaves and another comes: that sample is not the other's.
+    @Test func aReaderGetsNothingOfTheRunBeforeItsOwn() async throws {
+        let (live, sensor, gated) = (Live(), Gate(), Shared(false))
+        struct Gated: MagneticFieldSource {
+            let (live, sensor, gated): (Live, Gate, Shared<Bool>)
+
+            var hiddenS: Double {
+                if gated.value { sensor.pass() }
+                return 0
+            }
+
+            func samples() -> SensorSamples { live.samples() }
+        }
+        let compass = Compass(source: Gated(live: live, sensor: sensor, gated: gated))
+        let first = reader(compass, Shared([]))
+        try await live.started(1)
+        gated.change { $0 = true }
+        live.play(flat(0))
+        try await eventually { sensor.entered.value == 1 }
+        first.cancel()
+        try await first.value
+        let seen = Shared<[CompensatedReading]>([])
+        let second = reader(compass, seen)
+        gated.change { $0 = false }
+        sensor.open()
+        try await live.started(2)
+        live.play(flat(1))
+        try await eventually { seen.value.last?.sample.timeNs == 2 * stepNs }
+        #expect(seen.value.count == 1)
+        second.cancel()
+        try await second.value
+    }
+
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
         let source = Live()
         let compass = Compass(source: source)
@@ -462,6 +495,9 @@ import Testing
         gone?.start()
         gone = nil
         let last = reader(compass, Shared([]))
+        for _ in 0..<100 { await Task.yield() }
+        try await Task.sleep(for: .milliseconds(20))
+        #expect(source.state.value.starts == 1, "a run waits until the one before has saved")
         store.open()
         try await source.started(2)
         source.play(flat(900))
@@ -502,8 +538,12 @@ import Testing
         for _ in 1...3 {
             for try await _ in compass.readings(capacity: 1) { break }
         }
-        let task = Task { try await compass.readings(capacity: 1).collected() }
-        #expect(try await task.value.count == 500)
+        let count = Shared(0)
+        let task = Task {
+            for try await _ in compass.readings(capacity: 1) { count.change { $0 += 1 } }
+        }
+        try await eventually { count.value == 500 }
+        try await task.value
         #expect(asked.value == 4)
     }
 }

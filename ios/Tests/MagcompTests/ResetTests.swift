@@ -1,0 +1,193 @@
+import Foundation
+@testable import Magcomp
+import MagcompTestHooks
+import Testing
+
+/// What an estimation forgets, and what it keeps: at a reset, after a defect, when a clock begins anew.
+@Suite struct ResetTests {
+    typealias Live = SharingTests.Live
+
+    /// A compass that a test plays to.
+    final class Played {
+        let source = Live()
+        let store = SavingTests.Kept()
+        let compass: Compass
+        let seen = Shared<[CompensatedReading]>([])
+        private var task: Task<Void, any Error>?
+        private var starts = 0
+
+        init() { compass = Compass(source: source, store: store) }
+
+        func start() async throws {
+            starts += 1
+            task = SharingTests().reader(compass, seen)
+            try await source.started(starts)
+        }
+
+        /// The readings of these events.
+        func play(_ events: [SensorSample]) async throws -> [CompensatedReading] {
+            let before = seen.value.count
+            let samples = events.filter { if case .magnetic = $0 { true } else { false } }.count
+            source.play(events)
+            try await eventually { seen.value.count == before + samples }
+            return Array(seen.value[before...])
+        }
+
+        /// The readings end; what is saved then is not counted before.
+        func end() async throws {
+            task?.cancel()
+            try await task?.value
+            try await eventually { source.state.value.ends == starts }
+            await compass.settled()
+        }
+    }
+
+    let system = Vector3(x: 10, y: 28, z: -40)
+
+    /// A phone that lies flat, and iOS's field beside it.
+    func lying(_ range: Range<Int>, _ system: Vector3) -> [SensorSample] {
+        range.flatMap { k -> [SensorSample] in
+            let timeNs = Int64(k + 1) * stepNs
+            return [.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: .high))] + flat(k)
+        }
+    }
+
+    func later(_ events: [SensorSample], by samples: Int) -> [SensorSample] {
+        events.map { SavingTests().moved($0, byNs: Int64(samples) * stepNs) }
+    }
+
+    @Test func aResetIsAFirstLaunchButForTheFrame() async throws {
+        let phone = Played()
+        try phone.compass.setDeclinationDeg(7)
+        try await phone.start()
+        var last = try #require(try await phone.play(tumbling(900)).last)
+        await phone.compass.settled()
+        #expect(phone.store.savedS.count == 1 && last.reading.heading?.trueHeadingDeg != nil)
+        #expect(last.unseenDirections.count < 20)
+        phone.compass.reset()
+        await phone.compass.settled()
+        #expect(phone.store.state.value.text == nil)
+        // the same again: what is learned is no other, and it is saved as soon
+        let again = try await phone.play(later(tumbling(900), by: 900))
+        await phone.compass.settled()
+        #expect(again[0].unseenDirections.count > 20, "nor are directions seen")
+        #expect(phone.store.savedS.count == 2 && phone.store.state.value.text != nil)
+        last = try #require(again.last)
+        let heading = try #require(last.reading.heading)
+        #expect(
+            heading.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 7))
+        try await phone.end()
+    }
+
+    @Test func aResetBetweenTwoRunsForgetsWhatTheStoreKept() async throws {
+        let store = SavingTests.Kept()
+        let compass = Compass(source: MagcompTests.Played(events: tumbling(900)), store: store)
+        _ = try await compass.readings().collected()
+        let first = store.savedS.count
+        let text = try #require(store.state.value.text)
+        compass.reset()
+        await compass.settled()
+        #expect(store.state.value.text == nil)
+        _ = try await compass.readings().collected()
+        // the numbers are the same to the last bit, and the store has them all the same
+        #expect(store.savedS.count == 2 * first)
+        let (one, other) = (try Compensator(), try Compensator())
+        try one.adoptKept(text, unixTimeS: nil)
+        try other.adoptKept(try #require(store.state.value.text), unixTimeS: nil)
+        #expect(try one.calibration() == other.calibration())
+    }
+
+    @Test func afterAResetTheSystemsHardIronGivesAHeadingAtOnce() async throws {
+        let phone = Played()
+        try await phone.start()
+        #expect(try await phone.play(tumbling(900)).last?.reading.status == .tracking)
+        phone.compass.reset()
+        let field = try #require(try await phone.play(lying(900..<901, system)).last?.reading.fieldUt)
+        #expect((field + system * -1).length < 6, "the system's, signs and all: \(field)")
+        try await phone.end()
+    }
+
+    @Test func theSystemsHardIronIsToldOnce() async throws {
+        let phone = Played()
+        try await phone.start()
+        let first = try #require(try await phone.play(lying(0..<20, system)).last?.reading)
+        #expect(first.fieldUt != nil)
+        // the system changes its mind by as much as a cover does
+        let moved = system + Vector3(x: 100, y: -100, z: 50)
+        let readings = try await phone.play(lying(20..<40, moved))
+        #expect(readings.allSatisfy { $0.reading.reportedHardIronJumpUt == nil })
+        let field = try #require(readings.last?.reading.fieldUt)
+        #expect((field + system * -1).length < 5, "\(field)")
+        try await phone.end()
+    }
+
+    @Test func aDefectEndsTheRunAndTheNextBeginsWithWhatTheStoreKeeps() async throws {
+        let source = Live()
+        let store = SavingTests.Kept()
+        let compass = Compass(source: source, store: store)
+        let seen = Shared<[CompensatedReading]>([])
+        let task = SharingTests().reader(compass, seen)
+        try await source.started(1)
+        source.play(tumbling(900))
+        try await eventually { seen.value.count == 900 }
+        #expect(store.savedS.count == 1)
+        #expect(magcomp_test_panic(try #require(compass.fastHandle)) == Int32(MAGCOMP_PANICKED))
+        source.play(flat(900))
+        do {
+            try await task.value
+            Issue.record("no error")
+        } catch MagcompError.panicked(let what) {
+            #expect(!what.isEmpty)
+        }
+        #expect(store.savedS.count == 1, "of a defect nothing is kept")
+        let again = SharingTests().reader(compass, seen)
+        try await source.started(2)
+        source.play(flat(901))
+        try await eventually { seen.value.count == 901 }
+        #expect(seen.value.last?.reading.fieldUt != nil)
+        again.cancel()
+        try await again.value
+    }
+
+    /// Sensors deliver late by less than a second: that is no other clock.
+    @Test func aRunThatBeginsALittleEarlierHasTheSameClock() async throws {
+        for (earlierMs, sameClock) in [(500, true), (1500, false)] {
+            let phone = Played()
+            try await phone.start()
+            _ = try await phone.play(tumbling(900))
+            try await phone.end()
+            try await phone.start()
+            let first = try #require(try await phone.play(flat(899 - earlierMs / 10)).last)
+            #expect((first.reading.status.label() == "rejected") == sameClock, "\(earlierMs) ms")
+            try await phone.end()
+        }
+    }
+
+    /// A save is due at the first look after the clock began anew, whatever the time of the save before.
+    @Test func afterAnotherClockWhatChangedIsSavedAtTheFirstLook() async throws {
+        let phone = Played()
+        try await phone.start()
+        _ = try await phone.play(tumbling(900))
+        try await phone.end()
+        let saves = phone.store.savedS.count
+        try await phone.start()
+        // less than 10 s before the save of the first run, and less than 10 s of it
+        _ = try await phone.play(Array(tumbling(700).dropFirst(2 * 50)))
+        await phone.compass.settled()
+        #expect(phone.store.savedS.count > saves, "\(phone.store.savedS)")
+        try await phone.end()
+    }
+
+    @Test func whatCorrectsIsSoftIronAndHardIronWithoutTheStrength() {
+        let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
+        let calibration = Calibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 50)
+        func isSame(_ change: (inout Calibration) -> Void) -> Bool {
+            var other = calibration
+            change(&other)
+            return Correction(other) == Correction(calibration)
+        }
+        #expect(isSame { $0.fieldStrengthUt = 51 })
+        #expect(!isSame { $0.hardIronUt.z += 0.01 })
+        #expect(!isSame { $0.softIron.xy = 1e-6 })
+    }
+}

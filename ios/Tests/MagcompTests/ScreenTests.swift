@@ -1,0 +1,101 @@
+import Foundation
+@testable import Magcomp
+import Testing
+
+/// What a screen shows, by readings made by hand.
+@Suite struct ScreenTests {
+    func answer(_ ms: Int64, _ headingDeg: Double?, true trueDeg: Double? = nil, sigma: Double? = 2) -> CompensatedReading {
+        let heading = headingDeg.map {
+            Heading(headingDeg: $0, headingSigmaDeg: sigma, trueHeadingDeg: trueDeg, inclinationDeg: 60)
+        }
+        let sample = MagneticSample(timeNs: ms * 1_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        return CompensatedReading(reading: Reading(status: .tracking, heading: heading), sample: sample)
+    }
+
+    /// The headings shown, nil where the reading was not shown.
+    func shown(_ display: CompassDisplay, _ answers: [CompensatedReading]) -> [CompassState?] {
+        var screen = CompassScreen(display)
+        return answers.map { screen.see($0) ? screen.state : nil }
+    }
+
+    @Test func aHeadingWithoutASigmaIsAsUnsureAsCanBe() {
+        let states = shown(CompassDisplay(), [answer(0, 10, sigma: nil), answer(100, nil), answer(200, 10)])
+        #expect(states.map(\.?.headingSigmaDeg) == [180, 180, 2])
+        #expect(states.map(\.?.headingDeg) == [10, nil, 10])
+    }
+
+    @Test func bothHeadingsAreSmoothedTheShorterWayRound() {
+        let display = CompassDisplay(smoothingHalfLifeS: 0.1)
+        let states = shown(display, [answer(0, 350, true: 353), answer(100, 10, true: 13)])
+        #expect(abs((states[1]?.headingDeg ?? 99).remainder(dividingBy: 360)) < 1e-9)
+        #expect(abs((states[1]?.trueHeadingDeg ?? 99) - 3) < 1e-9)
+    }
+
+    @Test func nothingIsSmoothedAcrossAMomentWithoutAHeading() {
+        let display = CompassDisplay(smoothingHalfLifeS: 10)
+        let states = shown(display, [answer(0, 100, true: 103), answer(100, nil), answer(200, 200, true: 203)])
+        #expect(states[2]?.headingDeg == 200 && states[2]?.trueHeadingDeg == 203)
+    }
+
+    @Test func aLittleChangeIsOneOfBothHeadingsTheShorterWayRound() {
+        let display = CompassDisplay(headingFilterDeg: 5)
+        let headings = [359.0, 3, 5, 9.9, 10.1].enumerated().map { answer(Int64($0) * 100, $1) }
+        #expect(shown(display, headings).map(\.?.headingDeg) == [359, 359, 5, 5, 10.1])
+        // a declination that is set anew changes the true heading alone
+        let both = [(10.0, 12.0), (11, 13), (11, 20), (11.5, 20.5)].enumerated()
+            .map { answer(Int64($0) * 100, $1.0, true: $1.1) }
+        #expect(shown(display, both).map(\.?.trueHeadingDeg) == [12, 12, 20, 20])
+        #expect(shown(display, both).map(\.?.headingDeg) == [10, 10, 11, 11])
+        // gone and there again is no little change
+        #expect(shown(display, [answer(0, 10), answer(100, nil), answer(200, 11)]).map(\.?.headingDeg) == [10, nil, 11])
+    }
+
+    @Test func aClockThatBeginsAnewDoesNotFreezeIt() {
+        let states = shown(CompassDisplay(rateHz: 10), [answer(60_000, 1), answer(0, 2), answer(50, 3), answer(100, 4)])
+        #expect(states.map { $0 != nil } == [true, true, false, true])
+    }
+
+    @Test func theLastReadingIsShownWhenItEnds() {
+        var screen = CompassScreen(CompassDisplay(rateHz: 10))
+        #expect(screen.see(answer(0, 1)) && !screen.see(answer(10, 2)) && screen.state.headingDeg == 1)
+        #expect(screen.end() && screen.state.headingDeg == 2 && !screen.end())
+        #expect(screen.see(answer(200, 3)) && !screen.end())
+    }
+
+    /// The main thread was busy: what it sees then is the newest reading, not those that piled up.
+    @Test @MainActor func aScreenThatWasBusyShowsTheNewest() async throws {
+        struct Counting: MagneticFieldSource {
+            let live = SharingTests.Live()
+            let seen = Shared(0)
+
+            // read with every sample
+            var hiddenS: Double {
+                seen.change { $0 += 1 }
+                return 0
+            }
+
+            func samples() -> SensorSamples { live.samples() }
+        }
+        let source = Counting()
+        let shown = Shared<[Int64]>([])
+        let compass = Compass(source: source)
+        let running = Task {
+            await compass.follow(CompassDisplay(rateHz: 1e6)) { state in
+                if let reading = state.reading { shown.change { $0.append(reading.sample.timeNs) } }
+            }
+        }
+        try await source.live.started(1)
+        let before = source.seen.value
+        source.live.play(tumbling(300))
+        func busy() {
+            for _ in 0..<20_000 where source.seen.value < before + 300 { Thread.sleep(forTimeInterval: 0.001) }
+        }
+        busy()
+        #expect(source.seen.value == before + 300)
+        try await eventually { @Sendable in shown.value.last == 300 * stepNs }
+        // the one it waited for, the newest, and one the feeding was at
+        #expect(shown.value.count <= 3, "\(shown.value.count) readings")
+        running.cancel()
+        await running.value
+    }
+}
