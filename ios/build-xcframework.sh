@@ -5,12 +5,14 @@
 # Xcode, with Debian's rustc-web, cargo-web, rust-web-src and llvm, to check the structure: what ships is built on a Mac.
 # `--device` leaves out all but the devices' slice, for a check: apps then build for devices alone.
 # With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift;
-# `--pack URL` does no more than that, with the framework that is there, for one that was checked and signed meanwhile.
+# `--pack URL` does no more than that, with the framework that is there, for one that was checked and signed meanwhile; `--zip` packs
+# alone. The same files always give the same zip: they are sorted, and have one time.
+# OBJCOPY is LLVM's objcopy, which takes out bitcode, by default that of Rust's toolchain (rustup component add llvm-tools).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "$#:${1:-}" in
-    0: | 1:--device | 2:--release | 2:--pack) ;;
-    *) echo "usage: ios/build-xcframework.sh [--device | --release URL | --pack URL]" >&2; exit 2 ;;
+    0: | 1:--device | 1:--zip | 2:--release | 2:--pack) ;;
+    *) echo "usage: ios/build-xcframework.sh [--device | --zip | --release URL | --pack URL]" >&2; exit 2 ;;
 esac
 # cargo does not know that a build depends on it: another one needs another target folder
 export IPHONEOS_DEPLOYMENT_TARGET=15.0 MACOSX_DEPLOYMENT_TARGET=12.0
@@ -20,9 +22,13 @@ lipo=lipo
 export CARGO_TARGET_DIR=$target/ios-build
 if [ "$(uname)" != Darwin ]; then
     . tests/need.sh
-    need xcframework "${debian_rust[@]}" $([ $# != 2 ] || echo zip:zip)
-    need_llvm xcframework llvm-lipo:llvm
+    need xcframework zip:zip
+fi
+if [ "$(uname)" != Darwin ] && [[ "${1:-}" != --zip && "${1:-}" != --pack ]]; then
+    need xcframework "${debian_rust[@]}"
+    need_llvm xcframework llvm-lipo:llvm llvm-objcopy:llvm
     lipo=llvm-lipo$llvm
+    OBJCOPY=${OBJCOPY:-llvm-objcopy$llvm}
     # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
     export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
     unset RUSTUP_TOOLCHAIN RUSTFLAGS
@@ -31,15 +37,19 @@ if [ "$(uname)" != Darwin ]; then
 fi
 
 framework=$target/ios/MagcompFFI.xcframework
+checksum() { (sha256sum "$1" 2>/dev/null || shasum -a 256 "$1") | cut -d' ' -f1; }
 rm -f "$framework.zip"
 
 # slice FOLDER RUST_TARGET...
 slice() {
-    local folder=$1 rust libraries=()
+    local folder=$1 rust library libraries=()
     for rust in "${@:2}"; do
         # not `cargo build`: the shared library would need Apple's linker
         cargo rustc --quiet --locked --profile ship -p magcomp-ffi --lib --crate-type staticlib ${std[@]+"${std[@]}"} --target "$rust"
-        libraries+=("$CARGO_TARGET_DIR/$rust/ship/libmagcomp_ffi.a")
+        library=$CARGO_TARGET_DIR/$rust/libmagcomp_ffi.a
+        # what the standard library keeps for link-time optimisation, which no app links and Apple no longer takes
+        "$OBJCOPY" --remove-section=__LLVM,__bitcode --remove-section=__LLVM,__cmdline "$CARGO_TARGET_DIR/$rust/ship/libmagcomp_ffi.a" "$library"
+        libraries+=("$library")
     done
     # Xcode copies what is in Headers into one folder for all frameworks of an app: ours has a folder of its own in it, or
     # the module map would meet another framework's ("Multiple commands produce include/module.modulemap")
@@ -109,12 +119,29 @@ $(for folder in "$framework"/*/; do library "$(basename "$folder")"; done)
 PLIST
     echo "xcframework: $framework"
 }
-[ "${1:-}" = --pack ] || build "$@"
+# a zip has local times, without a zone, and whatever order it is given
+pack() {
+    export TZ=UTC LC_ALL=C
+    find "$framework" -exec touch -t 198001010000 {} +
+    (cd "$target/ios" && find MagcompFFI.xcframework -type f | sort | zip -qX -@ MagcompFFI.xcframework.zip)
+    echo "xcframework: $framework.zip, $(checksum "$framework.zip")"
+}
+case "${1:-}" in
+    --zip | --pack) ;;
+    *)
+        if [ "$(uname)" = Darwin ] && [ -z "${OBJCOPY:-}" ]; then
+            OBJCOPY=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')/bin/rust-objcopy
+            [ -x "$OBJCOPY" ] || OBJCOPY=${OBJCOPY%rust-objcopy}llvm-objcopy
+            [ -x "$OBJCOPY" ] || { echo "xcframework: missing: LLVM's objcopy; rustup component add llvm-tools" >&2; exit 1; }
+        fi
+        build "$@"
+        ;;
+esac
+case "$#:${1:-}" in 2:* | 1:--zip) pack ;; esac
 
 if [ $# = 2 ]; then
-    (cd "$target/ios" && zip -qrX MagcompFFI.xcframework.zip MagcompFFI.xcframework)
     # SwiftPM's checksum is SHA-256
-    checksum=$( (sha256sum "$framework.zip" 2>/dev/null || shasum -a 256 "$framework.zip") | cut -d' ' -f1)
+    checksum=$(checksum "$framework.zip")
     line="let release: (url: String, checksum: String)? = (\"$2\", \"$checksum\")"
     sed "s|^let release: .*|$line|" Package.swift >"$target/ios/Package.swift"
     grep -qF "$line" "$target/ios/Package.swift" || { echo "xcframework: Package.swift has no line for the release" >&2; exit 1; }

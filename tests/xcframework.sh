@@ -78,9 +78,33 @@ while read -r slice platform architecture; do
     missing=$(comm -23 "$work/declared" "$work/defined")
     [ -z "$missing" ] || fail "$slice: declared and not defined: $missing"
     if grep -q '^_magcomp_test_' "$work/defined"; then fail "$slice: holds test hooks"; fi
+    if grep -q '^  *segname __LLVM' "$work/objects"; then fail "$slice: holds bitcode"; fi
     printf 'xcframework: %-26s %9d bytes, %-6s, %s, all %d functions\n' "$slice" "$(wc -c <"$library")" \
         "$architecture" "$platform $least" "$(wc -l <"$work/declared")"
 done <"$work/slices"
+
+# the same files give the same zip, whatever their times and the order they were made in
+ios/build-xcframework.sh --zip >/dev/null
+cp "$framework.zip" "$work/first.zip"
+rm -rf "$work/copy"
+mv "$framework" "$work/copy"
+mkdir "$framework"
+(cd "$work/copy" && find . -type f | LC_ALL=C sort -r) | while read -r file; do
+    mkdir -p "$framework/$(dirname "$file")"
+    cp "$work/copy/$file" "$framework/$file"
+done
+TZ=Asia/Tokyo ios/build-xcframework.sh --zip
+cmp "$work/first.zip" "$framework.zip" || fail "the same files gave another zip"
+python3 - "$framework.zip" <<'PYTHON'
+import sys, zipfile
+
+entries = zipfile.ZipFile(sys.argv[1]).infolist()
+names = [entry.filename for entry in entries]
+assert names == sorted(names) and {entry.date_time for entry in entries} == {(1980, 1, 1, 0, 0, 0)}, names
+for entry in entries:
+    if entry.filename.endswith(".a"):
+        print(f"xcframework: {entry.filename.split('/')[1]}: {entry.file_size} bytes, {entry.compress_size} in the zip")
+PYTHON
 
 # what an app gets of it: all that Swift may call, and what that needs
 "ld64.lld$llvm" -arch arm64 -platform_version ios 15.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
