@@ -21,6 +21,9 @@ must 'interfaces of objects', $text =~ s/^public (?=interface Native)/internal /
 must 'objects', $text =~ s/^(?=open class Native)/internal /mg;
 must 'the reader of errors', $text =~ s/^( +)(?=companion object ErrorHandler)/$1internal /mg;
 
+# every call asks for the library first: Java would tell a class that fails to load twice, in two ways, neither of them ours
+must 'calls', $text =~ s/^(private inline fun <U, E: kotlin\.Exception> uniffiRustCallWithError\(.*\{\n)/$1    NativeLibrary.check()\n/m;
+
 open my $out, '>', $ARGV[0] or die "$ARGV[0]: $!\n";
 print $out $text;
 close $out;

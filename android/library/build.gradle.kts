@@ -29,6 +29,7 @@ android {
     }
     sourceSets.getByName("main") {
         java.srcDir(rootDir.resolve("../bindings/kotlin"))
+        java.srcDir(rootDir.resolve("bindings/src/main/kotlin"))
         jniLibs.srcDir(nativeLibraries)
     }
     // the tests run on the host, under Maven: they need the framework's real classes

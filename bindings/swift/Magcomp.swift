@@ -1996,7 +1996,7 @@ public struct GeomagneticField: Equatable, Hashable, Codable {
      */
     public var declinationDeg: Double
     /**
-     * One standard deviation of it, degrees, as the model states it.
+     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
      */
     public var declinationSigmaDeg: Double
     /**
@@ -2015,7 +2015,7 @@ public struct GeomagneticField: Equatable, Hashable, Codable {
          * From true to magnetic north, degrees, east positive.
          */declinationDeg: Double,
         /**
-         * One standard deviation of it, degrees, as the model states it.
+         * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
          */declinationSigmaDeg: Double,
         /**
          * Below the horizon, degrees, positive when the field points down.
@@ -4132,7 +4132,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
          */found: Int64
     )
     /**
-     * The geomagnetic model does not cover the place or the date.
+     * The geomagnetic model does not cover the place.
      */
     case place(
         /**
@@ -5753,7 +5753,9 @@ package func defaultConfig() -> Config  {
  * The Earth's field by the World Magnetic Model.
  *
  * Latitude -90 to 90 degrees north, longitude -180 to 180 degrees east, height above the ellipsoid in metres
- * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. Fails with `MagcompError.place` outside the model's range.
+ * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. The model serves 2020 to 2029. At any other date the field is that
+ * of the nearest day of those years, and the declination's sigma is wider by what the Earth's field changes meanwhile. Fails with
+ * `Place` at a place outside the model's range.
  */
 package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> GeomagneticField  {
     return try  FfiConverterTypeGeomagneticField_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -5852,7 +5854,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_func_default_config() != 44422) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_func_geomagnetic_field() != 35086) {
+    if (uniffi_magcomp_ffi_checksum_func_geomagnetic_field() != 20464) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_start_logging() != 64664) {

@@ -7,8 +7,8 @@ extension GeomagneticField {
     ///   - latitudeDeg: -90 to 90 degrees, north positive
     ///   - longitudeDeg: -180 to 180 degrees, east positive
     ///   - heightM: above the ellipsoid, metres, -1000 to 850000
-    ///   - date: when; the field drifts
-    /// - Throws: `MagcompError.place` when the model does not cover the place or the date
+    ///   - date: when; the field drifts. Outside the model's years it is that of their nearest day, and less sure
+    /// - Throws: `MagcompError.place` when the model does not cover the place, or the date is no number
     public init(latitudeDeg: Double, longitudeDeg: Double, heightM: Double = 0, date: Date) throws {
         let unixTimeMs = (date.timeIntervalSince1970 * 1000).rounded()
         guard let unixTimeMs = Int64(exactly: unixTimeMs) else {
@@ -27,7 +27,7 @@ extension GeomagneticField {
     /// The Earth's field where and when a location was taken: its `declinationDeg` is for
     /// ``Compass/setDeclinationDeg(_:)``.
     ///
-    /// - Throws: `MagcompError.place` when the location is not valid, or the model does not cover its date
+    /// - Throws: `MagcompError.place` when the location is not valid
     public init(at location: CLLocation) throws {
         guard location.horizontalAccuracy >= 0 else {
             throw MagcompError.place(why: "the location is not valid: its horizontalAccuracy is negative")

@@ -44,7 +44,7 @@ pub enum MagcompError {
         /// Version of the text.
         found: i64,
     },
-    /// The geomagnetic model does not cover the place or the date.
+    /// The geomagnetic model does not cover the place.
     Place {
         /// Which limit was passed, in a sentence.
         why: String,

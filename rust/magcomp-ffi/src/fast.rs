@@ -1,4 +1,4 @@
-//! The JNI fast path: primitives in, a caller-owned array out, no allocation on either side.
+//! The JNI fast path: primitives in, a caller-owned array out, no allocation in a push.
 //!
 //! `org.magcomp.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
 //! answer, below 0 an error of this list. The array's layout is `Slot`; `ReadingBuffer` in Kotlin reads it, and its test
@@ -8,9 +8,10 @@
 #![allow(unsafe_code)]
 
 use crate::compensator::find;
+use crate::error::MagcompError;
 use crate::flat::{self, ACCEPTED, CLOSED, FlatReading, FlatStatus};
 use crate::java::{Env, JavaArray};
-use crate::record::Vector3;
+use crate::record::{Calibration, Coverage, Vector3};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
 
@@ -233,6 +234,50 @@ pub fn push_batch(
         }
     }
     readings as jint
+}
+
+/// The calibration in force: xx, yy, zz, xy, xz, yz of the soft iron, the hard iron and the field's strength, uT. Answers 1, or 0 where
+/// there is none, which leaves `out` as it was.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
+    let Some(compensator) = find(handle) else { return CLOSED };
+    answered(compensator.calibration(), |calibration| {
+        let Some(Calibration { soft_iron: m, hard_iron_ut: b, field_strength_ut }) = calibration else { return 0 };
+        out.write(env, 0, &[m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, b.x, b.y, b.z, field_strength_ut]);
+        1
+    })
+}
+
+/// The share of the directions that were seen, then three numbers for each that was not. Answers how many these are; an `out` that
+/// is too short throws.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
+    let Some(compensator) = find(handle) else { return CLOSED };
+    answered(compensator.coverage(), |Coverage { share, unseen_directions }| {
+        out.write(env, 0, &[share]);
+        for (k, Vector3 { x, y, z }) in unseen_directions.iter().enumerate() {
+            out.write(env, 1 + 3 * k, &[*x, *y, *z]);
+        }
+        unseen_directions.len() as jint
+    })
+}
+
+/// The text to keep, in ASCII. Answers how long it is, 0 where there is nothing to keep; an `out` that is shorter stays as it was.
+#[jni_mangle("org.magcomp.FastPath")]
+pub fn keep(env: Env, _class: jclass, handle: jlong, unix_time_s: jlong, out: JavaArray<i8>) -> jint {
+    let Some(compensator) = find(handle) else { return CLOSED };
+    answered(compensator.keep(unix_time_s), |text| {
+        let bytes: Vec<i8> = text.unwrap_or_default().bytes().map(u8::cast_signed).collect();
+        if bytes.len() <= out.len(env) {
+            out.write(env, 0, &bytes);
+        }
+        bytes.len() as jint
+    })
+}
+
+/// What is written of an answer, or the error's code.
+fn answered<T>(result: Result<T, MagcompError>, write: impl FnOnce(T) -> jint) -> jint {
+    result.map_or_else(|error| flat::code_of(&error), write)
 }
 
 /// For tests alone; see the feature in Cargo.toml.

@@ -101,10 +101,10 @@ pub(crate) fn event_code(result: Result<(), MagcompError>) -> i32 {
     }
 }
 
-fn code_of(error: &MagcompError) -> i32 {
+pub(crate) fn code_of(error: &MagcompError) -> i32 {
     match error {
         MagcompError::Panicked { .. } => PANICKED,
-        // no other error comes from the three pushes
+        // no other error comes from those who ask
         _ => CLOSED,
     }
 }

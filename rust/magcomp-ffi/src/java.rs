@@ -25,22 +25,31 @@ pub(crate) trait Element: Copy {
     /// # Safety
     /// `array` is an array of `Self`.
     unsafe fn read(env: Env, array: jarray, at: jsize, to: &mut [Self]);
+
+    /// # Safety
+    /// `array` is an array of `Self`.
+    unsafe fn write(env: Env, array: jarray, at: jsize, from: &[Self]);
 }
 
 macro_rules! element {
-    ($primitive:ty, $read:ident) => {
+    ($primitive:ty, $read:ident, $write:ident) => {
         impl Element for $primitive {
             unsafe fn read(env: Env, array: jarray, at: jsize, to: &mut [Self]) {
                 // SAFETY: by the caller; the function table is the JVM's
                 unsafe { ((**env.0).v1_1.$read)(env.0, array, at, to.len() as jsize, to.as_mut_ptr()) }
             }
+
+            unsafe fn write(env: Env, array: jarray, at: jsize, from: &[Self]) {
+                // SAFETY: as above
+                unsafe { ((**env.0).v1_1.$write)(env.0, array, at, from.len() as jsize, from.as_ptr()) }
+            }
         }
     };
 }
 
-element!(i8, GetByteArrayRegion);
-element!(jlong, GetLongArrayRegion);
-element!(jdouble, GetDoubleArrayRegion);
+element!(i8, GetByteArrayRegion, SetByteArrayRegion);
+element!(jlong, GetLongArrayRegion, SetLongArrayRegion);
+element!(jdouble, GetDoubleArrayRegion, SetDoubleArrayRegion);
 
 impl<T: Element> JavaArray<T> {
     /// Elements; 0 for null.
@@ -61,15 +70,12 @@ impl<T: Element> JavaArray<T> {
             unsafe { T::read(env, self.array, at as jsize, to) }
         }
     }
-}
 
-impl JavaArray<jdouble> {
     /// Copies `from` to `at`. Where the array has no room for it, as `read`.
-    pub(crate) fn write(self, env: Env, at: usize, from: &[jdouble]) {
+    pub(crate) fn write(self, env: Env, at: usize, from: &[T]) {
         if !self.array.is_null() {
-            let length = from.len() as jsize;
             // SAFETY: as above
-            unsafe { ((**env.0).v1_1.SetDoubleArrayRegion)(env.0, self.array, at as jsize, length, from.as_ptr()) }
+            unsafe { T::write(env, self.array, at as jsize, from) }
         }
     }
 }

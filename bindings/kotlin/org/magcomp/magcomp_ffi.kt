@@ -268,6 +268,7 @@ internal interface UniffiRustCallStatusErrorHandler<E> {
 
 // Call a rust function that returns a Result<>.  Pass in the Error class companion that corresponds to the Err
 private inline fun <U, E: kotlin.Exception> uniffiRustCallWithError(errorHandler: UniffiRustCallStatusErrorHandler<E>, callback: (UniffiRustCallStatus) -> U): U {
+    NativeLibrary.check()
     var status = UniffiRustCallStatus()
     val return_value = callback(status)
     uniffiCheckCallStatus(errorHandler, status)
@@ -961,7 +962,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_func_default_config() and 0xFFFF) != 44422) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_func_geomagnetic_field() and 0xFFFF) != 35086) {
+    if ((lib.uniffi_magcomp_ffi_checksum_func_geomagnetic_field() and 0xFFFF) != 20464) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_start_logging() and 0xFFFF) != 64664) {
@@ -2937,7 +2938,7 @@ data class GeomagneticField (
     val `declinationDeg`: kotlin.Double
     ,
     /**
-     * One standard deviation of it, degrees, as the model states it.
+     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
      */
     val `declinationSigmaDeg`: kotlin.Double
     ,
@@ -4466,7 +4467,7 @@ sealed class MagcompException: kotlin.Exception() {
     }
 
     /**
-     * The geomagnetic model does not cover the place or the date.
+     * The geomagnetic model does not cover the place.
      */
     class Place(
 
@@ -6454,7 +6455,9 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
          * The Earth's field by the World Magnetic Model.
          *
          * Latitude -90 to 90 degrees north, longitude -180 to 180 degrees east, height above the ellipsoid in metres
-         * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. Fails with `Place` outside the model's range.
+         * (-1000 to 850000), time in milliseconds since 1970-01-01 UTC. The model serves 2020 to 2029. At any other date the field is that
+         * of the nearest day of those years, and the declination's sigma is wider by what the Earth's field changes meanwhile. Fails with
+         * `Place` at a place outside the model's range.
          */
     @Throws(MagcompException::class) fun `geomagneticField`(`latitudeDeg`: kotlin.Double, `longitudeDeg`: kotlin.Double, `heightM`: kotlin.Double, `unixTimeMs`: kotlin.Long): GeomagneticField {
             return FfiConverterTypeGeomagneticField.lift(

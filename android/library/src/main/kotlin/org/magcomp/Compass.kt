@@ -1,11 +1,13 @@
 package org.magcomp
 
 import android.content.Context
+import android.location.Location
 import java.util.concurrent.Executor
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.update
@@ -34,8 +36,16 @@ public class Compass @JvmOverloads constructor(
     graceMs: Long = 5000,
     private val dispatcher: CoroutineDispatcher = Dispatchers.Default,
 ) : AutoCloseable {
-    /** The phone's sensors at 100 Hz, the calibration kept in the app's preferences. */
-    public constructor(context: Context) : this(SensorManagerSource(context), Config(), PreferencesStore(context))
+    /**
+     * The phone's sensors, the calibration kept in the app's preferences ([PreferencesStore]).
+     *
+     * @param context any of the app; it is not kept, only that of its application
+     * @param options how the sensors are asked; left out: at 100 Hz
+     * @param config as above
+     */
+    @JvmOverloads
+    public constructor(context: Context, options: SensorOptions = SensorOptions(), config: Config = Config()) :
+        this(SensorManagerSource(context, options), config, PreferencesStore(context))
 
     init {
         require(graceMs >= 0) { "graceMs is $graceMs, expected 0 or above" }
@@ -96,6 +106,25 @@ public class Compass @JvmOverloads constructor(
      */
     public fun readings(): Flow<CompensatedReading> = shared.collected()
 
+    /**
+     * Where the phone is, for a true heading: sets [declinationDeg] by [geomagneticField]. The place needs a location permission, the
+     * sensors need none. A date outside the model's years is no error, nor is a height that can't be; a place without a date is of now.
+     *
+     * @throws MagcompException.Place when its latitude or longitude is out of range; the declination stays as it was then
+     */
+    @Throws(MagcompException::class)
+    public fun setPlace(place: Location) {
+        val heightM = if (place.hasAltitude() && place.altitude in LOWEST_M..HIGHEST_M) place.altitude else 0.0
+        val timeMs = place.time.takeIf { it > 0 } ?: (1000 * unixTimeS())
+        declinationDeg = geomagneticField(place.latitude, place.longitude, heightM, timeMs).declinationDeg
+    }
+
+    /**
+     * The phone's sensors that are used, also while none of them delivers anything ([UsedSensor.isSilent]); null before the first
+     * collector has come, and where the source knows no sensors.
+     */
+    public val sensors: StateFlow<SensorsInUse?> get() = source.sensors ?: NO_SENSORS
+
     /** Seconds since 1970, for the date of what is kept. */
     internal var unixTimeS: () -> Long = ::systemUnixTimeS
 
@@ -131,6 +160,14 @@ public class Compass @JvmOverloads constructor(
             kept?.close()
             kept = null
         }
+    }
+
+    private companion object {
+        val NO_SENSORS: StateFlow<SensorsInUse?> = MutableStateFlow(null)
+
+        // what the model serves
+        const val LOWEST_M = -1000.0
+        const val HIGHEST_M = 850_000.0
     }
 }
 

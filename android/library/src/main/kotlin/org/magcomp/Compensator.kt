@@ -109,7 +109,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
             values[3 * k + 1] = value.y
             values[3 * k + 2] = value.z
         }
-        val slots = FastPath.slots()
+        val slots = FastPath.slots
         val out = DoubleArray(slots * answered.size)
         check(FastPath.pushBatch(handle, kinds, times, values, out))
         return answered.mapIndexed { k, timeNs -> ReadingBuffer.reading(out, k * slots, timeNs) }
@@ -125,7 +125,11 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /** Hard iron, soft iron and field strength in force, if any. */
     @Throws(MagcompException::class)
-    public fun calibration(): Calibration? = unlessClosed { native.calibration() }
+    public fun calibration(): Calibration? {
+        val v = DoubleArray(FastPath.CALIBRATION)
+        if (check(FastPath.calibration(handle, v)) == 0) return null
+        return Calibration(SoftIron(v[0], v[1], v[2], v[3], v[4], v[5]), Vector3(v[6], v[7], v[8]), v[9])
+    }
 
     /**
      * From now on this calibration is in force, until something better is learned. The stream goes on.
@@ -146,7 +150,14 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * @param unixTimeS now, seconds since 1970
      */
     @Throws(MagcompException::class)
-    public fun keep(unixTimeS: Long): String? = unlessClosed { native.keep(unixTimeS) }
+    public fun keep(unixTimeS: Long): String? {
+        var text = ByteArray(USUAL_LENGTH)
+        while (true) {
+            val length = check(FastPath.keep(handle, unixTimeS, text))
+            if (length <= text.size) return if (length == 0) null else String(text, 0, length, Charsets.US_ASCII)
+            text = ByteArray(length)
+        }
+    }
 
     /**
      * From now on the calibration of a text of [keep] is in force, until something better is learned. The stream, the config and the
@@ -188,7 +199,14 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /** Which directions were seen, for guidance. */
     @Throws(MagcompException::class)
-    public fun coverage(): Coverage = unlessClosed { native.coverage() }
+    public fun coverage(): Coverage {
+        val out = DoubleArray(FastPath.COVERAGE)
+        val count = coverage(out)
+        return Coverage(out[0], List(count) { Vector3(out[1 + 3 * it], out[2 + 3 * it], out[3 + 3 * it]) })
+    }
+
+    /** The same as numbers: the share, then three for each direction, which it counts. */
+    internal fun coverage(out: DoubleArray): Int = check(FastPath.coverage(handle, out))
 
     /**
      * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
@@ -217,5 +235,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     private companion object {
         val NOT_REPORTED = Vector3(Double.NaN, Double.NaN, Double.NaN)
+
+        /** A kept text is about half as long; a longer one is asked for twice. */
+        const val USUAL_LENGTH = 4096
     }
 }

@@ -30,6 +30,7 @@ internal class Estimation(
     /** What the store keeps, and the time of the sample it was saved at. */
     private var saved: Correction? = null
     private var savedNs: Long? = null
+    private val coverage = DoubleArray(FastPath.COVERAGE)
     private var unseen = emptyList<Vector3>()
     private var lookedNs: Long? = null
     private var latestNs: Long? = null
@@ -131,9 +132,17 @@ internal class Estimation(
         val looked = lookedNs
         if (looked == null || apart(timeNs, looked) >= LOOK_EVERY_NS) {
             lookedNs = timeNs
-            unseen = compensator.coverage().unseenDirections
+            unseen = unseenNow()
             if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && save()) savedNs = timeNs
         }
+    }
+
+    /** The list of before where it is the same, as it is nearly always. */
+    private fun unseenNow(): List<Vector3> {
+        val count = compensator.coverage(coverage)
+        var isSame = count == unseen.size
+        for (k in 0 until count) isSame = isSame && with(unseen[k]) { x == coverage[1 + 3 * k] && y == coverage[2 + 3 * k] && z == coverage[3 + 3 * k] }
+        return if (isSame) unseen else List(count) { Vector3(coverage[1 + 3 * it], coverage[2 + 3 * it], coverage[3 + 3 * it]) }
     }
 
     /** Nanoseconds between two times; the clock may have begun anew between them, so either may be the later. */

@@ -3,6 +3,7 @@ package org.magcomp
 /**
  * The JNI functions of `rust/magcomp-ffi/src/fast.rs`: primitives in, a caller-owned array out. Each answers a number,
  * below 0 an error. A handle whose object is gone answers [CLOSED]: it is a number, not a pointer.
+ * Only [Compensator] makes handles, so the library is there where one is.
  */
 internal object FastPath {
     const val CLOSED: Int = -1
@@ -14,13 +15,13 @@ internal object FastPath {
     const val ROTATION_RATE: Byte = 1
     const val UP: Byte = 2
 
-    init {
-        // JNA's own loading of the library does not register these
-        NativeLibrary.check()
-    }
+    // not in an initializer: what that throws is an Error of Java, and another one the second time
+
+    /** Doubles in a reading; the first call of all who have no handle. */
+    val slots: Int get() = NativeLibrary.check().let { slots() }
 
     @JvmStatic
-    external fun slots(): Int
+    private external fun slots(): Int
 
     @JvmStatic
     external fun push(
@@ -49,4 +50,19 @@ internal object FastPath {
         values: DoubleArray,
         out: DoubleArray,
     ): Int
+
+    @JvmStatic
+    external fun calibration(handle: Long, out: DoubleArray): Int
+
+    @JvmStatic
+    external fun coverage(handle: Long, out: DoubleArray): Int
+
+    @JvmStatic
+    external fun keep(handle: Long, unixTimeS: Long, out: ByteArray): Int
+
+    /** Doubles of a calibration. */
+    const val CALIBRATION: Int = 10
+
+    /** Doubles of a coverage, when none of the 48 cells of the sphere was seen. */
+    const val COVERAGE: Int = 1 + 3 * 48
 }

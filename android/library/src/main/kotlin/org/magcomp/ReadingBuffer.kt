@@ -7,7 +7,7 @@ package org.magcomp
  * not thread-safe: give every thread its own.
  */
 public class ReadingBuffer {
-    internal val slots: DoubleArray = DoubleArray(FastPath.slots())
+    internal val slots: DoubleArray = DoubleArray(FastPath.slots)
 
     /** Time of the sample, nanoseconds. */
     public var timeNs: Long = 0

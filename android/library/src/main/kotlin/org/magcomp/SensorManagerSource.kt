@@ -10,8 +10,10 @@ import android.os.Build
 import android.os.Handler
 import android.os.HandlerThread
 import android.os.SystemClock
+import java.util.concurrent.atomic.AtomicIntegerArray
 import kotlinx.coroutines.channels.Channel
 import kotlinx.coroutines.channels.awaitClose
+import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.StateFlow
@@ -19,6 +21,7 @@ import kotlinx.coroutines.flow.asStateFlow
 import kotlinx.coroutines.flow.buffer
 import kotlinx.coroutines.flow.callbackFlow
 import kotlinx.coroutines.flow.update
+import kotlinx.coroutines.launch
 
 /**
  * How the phone's sensors are asked.
@@ -53,12 +56,14 @@ public data class SensorOptions @JvmOverloads constructor(
  *
  * Every collector of [samples] has its own thread and its own listener, which end with it. Collecting fails with
  * [SensorException] when a sensor or a permission is missing or the system refuses. Without a gyroscope it goes on, and
- * [sensors] says why. Events arrive in the order of their times ([SensorOptions.holdS]).
+ * [sensors] says why. Events arrive in the order of their times ([SensorOptions.holdS]). A sensor that is registered and delivers
+ * nothing is told in [UsedSensor.isSilent]; where gravity alone is silent, the accelerometer takes its place.
  */
 public class SensorManagerSource internal constructor(
     private val manager: SensorManager,
     private val options: SensorOptions,
     private val continuousNs: () -> Long,
+    private val silenceMs: Long = SILENCE_MS,
     private val above200Hz: () -> Boolean,
 ) : MagneticFieldSource {
 
@@ -69,7 +74,7 @@ public class SensorManagerSource internal constructor(
         applicationOf(context).getSystemService(Context.SENSOR_SERVICE) as SensorManager,
         options,
         SystemClock::elapsedRealtimeNanos,
-        mayExceed200Hz(applicationOf(context)),
+        above200Hz = mayExceed200Hz(applicationOf(context)),
     )
 
     private val inUse = MutableStateFlow<SensorsInUse?>(null)
@@ -109,6 +114,15 @@ public class SensorManagerSource internal constructor(
             } catch (e: SensorException.Refused) {
                 inUse.update { it?.copy(gyroscope = null, withoutGyroscope = e.message) }
             }
+            launch {
+                val silences = Silences(listener)
+                while (true) {
+                    // this clock stands while the phone sleeps
+                    delay((silenceMs + options.maxReportLatencyUs / 1000 + 1000 / options.rateHz) / LOOKS)
+                    silences.look()
+                    replaceGravity(listener, thread.handler)
+                }
+            }
             awaitClose()
         } finally {
             manager.unregisterListener(listener)
@@ -137,13 +151,53 @@ public class SensorManagerSource internal constructor(
         if (!accepted) throw SensorException.Refused(nameOf(sensor.type))
     }
 
+    /** The accelerometer for gravity where that is silent and another sensor is not; all are while the app is in the background. */
+    private fun replaceGravity(listener: Listener, handler: Handler) {
+        val now = inUse.value ?: return
+        val gravity = now.up?.takeIf { it.type == Sensor.TYPE_GRAVITY && it.isSilent } ?: return
+        if (now.magnetometer.isSilent && now.gyroscope?.isSilent != false) return
+        val accelerometer = manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER) ?: return
+        try {
+            register(listener, accelerometer, handler)
+        } catch (_: SensorException) {
+            // gravity stays, and what is told of it
+            return
+        }
+        manager.unregisterListener(listener, manager.getDefaultSensor(gravity.type))
+        inUse.update { it?.copy(up = used(accelerometer)) }
+    }
+
+    /** Which sensors have delivered nothing at so many looks in a row. */
+    private inner class Silences(private val listener: Listener) {
+        private val heard = IntArray(TYPES)
+        private val looks = IntArray(TYPES)
+
+        fun look() {
+            val used = inUse.value?.run { setOf(magnetometer.type, up?.type, gyroscope?.type) }.orEmpty()
+            for (type in 0 until TYPES) {
+                val events = listener.events.get(type)
+                looks[type] = if (type in used && events == heard[type]) looks[type] + 1 else 0
+                heard[type] = events
+            }
+            fun UsedSensor.told() = if (isSilent == (looks[type] >= LOOKS)) this else copy(isSilent = !isSilent)
+            inUse.update { now ->
+                now?.copy(magnetometer = now.magnetometer.told(), up = now.up?.told(), gyroscope = now.gyroscope?.told())
+            }
+        }
+    }
+
     private fun used(sensor: Sensor) =
         UsedSensor(sensor.type, sensor.name.orEmpty(), sensor.vendor.orEmpty(), SensorAccuracy.UNKNOWN)
 
     /** Copies an event at once: Android uses it again for the next. */
     private inner class Listener(private val queue: EventQueue, private val out: (SensorSample) -> Unit) : SensorEventListener {
+        /** How many of each type came so far. */
+        val events = AtomicIntegerArray(TYPES)
+
         override fun onSensorChanged(event: SensorEvent) {
             val v = event.values
+            // an exception here would end the app; so it counts as none, and its sensor as silent
+            if (v.size < 3) return
             val xyz = vector(v, 0)
             val sample = when (event.sensor.type) {
                 Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED -> {
@@ -156,6 +210,7 @@ public class SensorManagerSource internal constructor(
                 Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> SensorSample.Up(UpSample(event.timestamp, xyz))
                 else -> return
             }
+            events.incrementAndGet(event.sensor.type)
             if (sample is SensorSample.Magnetic) sleep.see(sample.timeNs, continuousNs())
             queue.push(sample, out)
         }
@@ -181,6 +236,13 @@ public class SensorManagerSource internal constructor(
     }
 
     private companion object {
+        const val SILENCE_MS = 2000L
+
+        /** As often it is looked within that time. */
+        const val LOOKS = 4
+
+        /** Android's types that are used are all less. */
+        const val TYPES = Sensor.TYPE_GYROSCOPE_UNCALIBRATED
         val NO_BIAS = Vector3(0.0, 0.0, 0.0)
         // one that is less can't measure the Earth's field beside a phone's own
         const val LEAST_FULL_SCALE_UT = 100.0

@@ -116,7 +116,7 @@ class BorderTest {
             held.map { Status.Held(it) } +
             Status.Disturbed(Long.MIN_VALUE + 1) +
             rejected.map { Status.Rejected(it) }
-        val slots = DoubleArray(FastPath.slots())
+        val slots = DoubleArray(FastPath.slots)
         assertEquals(expected.size, TestHooks.exampleStatus(-1, slots))
         for ((index, status) in expected.withIndex()) {
             TestHooks.exampleStatus(index, slots)

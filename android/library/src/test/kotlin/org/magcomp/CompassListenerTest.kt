@@ -165,6 +165,19 @@ class CompassListenerTest {
     }
 
     @Test
+    fun `what waits on the executor when it is closed is not called any more`() {
+        val waiting = LinkedBlockingQueue<Runnable>()
+        for (played in listOf(events.asFlow(), emptyList<SensorSample>().asFlow())) {
+            val listening = Listening()
+            val running = Compass(Played(played)).start({ waiting.add(it) }, listening)
+            val call = waiting.poll(60, TimeUnit.SECONDS)!!
+            running.close()
+            call.run()
+            assertEquals(Pair(0, 0), Pair(listening.readings.get(), listening.ends.get()))
+        }
+    }
+
+    @Test
     fun `an executor that was shut down, before or meanwhile`() {
         class Told : CompassListener {
             val ended = CompletableFuture<Exception?>()

@@ -38,8 +38,8 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     var forbid = false
 
     /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
-    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true) =
-        SensorManagerSource(this, options, { continuousNs }) { permitted }
+    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, silenceMs: Long = 3_600_000) =
+        SensorManagerSource(this, options, { continuousNs }, silenceMs) { permitted }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {
@@ -61,6 +61,13 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
             is SensorSample.Magnetic -> to(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, event.sample.fieldUt, event.sample.reportedHardIronUt)
             is SensorSample.RotationRate -> to(Sensor.TYPE_GYROSCOPE, event.sample.rateRadS)
             is SensorSample.Up -> to(Sensor.TYPE_GRAVITY, event.sample.upMS2)
+        }
+    }
+
+    /** Delivers an event of a length of its own. */
+    fun deliver(type: Int, values: FloatArray) {
+        for (registration in registrations) {
+            if (registration.sensor.type == type) registration.listener.onSensorChanged(SensorEvent(registration.sensor, 0, 1, values))
         }
     }
 
@@ -87,6 +94,8 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
         check(registrations.distinctBy { it.listener }.size < LISTENER_LIMIT) {
             "register failed, the sensor listeners size has exceeded the maximum limit $LISTENER_LIMIT"
         }
+        // without one the events would come on the main thread
+        check(listener is Silent || handler?.looper in HandlerThread.LOOPERS) { "registered for another thread than a running one of its own" }
         if (forbid) throw SecurityException("the permission is missing")
         if (sensor.type == refuse) return false
         registrations += Registration(listener, sensor, delayUs, maxReportLatencyUs)

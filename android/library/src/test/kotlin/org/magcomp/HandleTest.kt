@@ -22,6 +22,7 @@ class HandleTest {
             { compensator.pushAll(events(values)) },
             { compensator.calibration() },
             { compensator.keep(NOW_S) },
+            { compensator.coverage() },
             { compensator.reset() },
             { compensator.adoptKept("", NOW_S) },
             { compensator.pushGap(1.0) },
@@ -42,6 +43,7 @@ class HandleTest {
                 { compensator.pushAll(events(values)) },
                 { compensator.calibration() },
                 { compensator.keep(NOW_S) },
+                { compensator.coverage() },
             )
             for (call in calls) assertEquals("on purpose", assertThrows(MagcompException.Panicked::class.java) { call() }.what)
             compensator.reset()
@@ -65,7 +67,7 @@ class HandleTest {
         val native = NativeCompensator(Config())
         val handle = native.fastHandle()
         assertEquals(FastPath.PANICKED, TestHooks.panicOnPurpose(handle))
-        val out = DoubleArray(FastPath.slots())
+        val out = DoubleArray(FastPath.slots)
         assertEquals(FastPath.PANICKED, FastPath.pushUp(handle, 1, 0.0, 0.0, 9.8))
         assertEquals(FastPath.PANICKED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
         val error = assertThrows(MagcompException.Panicked::class.java) { native.calibration() }
@@ -81,7 +83,7 @@ class HandleTest {
 
     @Test
     fun `invented handles and short arrays do no harm`() {
-        val out = DoubleArray(FastPath.slots())
+        val out = DoubleArray(FastPath.slots)
         for (handle in listOf(0L, -1L, Long.MAX_VALUE, Long.MIN_VALUE, 1L shl 32 or 0xffff)) {
             assertEquals(FastPath.CLOSED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
         }
@@ -92,6 +94,48 @@ class HandleTest {
             assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), LongArray(1), DoubleArray(6), out))
             assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), longArrayOf(1, 2), DoubleArray(6), out))
             assertEquals(FastPath.NO_SUCH_KIND, FastPath.pushBatch(handle, byteArrayOf(9), LongArray(1), DoubleArray(3), out))
+        }
+    }
+
+    @Test
+    fun `what the fast path tells of a compensator is what uniffi tells`() {
+        Compensator().use { nothing ->
+            assertEquals(null, nothing.calibration())
+            assertEquals(null, nothing.keep(NOW_S))
+            assertEquals(48, nothing.coverage().unseenDirections.size)
+        }
+        NativeCompensator(Config()).use { native ->
+            val (handle, out) = Pair(native.fastHandle(), DoubleArray(FastPath.slots))
+            for (event in events(values)) {
+                when (event) {
+                    is SensorSample.Magnetic -> with(event.sample.fieldUt) { FastPath.push(handle, event.timeNs, x, y, z, 0.0, 0.0, 0.0, out) }
+                    is SensorSample.Up -> with(event.sample.upMS2) { FastPath.pushUp(handle, event.timeNs, x, y, z) }
+                    is SensorSample.RotationRate -> error("none is played")
+                }
+            }
+            Compensator().use { compensator ->
+                for (event in events(values)) {
+                    when (event) {
+                        is SensorSample.Magnetic -> with(event.sample) { compensator.push(copy(reportedHardIronUt = Vector3(0.0, 0.0, 0.0))) }
+                        is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }
+                        is SensorSample.RotationRate -> error("none is played")
+                    }
+                }
+                assertEquals(native.coverage(), compensator.coverage())
+                assertTrue(compensator.coverage().unseenDirections.size in 1..47, "${compensator.coverage()}")
+                assertEquals(native.calibration()!!, compensator.calibration())
+                assertEquals(native.keep(NOW_S)!!, compensator.keep(NOW_S))
+            }
+            // too short: as long as it would be, and nothing written
+            val (short, text) = Pair(ByteArray(10), native.keep(NOW_S)!!)
+            assertEquals(text.length, FastPath.keep(handle, NOW_S, short))
+            assertEquals(List(10) { 0.toByte() }, short.toList())
+            assertEquals(text.length, FastPath.keep(handle, NOW_S, ByteArray(text.length)))
+            assertThrows(IndexOutOfBoundsException::class.java) { FastPath.calibration(handle, DoubleArray(9)) }
+            assertThrows(IndexOutOfBoundsException::class.java) { FastPath.coverage(handle, DoubleArray(1)) }
+        }
+        for (call in listOf(FastPath.calibration(-1, DoubleArray(10)), FastPath.coverage(-1, DoubleArray(145)), FastPath.keep(-1, 1, ByteArray(1)))) {
+            assertEquals(FastPath.CLOSED, call)
         }
     }
 

@@ -8,6 +8,7 @@ import kotlin.concurrent.thread
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
+import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
@@ -327,6 +328,132 @@ class SensorManagerSourceTest {
         assertTrue(before.fieldSigmaUt!! < 6.0, "$before")
         assertTrue((after.fieldSigmaUt ?: 1e9) > 2 * before.fieldSigmaUt!!, "${before.fieldSigmaUt}, then ${after.fieldSigmaUt}")
         app.cancelAndJoin()
+    }
+
+    @Test
+    fun `each accuracy of the system has its name`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source()
+        val collecting = launch { source.samples().collect { } }
+        registered(sensors, 3)
+        val expected = listOf(
+            SensorManager.SENSOR_STATUS_NO_CONTACT to SensorAccuracy.NO_CONTACT,
+            SensorManager.SENSOR_STATUS_UNRELIABLE to SensorAccuracy.UNRELIABLE,
+            SensorManager.SENSOR_STATUS_ACCURACY_LOW to SensorAccuracy.LOW,
+            SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM to SensorAccuracy.MEDIUM,
+            SensorManager.SENSOR_STATUS_ACCURACY_HIGH to SensorAccuracy.HIGH,
+            99 to SensorAccuracy.UNKNOWN,
+        )
+        for ((android, ours) in expected) {
+            sensors.tell(Sensor.TYPE_GRAVITY, android)
+            assertEquals(ours, source.sensors.value!!.up!!.accuracy)
+            assertEquals(SensorAccuracy.UNKNOWN, source.sensors.value!!.magnetometer.accuracy, "of that sensor alone")
+        }
+        collecting.cancelAndJoin()
+    }
+
+    @Test
+    fun `without up no sensor of it is used, nor missed`() = runBlocking {
+        for (types in listOf(all, intArrayOf(Sensor.TYPE_MAGNETIC_FIELD))) {
+            val sensors = FakeSensorManager(*types)
+            val source = sensors.source(SensorOptions(up = false, gyroscope = false, holdS = 0.0))
+            val collecting = launch { source.samples().collect { } }
+            registered(sensors, 1)
+            assertEquals(listOf(types[0]), sensors.registrations.map { it.sensor.type })
+            assertEquals(null, source.sensors.value!!.up)
+            collecting.cancelAndJoin()
+        }
+    }
+
+    @Test
+    fun `an event of less than three numbers is none`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val samples = collectWhile(sensors, sensors.source(), 2) {
+            for (length in 0..2) for (type in all) sensors.deliver(type, FloatArray(length))
+            // of six the last three are the system's hard iron; of four or five nothing is
+            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, floatArrayOf(1f, 2f, 3f, 4f, 5f))
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, floatArrayOf(1f, 2f, 3f, 4f, 5f))
+        }
+        val (x, y, z) = listOf(1.0, 2.0, 3.0)
+        val expected = listOf(
+            SensorSample.Magnetic(MagneticSample(1, Vector3(x, y, z), null)),
+            SensorSample.RotationRate(RotationRateSample(1, Vector3(x, y, z))),
+        )
+        assertEquals(expected, samples)
+    }
+
+    /** Delivers of these types again and again, until [until]. */
+    private suspend fun playUntil(sensors: FakeSensorManager, vararg types: Int, until: () -> Boolean) = withTimeout(20_000) {
+        while (!until()) {
+            for (type in types) sensors.deliver(type, 1, 1f, 2f, 3f)
+            delay(1)
+        }
+    }
+
+    @Test
+    fun `a sensor that is registered but silent is told, and when it speaks`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source(silenceMs = 100)
+        val compass = Compass(source, graceMs = 0)
+        val collecting = launch { compass.readings().collect { } }
+        fun silent() = compass.sensors.value?.run { listOf(magnetometer.isSilent, up!!.isSilent, gyroscope!!.isSilent) }
+        registered(sensors, 3)
+        assertEquals(listOf(false, false, false), silent(), "not at once")
+        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE) { silent() == listOf(true, false, false) }
+        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { silent() == listOf(false, false, true) }
+        // none at all, as in the background: gravity stays
+        withTimeout(20_000) { while (silent() != listOf(true, true, true)) delay(1) }
+        delay(200)
+        assertEquals(Sensor.TYPE_GRAVITY, compass.sensors.value!!.up!!.type)
+        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { silent() == listOf(false, false, false) }
+        collecting.cancelAndJoin()
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `of latency and rate a sensor may be silent as long`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source(SensorOptions(rateHz = 1, maxReportLatencyUs = 2_000_000_000, holdS = 0.0), silenceMs = 4)
+        val collecting = launch { source.samples().collect { } }
+        registered(sensors, 3)
+        delay(100)
+        assertEquals(false, source.sensors.value!!.magnetometer.isSilent)
+        collecting.cancelAndJoin()
+    }
+
+    @Test
+    fun `the accelerometer takes the place of a gravity that alone is silent, also one that sends nonsense`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source(silenceMs = 100)
+        val ups = CopyOnWriteArrayList<SensorSample>()
+        val collecting = launch(Dispatchers.Default) { source.samples().collect { if (it is SensorSample.Up) ups += it } }
+        registered(sensors, 3)
+        playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) {
+            sensors.deliver(Sensor.TYPE_GRAVITY, FloatArray(1))
+            source.sensors.value!!.up!!.type == Sensor.TYPE_ACCELEROMETER
+        }
+        val types = setOf(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_ACCELEROMETER, Sensor.TYPE_GYROSCOPE)
+        withTimeout(20_000) { while (sensors.registrations.map { it.sensor.type }.toSet() != types) delay(1) }
+        playUntil(sensors, Sensor.TYPE_ACCELEROMETER) { ups.isNotEmpty() }
+        assertEquals(false, source.sensors.value!!.up!!.isSilent)
+        collecting.cancelAndJoin()
+        assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `gravity stays where no accelerometer is, or the system refuses it`() = runBlocking {
+        for (refuse in listOf(null, Sensor.TYPE_ACCELEROMETER)) {
+            val types = if (refuse == null) all.filter { it != Sensor.TYPE_ACCELEROMETER }.toIntArray() else all
+            val sensors = FakeSensorManager(*types).apply { this.refuse = refuse }
+            val source = sensors.source(silenceMs = 40)
+            val collecting = launch { source.samples().collect { } }
+            registered(sensors, 3)
+            playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { source.sensors.value!!.up!!.isSilent }
+            repeat(50) { playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { true }; delay(2) }
+            assertEquals(Sensor.TYPE_GRAVITY, source.sensors.value!!.up!!.type)
+            assertEquals(3, sensors.registrations.size)
+            collecting.cancelAndJoin()
+        }
     }
 
     /** The first [count] samples while [play] runs, once the sensors are registered. */

@@ -4,9 +4,12 @@ import android.hardware.Sensor
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.Executors
 import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.NonCancellable
 import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.async
+import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
@@ -15,6 +18,7 @@ import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withContext
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
 import org.junit.jupiter.api.AfterEach
@@ -292,6 +296,55 @@ class SharedCompassTest {
         }
         // nobody ever collected
         Compass(sensors.source()).close()
+    }
+
+    /** Knows how many of its runs are under way, and takes its time to end one. */
+    private class Slow(private val error: Throwable? = null) : MagneticFieldSource {
+        private val running = AtomicInteger()
+        val most = AtomicInteger()
+        val ends = AtomicInteger()
+
+        override fun samples() = flow {
+            running.incrementAndGet().let { now -> most.updateAndGet { maxOf(it, now) } }
+            try {
+                events(tumbling(2)).forEach { emit(it) }
+                error?.let { throw it }
+                awaitCancellation()
+            } finally {
+                withContext(NonCancellable) { delay(20) }
+                running.decrementAndGet()
+                ends.incrementAndGet()
+            }
+        }
+    }
+
+    @Test
+    fun `a run begins only after the one before has ended`() = runBlocking {
+        for (graceMs in listOf(0L, 1L)) {
+            val slow = Slow()
+            val compass = Compass(slow, graceMs = graceMs)
+            val screens = List(20) { k ->
+                launch(Dispatchers.Default) {
+                    delay(7L * k)
+                    compass.readings().first()
+                }
+            }
+            withTimeout(20_000) { screens.forEach { it.join() } }
+            withTimeout(20_000) { while (slow.ends.get() == 0) yield() }
+            assertEquals(1, slow.most.get())
+        }
+    }
+
+    @Test
+    fun `an estimator with a defect is closed, and another begins`() = runBlocking {
+        val defect = MagcompException.Panicked("of a test")
+        val compass = Compass(Slow(defect), graceMs = 0)
+        val broken = CompletableDeferred<Estimation>()
+        val error = runCatching { compass.readings().collect { broken.complete(compass.kept!!) } }.exceptionOrNull()
+        assertEquals("of a test", (error as MagcompException.Panicked).what)
+        val estimation = broken.await()
+        assertThrows(MagcompException.Closed::class.java) { estimation.compensator.calibration() }
+        assertTrue(compass.readings().first().reading.status is Status.Collecting)
     }
 
     private suspend fun registered(count: Int) = withTimeout(20_000) { while (sensors.registrations.size < count) yield() }

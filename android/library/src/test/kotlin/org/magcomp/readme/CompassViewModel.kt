@@ -8,7 +8,6 @@ import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
-import org.magcomp.geomagneticField
 import org.magcomp.screenRotation
 import org.magcomp.text
 
@@ -22,10 +21,7 @@ class CompassViewModel(app: Application) : AndroidViewModel(app) {
     }.catch { emit(it.message ?: "$it") } // no magnetometer, for instance
 
     /** For `heading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
-    fun at(place: Location) {
-        val field = geomagneticField(place.latitude, place.longitude, place.altitude, place.time)
-        compass.declinationDeg = field.declinationDeg
-    }
+    fun at(place: Location) = compass.setPlace(place)
 
     /** Wherever the screen turned (`DisplayListener`): upside down restarts no activity. */
     fun turned(display: Display) {

@@ -13,7 +13,10 @@ public class NativeLibraryException(cause: Throwable) :
         cause,
     )
 
-/** The native library, loaded once: over JNI for [FastPath], and over JNA for the generated code. */
+/**
+ * The native library, loaded once: over JNI for `FastPath`, and over JNA for the generated code, each of whose calls asks here first
+ * (`bindings/kotlin.pl`). So both reach one copy of it, whatever an app calls first.
+ */
 internal object NativeLibrary {
     private const val NAME = "magcomp_ffi"
     private val failure: LinkageError? = load()
