@@ -39,12 +39,12 @@ private class Ink(isDark: Boolean) {
     val banner = if (isDark) Color(0xff6b4300) else Color(0xffffe0a8)
 }
 
-/** The screen of a state; [letters] are those of north, east, south and west. It decides nothing. */
+/** The screen of a state; [letters] are those of north, east, south and west, [insets] keep clear of the system's bars. It decides nothing. */
 @Composable
-fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = isSystemInDarkTheme()) {
+fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = isSystemInDarkTheme(), insets: Modifier = Modifier) {
     val ink = Ink(isDark)
     Column(
-        Modifier.fillMaxSize().background(ink.paper).verticalScroll(rememberScrollState()).padding(24.dp),
+        Modifier.fillMaxSize().background(ink.paper).then(insets).verticalScroll(rememberScrollState()).padding(24.dp),
         verticalArrangement = Arrangement.spacedBy(8.dp),
         horizontalAlignment = Alignment.CenterHorizontally,
     ) {
@@ -65,7 +65,11 @@ private fun Words(text: String, ink: Ink, modifier: Modifier = Modifier, size: T
 @Composable
 private fun Rose(state: ScreenState, letters: List<String>, ink: Ink) {
     Box(Modifier.size(260.dp).clearAndSetSemantics { contentDescription = state.spoken }) {
-        Canvas(Modifier.fillMaxSize()) { drawCircle(ink.faint, style = Stroke(2.dp.toPx())) }
+        Canvas(Modifier.fillMaxSize()) {
+            drawCircle(ink.faint, style = Stroke(2.dp.toPx()))
+            // the lubber line: where the phone points, whatever the rose says
+            drawLine(ink.text, Offset(center.x, 0f), Offset(center.x, 8.dp.toPx()), 3.dp.toPx())
+        }
         val roseDeg = state.roseDeg ?: return@Box
         Box(Modifier.fillMaxSize().rotate(-roseDeg.toFloat())) {
             Canvas(Modifier.fillMaxSize()) {

@@ -4,13 +4,16 @@ import android.content.res.Resources
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.catch
+import kotlinx.coroutines.flow.channelFlow
 import kotlinx.coroutines.flow.conflate
 import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onCompletion
+import kotlinx.coroutines.launch
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
 import org.magcomp.HeadingSmoother
 import org.magcomp.MagcompException
+import org.magcomp.ScreenRotation
 import org.magcomp.SensorException
 import org.magcomp.Status
 import org.magcomp.Vector3
@@ -36,7 +39,7 @@ data class ScreenState(
     /** What to do for a better heading. */
     val guidance: String? = null,
     val seen: String = "",
-    /** Where the field has not pointed yet, where it points now, and which of the former is nearest: unit vectors in the device frame. */
+    /** Where the field has not pointed yet, where it points now, and which of the former is nearest: unit vectors, x to the right of the screen. */
     val unseen: List<Vector3> = emptyList(),
     val pointing: Vector3? = null,
     val next: Vector3? = null,
@@ -49,20 +52,29 @@ class ScreenModel(private val resources: Resources) {
     private val smoother = HeadingSmoother(halfLifeS = 0.1)
 
     /** A state for every reading that a screen can follow; an error is the last one. [systemDeg] is the system's own heading. */
-    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> = compass.readings().conflate()
-        .map { show(it, systemDeg.value) }
-        .onCompletion { error -> if (error == null) emit(explain(null)) }
-        .catch { emit(explain(it)) }
+    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> = channelFlow {
+        // without a magnetometer's events there is no reading that could say so
+        val silence = launch {
+            compass.sensors.collect { if (it?.magnetometer?.isSilent == true) send(ScreenState(heading = say(R.string.no_heading), status = say(R.string.silent))) }
+        }
+        compass.readings().conflate()
+            .map { show(it, systemDeg.value, compass.screenRotation) }
+            .onCompletion { error -> if (error == null) emit(explain(null)) }
+            .catch { emit(explain(it)) }
+            .collect(::send)
+        silence.cancel()
+    }
 
-    fun show(answer: CompensatedReading, systemDeg: Double?): ScreenState {
+    fun show(answer: CompensatedReading, systemDeg: Double?, rotation: ScreenRotation = ScreenRotation.DEG0): ScreenState {
         val reading = answer.reading
         val heading = reading.heading
         val sigmaDeg = heading?.headingSigmaDeg ?: 180.0
         val roseDeg = smoother.push(reading.timeNs, heading?.headingDeg ?: Double.NaN)
         val guidance = reading.status.guidance(resources)
         val isDisturbed = reading.status is Status.Disturbed
-        val pointing = reading.fieldUt?.let { unit(it) }
-        val next = pointing?.let { now -> answer.unseenDirections.maxByOrNull { it.x * now.x + it.y * now.y + it.z * now.z } }
+        val pointing = reading.fieldUt?.let { unit(it) }?.on(rotation)
+        val unseen = answer.unseenDirections.map { it.on(rotation) }
+        val next = pointing?.let { now -> unseen.maxByOrNull { it.x * now.x + it.y * now.y + it.z * now.z } }
         return ScreenState(
             roseDeg = if (heading == null) null else roseDeg,
             sigmaDeg = sigmaDeg,
@@ -75,7 +87,7 @@ class ScreenModel(private val resources: Resources) {
             event = reading.event?.text(resources),
             guidance = guidance?.takeIf { !isDisturbed }?.let { if (next == null) it else say(R.string.next, it) },
             seen = say(R.string.seen, 100 * reading.coverage),
-            unseen = answer.unseenDirections,
+            unseen = unseen,
             pointing = pointing,
             next = next,
             spoken = heading.spoken(resources),
@@ -94,6 +106,14 @@ class ScreenModel(private val resources: Resources) {
     }
 
     private fun say(id: Int, vararg values: Any): String = resources.getString(id, *values)
+
+    /** From the device's frame to that of the screen as it is turned. */
+    private fun Vector3.on(rotation: ScreenRotation) = when (rotation) {
+        ScreenRotation.DEG0 -> this
+        ScreenRotation.DEG90 -> Vector3(-y, x, z)
+        ScreenRotation.DEG180 -> Vector3(-x, -y, z)
+        ScreenRotation.DEG270 -> Vector3(y, -x, z)
+    }
 
     private fun unit(v: Vector3): Vector3? {
         val length = Math.sqrt(v.x * v.x + v.y * v.y + v.z * v.z)

@@ -12,6 +12,7 @@ final class R {
         static int seen = 0x7f0f0006;
         static int next = 0x7f0f0007;
         static int over = 0x7f0f0008;
+        static int silent = 0x7f0f000d;
         static int north = 0x7f0f0009;
         static int east = 0x7f0f000a;
         static int south = 0x7f0f000b;

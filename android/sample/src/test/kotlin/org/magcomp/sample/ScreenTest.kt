@@ -1,18 +1,29 @@
 package org.magcomp.sample
 
 import android.content.res.Resources
+import android.view.Surface
 import androidx.compose.ui.ImageComposeScene
+import androidx.compose.ui.test.ExperimentalTestApi
+import androidx.compose.ui.test.onNodeWithContentDescription
+import androidx.compose.ui.test.onNodeWithText
+import androidx.compose.ui.test.runDesktopComposeUiTest
 import androidx.compose.ui.unit.Density
 import androidx.compose.ui.use
 import java.io.File
 import java.util.Locale
 import javax.imageio.ImageIO
 import javax.xml.parsers.DocumentBuilderFactory
+import kotlin.math.cos
+import kotlin.math.sin
+import kotlinx.coroutines.async
+import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.flowOf
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withTimeout
 import org.jetbrains.skia.EncodedImageFormat
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertNull
@@ -28,10 +39,15 @@ import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
 import org.magcomp.Missing
 import org.magcomp.Reading
+import org.magcomp.ScreenRotation
+import org.magcomp.SensorAccuracy
 import org.magcomp.SensorMode
 import org.magcomp.SensorSample
+import org.magcomp.SensorsInUse
 import org.magcomp.Status
+import org.magcomp.UsedSensor
 import org.magcomp.Vector3
+import org.magcomp.headingFrame
 import org.w3c.dom.Element
 import sun.misc.Unsafe
 
@@ -148,24 +164,124 @@ class ScreenTest {
         assertNull(headingDeg(matrix(0, 1, 0, 0, 0, 1, 1, 0, 0)))
     }
 
+    /** The device to east, north, up: lying flat, its top edge at an angle from north. */
+    private fun flat(topEdgeDeg: Double) = Math.toRadians(topEdgeDeg).let { a ->
+        floatArrayOf(cos(a).toFloat(), sin(a).toFloat(), 0f, -sin(a).toFloat(), cos(a).toFloat(), 0f, 0f, 0f, 1f)
+    }
+
+    @Test
+    fun `the system's heading and ours turn together with the screen`() {
+        val display = listOf(Surface.ROTATION_0, Surface.ROTATION_90, Surface.ROTATION_180, Surface.ROTATION_270)
+        for (topEdgeDeg in listOf(0.0, 30.0, 200.0)) {
+            // 20 uT to the north, 40 down, in the device
+            val a = Math.toRadians(topEdgeDeg)
+            val field = Vector3(-20 * sin(a), 20 * cos(a), -40.0)
+            for (rotation in display) {
+                val ours = org.magcomp.heading(field, Vector3(0.0, 0.0, 1.0), headingFrame(rotation))!!.headingDeg
+                val system = headingDeg(flat(topEdgeDeg), rotation)!!
+                assertEquals(0.0, Math.IEEEremainder(ours - system, 360.0), 1e-3, "$topEdgeDeg, $rotation")
+            }
+        }
+    }
+
+    @Test
+    fun `the sphere turns with the screen`() {
+        val up = answer(Status.Tracking).copy(unseenDirections = listOf(Vector3(1.0, 0.5, 0.2)))
+        fun on(rotation: ScreenRotation) = ScreenModel(resources).show(up, null, rotation).unseen.single()
+        // of a screen that is turned left by 90 degrees the device's right edge is the top
+        assertEquals(Vector3(1.0, 0.5, 0.2), on(ScreenRotation.DEG0))
+        assertEquals(Vector3(-0.5, 1.0, 0.2), on(ScreenRotation.DEG90))
+        assertEquals(Vector3(-1.0, -0.5, 0.2), on(ScreenRotation.DEG180))
+        assertEquals(Vector3(0.5, -1.0, 0.2), on(ScreenRotation.DEG270))
+        assertEquals(on(ScreenRotation.DEG90), ScreenModel(resources).show(up, null, ScreenRotation.DEG90).next)
+    }
+
+    @Test
+    fun `a magnetometer that is silent is said, though there is no reading`(): Unit = runBlocking {
+        val used = UsedSensor(14, "m", "v", SensorAccuracy.HIGH)
+        val told = MutableStateFlow<SensorsInUse?>(SensorsInUse(used, null, null, null))
+        val silent = object : MagneticFieldSource {
+            override fun samples() = flow<SensorSample> { awaitCancellation() }
+
+            override val sensors = told
+        }
+        val states = async { ScreenModel(resources).states(Compass(silent, graceMs = 0), MutableStateFlow(null)).first() }
+        told.value = SensorsInUse(used.copy(isSilent = true), null, null, null)
+        assertTrue("magnetometer is silent" in withTimeout(20_000) { states.await() }.status)
+    }
+
+    private val letters = listOf("N", "E", "S", "W")
+
+    private fun drawn(state: ScreenState, isDark: Boolean = false, letters: List<String> = this.letters) = ImageComposeScene(720, 1480, Density(2f)).use { scene ->
+        scene.setContent { CompassScreen(state, letters, isDark) }
+        scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
+    }
+
+    private fun image(png: ByteArray) = ImageIO.read(png.inputStream())
+
+    /** The middle of the pixels in which two pictures differ, from the middle of the rose: right and up, in its radii. */
+    private fun where(one: ScreenState, other: ScreenState, letters: List<String> = this.letters, otherLetters: List<String> = letters): Pair<Double, Double> {
+        val (a, b) = Pair(image(drawn(one, letters = letters)), image(drawn(other, letters = otherLetters)))
+        val at = (0 until a.height).flatMap { y -> (0 until a.width).filter { x -> a.getRGB(x, y) != b.getRGB(x, y) }.map { x -> Pair(x, y) } }
+        assertTrue(at.isNotEmpty(), "the same picture")
+        // the rose is the first thing: 260 dp below a margin of 24
+        return Pair((at.map { it.first }.average() - 360) / 260, -(at.map { it.second }.average() - 308) / 260)
+    }
+
+    @Test
+    fun `the rose turns against the heading, its letters clockwise`() {
+        for ((headingDeg, x, y) in listOf(Triple(0.0, 0.0, 0.9), Triple(90.0, -0.9, 0.0), Triple(180.0, 0.0, -0.9), Triple(270.0, 0.9, 0.0))) {
+            val state = ScreenState(roseDeg = headingDeg, sigmaDeg = 0.0)
+            val north = where(state, state, letters, listOf("", "E", "S", "W"))
+            assertEquals(x, north.first, 0.1, "N at $headingDeg")
+            assertEquals(y, north.second, 0.1, "N at $headingDeg")
+        }
+        val north = ScreenState(roseDeg = 0.0, sigmaDeg = 0.0)
+        assertEquals(0.9, where(north, north, letters, listOf("N", "", "S", "W")).first, 0.1, "E is to the right")
+        assertEquals(-0.9, where(north, north, letters, listOf("N", "E", "S", "")).first, 0.1, "W is to the left")
+        // the needle and its sector point to N
+        assertTrue(where(north, north.copy(sigmaDeg = 20.0)).second > 0.3)
+        assertTrue(where(north.copy(roseDeg = 90.0), north.copy(roseDeg = 90.0, sigmaDeg = 20.0)).first < -0.3)
+        // the lubber line is at the top of an empty rose
+        val empty = image(drawn(ScreenState()))
+        val ink = (0 until empty.height).flatMap { y -> (0 until empty.width).filter { x -> empty.getRGB(x, y) == 0xff1b1b1b.toInt() }.map { x -> Pair(x, y) } }
+        assertTrue(ink.isNotEmpty() && ink.all { (x, y) -> x in 350..370 && y in 40..80 }, "$ink")
+    }
+
+    @Test
+    fun `the sphere has right on the right and up above`() {
+        val none = ScreenState(unseen = listOf(Vector3(0.0, 0.0, 1.0)))
+        fun dot(v: Vector3) = where(none, none.copy(unseen = none.unseen + v))
+        val (middle, right, up) = Triple(dot(Vector3(0.0, 0.1, 1.0)), dot(Vector3(0.9, 0.0, 0.0)), dot(Vector3(0.0, 0.9, 0.0)))
+        assertTrue(right.first > middle.first + 0.1, "$middle, $right")
+        assertTrue(up.second > middle.second + 0.1, "$middle, $up")
+        val ring = where(none, none.copy(pointing = Vector3(-0.9, 0.0, 0.0)))
+        assertTrue(ring.first < middle.first - 0.1, "$ring")
+    }
+
+    @OptIn(ExperimentalTestApi::class)
+    @Test
+    fun `a screen reader hears the rose as one sentence, and every line of text`() = runDesktopComposeUiTest(720, 1480) {
+        val state = ScreenModel(resources).show(answer(Status.Held(HoldReason.TooLittleRotation)), systemDeg = 47.2)
+        setContent { CompassScreen(state, letters, isDark = false) }
+        onNodeWithContentDescription("heading 42 degrees, give or take 13").assertExists()
+        // its letters would be heard one by one
+        for (letter in letters) onNodeWithText(letter).assertDoesNotExist()
+        for (text in listOf(state.heading, state.trueHeading!!, state.systemHeading!!, state.status, state.guidance!!)) onNodeWithText(text).assertExists()
+    }
+
     /** The picture of android/README.md is one of these. */
     @Test
     fun `the screen is drawn, in light and dark`() {
         val event = Event(EventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
-        val letters = listOf("N", "E", "S", "W")
         val state = ScreenModel(resources).show(answer(Status.Disturbed(1), event = event), systemDeg = 58.0)
-        fun drawn(state: ScreenState, isDark: Boolean) = ImageComposeScene(720, 1480, Density(2f)).use { scene ->
-            scene.setContent { CompassScreen(state, letters, isDark) }
-            scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
-        }
-        fun image(png: ByteArray) = ImageIO.read(png.inputStream())
         val picture = File(System.getProperty("picture"))
-        picture.writeBytes(drawn(state, isDark = false))
+        picture.writeBytes(drawn(state))
         val (light, dark) = Pair(ImageIO.read(picture), image(drawn(state, isDark = true)))
         assertEquals(0xfffafafa.toInt(), light.getRGB(4, 4))
         assertEquals(0xff111417.toInt(), dark.getRGB(4, 4))
         // the rose turns, the sector widens, the banner goes
-        fun differs(other: ScreenState) = image(drawn(other, isDark = false)).let { its ->
+        fun differs(other: ScreenState) = image(drawn(other)).let { its ->
             (0 until its.height).any { y -> (0 until its.width).any { x -> its.getRGB(x, y) != light.getRGB(x, y) } }
         }
         assertTrue(!differs(state), "the same state is the same picture")
