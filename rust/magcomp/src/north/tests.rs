@@ -1,3 +1,4 @@
+use super::carried::Level;
 use super::*;
 use crate::estimator::answer::Carry;
 use nalgebra::Rotation3;
@@ -98,8 +99,11 @@ fn independent_headings_are_averaged_with_the_magnetometers() {
     let answer = north.step(device.time_ns + 1, device.answer(), None);
     let error_deg = device.error_deg(&answer);
     assert!((error_deg - 8.0).abs() < 0.4, "a third of the way back from 6 to 12: {error_deg}");
-    let sigma_deg = (answer.filtered_covariance_ut2.unwrap() * Vector3::x()).x.sqrt();
-    assert!(sigma_deg > 0.0);
+    let sigma_deg = Own::of(&answer).unwrap().variance_rad2.sqrt().to_degrees();
+    assert!(
+        (7.9..8.7).contains(&sigma_deg),
+        "two thirds of 7.1 and one of 10, and what the curvature adds: {sigma_deg}"
+    );
     // ten within ten seconds tell no more than two of ten seconds
     play(&mut north, &mut device, 10, |device| Some(device.told(0.0, 10.0)));
     let sigma_deg = north.carried.as_ref().unwrap().variance_rad2().sqrt().to_degrees();
@@ -241,6 +245,27 @@ fn a_mounting_and_a_declination_are_learned_once_for_each_direction() {
     let (declination_deg, sigma_deg) = north.declination_deg().unwrap();
     assert!((declination_deg - 7.0).abs() < 0.5 && (0.5..2.0).contains(&sigma_deg), "{declination_deg} +- {sigma_deg}");
     assert!(north.mounting.is_none());
+}
+
+#[test]
+fn an_offset_stays_in_the_variance_until_a_heading_without_one_comes() {
+    let own = Own { level: Level::of(&Vector3::y(), &Vector3::z()).unwrap(), variance_rad2: 0.04 };
+    let told = |own_rad2, common_rad2| Told {
+        axis: Vector3::y(),
+        bearing_rad: 0.0,
+        own_bearing_rad: 0.0,
+        own_rad2,
+        common_rad2,
+        new_s: 10.0,
+        is_vehicle: false,
+    };
+    let mut north = Carried::of(&own);
+    (0..100).for_each(|_| north.correct(0.0, &told(0.01, 0.03), &Vector3::z()));
+    assert!((0.03..0.0305).contains(&north.variance_rad2()), "{}", north.variance_rad2());
+    let before = north.variance_rad2();
+    north.correct(0.0, &told(0.01, 0.0), &Vector3::z());
+    let expected = before * 0.01 / (before + 0.01);
+    assert!((north.variance_rad2() / expected - 1.0).abs() < 1e-9, "{} {expected}", north.variance_rad2());
 }
 
 #[test]
