@@ -266,6 +266,14 @@ static void calibrations(void) {
             REFUSED(NOTHING_YET, "", magcomp_compensator_calibration(c, &back));
         }
     }
+    /* without a time it is believed less */
+    double sigma_ut[2];
+    for (int k = 0; k < 2; k++) {
+        CHECK(magcomp_compensator_reset(c) == MAGCOMP_ERROR_NONE);
+        CHECK(magcomp_compensator_adopt(c, text, times[k]) == MAGCOMP_ERROR_NONE);
+        sigma_ut[k] = turned(c, 0, 1).field_sigma_ut;
+    }
+    CHECK(sigma_ut[1] > 2 * sigma_ut[0]);
     CHECK(magcomp_compensator_reset(c) == MAGCOMP_ERROR_NONE);
     CHECK(magcomp_compensator_adopt(c, text, 1795560000) == MAGCOMP_ERROR_NONE);
     REFUSED(KEPT_NEWER, "version 99", magcomp_compensator_adopt(c, "{\"magcomp_calibration\": 99}", 0));
