@@ -26,7 +26,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// No time since 1970 is known.
+// The time since 1970 is not known: it is before all.
 #define MAGCOMP_TIME_UNKNOWN INT64_MIN
 
 // Whether a call did what it is for, and why not.
@@ -426,8 +426,8 @@ magcomp_error magcomp_compensator_keep(const struct magcomp_compensator *compens
                                        int64_t unix_time_s,
                                        const char **kept_json);
 
-// Begins with a text of magcomp_compensator_keep, as sure as its age makes it. `unix_time_s` is now, seconds since 1970 by the clock that keep was told;
-// MAGCOMP_TIME_UNKNOWN: as good as nothing is believed beforehand. Live samples judge it first, as above.
+// Begins with a text of magcomp_compensator_keep, as sure as its age makes it. `unix_time_s` is now, seconds since 1970 by the clock that keep was told; of
+// a time before that, such as MAGCOMP_TIME_UNKNOWN, as good as nothing is believed beforehand. Live samples judge it first, as above.
 //
 // Errors: NULL_POINTER (both); CONFIG (not UTF-8); KEPT_DAMAGED; KEPT_NEWER.
 magcomp_error magcomp_compensator_adopt(struct magcomp_compensator *compensator,

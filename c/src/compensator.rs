@@ -316,8 +316,8 @@ pub unsafe extern "C" fn magcomp_compensator_keep(
     unsafe { with(compensator, action) }
 }
 
-/// Begins with a text of magcomp_compensator_keep, as sure as its age makes it. `unix_time_s` is now, seconds since 1970 by the clock that keep was told;
-/// MAGCOMP_TIME_UNKNOWN: as good as nothing is believed beforehand. Live samples judge it first, as above.
+/// Begins with a text of magcomp_compensator_keep, as sure as its age makes it. `unix_time_s` is now, seconds since 1970 by the clock that keep was told; of
+/// a time before that, such as MAGCOMP_TIME_UNKNOWN, as good as nothing is believed beforehand. Live samples judge it first, as above.
 ///
 /// Errors: NULL_POINTER (both); CONFIG (not UTF-8); KEPT_DAMAGED; KEPT_NEWER.
 #[unsafe(no_mangle)]
@@ -329,15 +329,12 @@ pub unsafe extern "C" fn magcomp_compensator_adopt(
     let action = |core: &mut Core| {
         // SAFETY: the caller's
         let kept = KeptCalibration::from_json(unsafe { text(kept_json, "kept_json") }?)?;
-        core.compensator.adopt(&kept, Some(unix_time_s).filter(|&now| now != MAGCOMP_TIME_UNKNOWN));
+        core.compensator.adopt(&kept, Some(unix_time_s));
         Ok(())
     };
     // SAFETY: null, or made by create and not freed
     unsafe { with(compensator, action) }
 }
-
-/// No time since 1970 is known.
-pub const MAGCOMP_TIME_UNKNOWN: i64 = i64::MIN;
 
 /// Any thread may call.
 const _: fn() = || {

@@ -17,6 +17,9 @@ mod tests;
 
 use std::ffi::{CStr, c_char};
 
+/// The time since 1970 is not known: it is before all.
+pub const MAGCOMP_TIME_UNKNOWN: i64 = i64::MIN;
+
 const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
     Ok(version) => version,
     Err(_) => panic!("a version has no zero byte"),
