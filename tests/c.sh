@@ -17,7 +17,7 @@ cargo test --quiet --locked --release --manifest-path c/Cargo.toml
 
 # as its README says
 prefix=$home/prefix
-rm -rf "$prefix" "$home/moved" "$home/consumer"
+rm -rf "$prefix" "$home/moved" "$home/consumer" "$home/build/CMakeCache.txt"
 cmake -S c -B "$home/build" >/dev/null
 cmake --build "$home/build"
 cmake --install "$home/build" --prefix "$prefix" >/dev/null

@@ -17,7 +17,7 @@
 // returns is the compensator's: it is good until the next call that makes the same kind of text, so threads that share a compensator lock around call and
 // text. Nobody may use a compensator while or after it is freed.
 //
-// Every text is UTF-8 and ends with a zero byte. A push that is not refused allocates no memory.
+// Every text is UTF-8 and ends with a zero byte. To push a sample or event that is not refused allocates no memory.
 
 
 #ifndef MAGCOMP_H

@@ -303,6 +303,30 @@ static void headings(void) {
     magcomp_compensator_free(c);
 }
 
+static long allocations;
+
+static void counted(const volatile void *at, size_t size) {
+    (void)at, (void)size;
+    allocations++;
+}
+
+static void freed(const volatile void *at) { (void)at; }
+
+/* AddressSanitizer's, whose header not every compiler brings */
+int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void *, size_t), void (*)(const volatile void *));
+
+static void memory(void) {
+    CHECK(__sanitizer_install_malloc_and_free_hooks(counted, freed) != 0);
+    magcomp_compensator *c = made(NULL);
+    CHECK(allocations > 0);
+    allocations = 0;
+    (void)turned(c, 0, 3000);
+    CHECK(allocations == 0);
+    REFUSED(CONFIG, "hidden_s", magcomp_compensator_push_gap(c, -1));
+    CHECK(allocations > 0);
+    magcomp_compensator_free(c);
+}
+
 int main(void) {
     CHECK(strcmp(magcomp_version(), VERSION) == 0);
     configs();
@@ -312,5 +336,6 @@ int main(void) {
     gaps();
     calibrations();
     headings();
+    memory();
     return 0;
 }
