@@ -25,6 +25,10 @@ must 'initialisers from handles', $text =~ s/^    (?:required )?public (?=init\(
 # uniffi's own fault: a method of a renamed enum converts it by its old name
 $text =~ s{^(public enum (\w+).*?)(?=^#if compiler)}{my ($body, $name) = ($1, $2); $body =~ s/FfiConverterType\w+_lower\(self\)/FfiConverterType${name}_lower(self)/g; $body}msge;
 
+# what costs nothing to ask and changes nothing is a property
+must 'text and label', $text =~ s/^public func (text|label)\(\) -> String  \{/public var $1: String  {/mg;
+$text =~ s/`text\(\)` says it/`text` says it/g;
+
 # the error's cases, where it is declared, read and written
 $text =~ m/^enum MagcompError: .*?^fileprivate func FfiConverterTypeMagcompError_lift/ms or die "bindings: no MagcompError\n";
 my ($from, $length) = ($-[0], $+[0] - $-[0]);

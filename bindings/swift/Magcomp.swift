@@ -3386,7 +3386,7 @@ fileprivate func FfiConverterTypeCompensationMethod_lower(_ value: CompensationM
 
 
 /**
- * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
+ * What the compensator is doing, so that an app can tell its user what to do. `text` says it in a sentence.
  */
 
 public enum CompensationStatus: Equatable, Hashable, Codable {
@@ -3442,7 +3442,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
     /**
      * One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
      */
-public func label() -> String  {
+public var label: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_status_label(
@@ -3454,7 +3454,7 @@ public func label() -> String  {
     /**
      * One sentence an app may show.
      */
-public func text() -> String  {
+public var text: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_status_text(
@@ -3587,7 +3587,7 @@ public enum EventRejection: Equatable, Hashable, Codable {
     /**
      * One sentence for a log.
      */
-public func text() -> String  {
+public var text: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_eventrejection_text(
@@ -3829,7 +3829,7 @@ public enum FitProblem: Equatable, Hashable, Codable {
     /**
      * One sentence an app may show.
      */
-public func text() -> String  {
+public var text: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_fitproblem_text(
@@ -4062,7 +4062,7 @@ fileprivate func FfiConverterTypeHoldReason_lower(_ value: HoldReason) -> RustBu
 
 
 /**
- * What went wrong. `text()` says it in a sentence.
+ * What went wrong. `text` says it in a sentence.
  */
 public
 enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
@@ -4156,7 +4156,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
     /**
      * One sentence for a log or a developer.
      */
-public func text() -> String  {
+public var text: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_magcomperror_text(
@@ -4731,7 +4731,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
     /**
      * One sentence an app may show.
      */
-public func text() -> String  {
+public var text: String  {
     return try!  FfiConverterString.lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_rejectreason_text(

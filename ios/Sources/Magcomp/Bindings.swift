@@ -7,8 +7,36 @@ import Foundation
 
 extension MagcompError: LocalizedError {
     /// The error in a sentence that says what to do.
-    public var errorDescription: String? { text() }
+    public var errorDescription: String? { text }
 }
+
+extension Reading {
+    /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
+    public var headingDeg: Double? { heading?.headingDeg }
+    /// One standard deviation of it, degrees.
+    public var headingSigmaDeg: Double? { heading?.headingSigmaDeg }
+    /// Clockwise from true north, degrees, 0 to 360; nil without a heading or a declination.
+    public var trueHeadingDeg: Double? { heading?.trueHeadingDeg }
+}
+
+extension Vector3 {
+    /// From the standard library's vector.
+    public init(_ v: SIMD3<Double>) { self.init(x: v.x, y: v.y, z: v.z) }
+}
+
+extension SIMD3<Double> {
+    /// To the standard library's vector, which computes.
+    public init(_ v: Vector3) { self.init(v.x, v.y, v.z) }
+}
+
+#if canImport(simd)
+import simd
+
+extension simd_quatd {
+    /// From device to east, magnetic north and up.
+    public init(_ attitude: Attitude) { self.init(ix: attitude.x, iy: attitude.y, iz: attitude.z, r: attitude.w) }
+}
+#endif
 
 extension Config {
     /// The library's defaults, every field given.

@@ -43,7 +43,7 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     ///
     /// Every iterator has its own ``Compensator``, fed in the background; those of one ``Compass`` share theirs. A slow
     /// iterator never holds up events of sensors: a buffer drops the oldest reading and counts it. Events that can wait
-    /// (``SensorSamples/live``), those of a ``RecordingSource``, wait for it instead. An error of the config is thrown to the
+    /// (``SensorSamples/isLive``), those of a ``RecordingSource``, wait for it instead. An error of the config is thrown to the
     /// iterator.
     ///
     /// - Parameters:

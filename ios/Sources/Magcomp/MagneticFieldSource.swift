@@ -62,17 +62,17 @@ public struct SensorSamples: AsyncSequence, Sendable {
     public typealias Element = SensorSample
 
     /// Whether events come whether or not anybody is ready for them, as a sensor's do; those of a recording wait.
-    public let live: Bool
+    public let isLive: Bool
 
     private let begin: @Sendable () -> AsyncIterator
 
     /// - Parameters:
-    ///   - live: whether events come whether or not anybody is ready for them
+    ///   - isLive: whether events come whether or not anybody is ready for them
     ///   - make: makes the sequence anew for every iterator
     public init<S: AsyncSequence>(
-        live: Bool = true, _ make: @escaping @Sendable () -> S
+        isLive: Bool = true, _ make: @escaping @Sendable () -> S
     ) where S.Element == SensorSample {
-        self.live = live
+        self.isLive = isLive
         begin = {
             var iterator: S.AsyncIterator?
             func start() { iterator = iterator ?? make().makeAsyncIterator() }

@@ -105,7 +105,7 @@ final class Readers: Sendable {
             guard let answer = try estimation.push(event) else { continue }
             await estimation.settledIfTold()
             for reader in state.value.readers.values where reader.run == run {
-                if !events.live { await reader.room() }
+                if !events.isLive { await reader.room() }
                 reader.take(answer)
             }
         }

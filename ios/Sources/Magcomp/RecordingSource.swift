@@ -52,7 +52,7 @@ public struct RecordingSource: MagneticFieldSource {
     }
 
     public func samples() -> SensorSamples {
-        SensorSamples(live: false) { [self] in
+        SensorSamples(isLive: false) { [self] in
             Rows(name: name, pace: speed.map { Pace("RecordingSource", speed: $0, clock: clock) }, open: open)
         }
     }

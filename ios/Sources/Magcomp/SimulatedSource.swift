@@ -15,7 +15,7 @@ public struct SimulatedSource: MagneticFieldSource {
     init(speed: Double?, clock: any PlayingClock) { (self.speed, self.clock) = (speed, clock) }
 
     public func samples() -> SensorSamples {
-        SensorSamples(live: false) { [speed, clock] in
+        SensorSamples(isLive: false) { [speed, clock] in
             Motion(pace: speed.map { Pace("SimulatedSource", speed: $0, clock: clock) })
         }
     }

@@ -9,7 +9,7 @@ import Testing
     @Test func findsTheHardIronAndSaysWhyNotBefore() throws {
         let compensator = try Compensator()
         let readings = try compensator.pushAll(events)
-        #expect(readings[0].status.label() == "collecting")
+        #expect(readings[0].status.label == "collecting")
         #expect(readings[0].fieldUt == nil)
         let last = try #require(readings.last)
         #expect(last.status == .tracking)
@@ -86,7 +86,7 @@ import Testing
             var out = MagcompStatus()
             _ = magcomp_test_status(Int32(index), &out)
             #expect(CompensationStatus(out) == status)
-            #expect(status.text().hasPrefix(status.label()))
+            #expect(status.text.hasPrefix(status.label))
         }
     }
 
@@ -188,7 +188,7 @@ import Testing
         #expect(throws: defect) { try compensator.push(sample) }
         #expect(throws: defect) { try compensator.calibration() }
         try compensator.reset()
-        #expect(try compensator.push(sample).status.label() == "collecting")
+        #expect(try compensator.push(sample).status.label == "collecting")
     }
 
     @Test func aKeptCalibrationIsInForceAgainLessSureWithItsAgeInAStreamThatGoesOn() throws {
@@ -204,7 +204,7 @@ import Testing
             try second.adoptKept(text, unixTimeS: ageS.map { nowS + $0 })
             #expect(try second.calibration()?.hardIronUt == first.calibration()?.hardIronUt)
             #expect(try second.keep(unixTimeS: nowS) == nil, "nothing was learned since")
-            #expect(try second.push(astray).status.label() == "rejected", "the clock goes on")
+            #expect(try second.push(astray).status.label == "rejected", "the clock goes on")
             let reading = try #require(try second.pushAll(flat(10)).last)
             #expect(reading.status != .tracking)
             #expect(reading.heading == nil || reading.heading?.trueHeadingDeg != nil, "the frame stays")

@@ -43,7 +43,7 @@ import Testing
                 let calibration = try Calibration(json: data)
                 Issue.record("\(calibration) was taken, expected '\(why)'")
             } catch let error as MagcompError {
-                #expect(error.text().contains(why), "\(error.text()) lacks '\(why)'")
+                #expect(error.text.contains(why), "\(error.text) lacks '\(why)'")
             }
         }
     }

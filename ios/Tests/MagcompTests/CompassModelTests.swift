@@ -66,7 +66,7 @@ import Testing
         // 100 samples a second, of which every second comes 1/60 s or more after the one shown before
         for (rateHz, shown) in [(60.0, 500), (1000, 1000), (10, 100)] {
             let model = CompassModel(
-                compass: Compass(source: Played(events: events, live: false)), display: CompassDisplay(rateHz: rateHz))
+                compass: Compass(source: Played(events: events, isLive: false)), display: CompassDisplay(rateHz: rateHz))
             let readings = changes { model.reading }
             let headings = changes { model.headingDeg }
             let words = changes { model.status }
@@ -115,8 +115,8 @@ import Testing
         var state = CompassState()
         for (status, guidance) in expected {
             state.show(CompensatedReading(reading: Reading(status: status), sample: sample))
-            #expect(state.guidance == guidance && state.status == status.text(), "\(status)")
-            #expect(state.isDisturbed == (status.label() == "disturbed"))
+            #expect(state.guidance == guidance && state.status == status.text, "\(status)")
+            #expect(state.isDisturbed == (status.label == "disturbed"))
         }
     }
 
@@ -149,7 +149,7 @@ import Testing
     @Test func smoothingIsOffUnlessAskedFor() async throws {
         let events = tumbling(600) + (600..<630).flatMap { flat($0) }
         func shown(_ display: CompassDisplay) async -> CompassModel {
-            let model = CompassModel(compass: Compass(source: Played(events: events, live: false)), display: display)
+            let model = CompassModel(compass: Compass(source: Played(events: events, isLive: false)), display: display)
             await model.run()
             return model
         }
@@ -162,7 +162,7 @@ import Testing
     @Test func littleChangesOfTheHeadingAreLeftOutWhenAskedFor() async throws {
         let events = tumbling(600) + (600..<630).flatMap { flat($0) }
         let model = CompassModel(
-            compass: Compass(source: Played(events: events, live: false)), display: CompassDisplay(headingFilterDeg: 5))
+            compass: Compass(source: Played(events: events, isLive: false)), display: CompassDisplay(headingFilterDeg: 5))
         let shown = Shared<[Double]>([])
         Self.follow({ model.headingDeg }) { heading in
             if let heading { shown.change { $0.append(heading) } }
@@ -175,11 +175,11 @@ import Testing
     }
 
     @Test func theTwinForOlderSystemsShowsTheSame() async {
-        let compass = Compass(source: Played(events: everything, live: false))
+        let compass = Compass(source: Played(events: everything, isLive: false))
         let object = CompassObject(compass: compass)
         #expect(object.state == CompassState())
         await object.run()
-        let model = CompassModel(compass: Compass(source: Played(events: everything, live: false)))
+        let model = CompassModel(compass: Compass(source: Played(events: everything, isLive: false)))
         await model.run()
         #expect(object.state.reading == model.reading && object.state.headingDeg == model.headingDeg)
         #expect(object.state.status == "tracking")

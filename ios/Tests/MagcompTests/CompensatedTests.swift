@@ -137,7 +137,7 @@ import Testing
         #expect(try #require(store.text.value).count < 4000, "no more than the next launch takes over")
         let again = try await Compass(source: Played(events: Array(events[..<2])), store: store).readings().collected()
         #expect(again[0].reading.fieldUt != nil, "calibrated from the first sample on, though the clock began anew")
-        #expect(again[0].reading.status.label() != "rejected")
+        #expect(again[0].reading.status.label != "rejected")
     }
 
     @Test func aDamagedStoreAndANewerVersionsAreAsNone() async throws {
@@ -183,6 +183,9 @@ import Testing
         let heading = Heading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
         let reading = Reading(status: .suspect(sinceNs: 7), heading: heading, fieldUt: Vector3(x: 3, y: 4, z: 12))
         #expect(reading.totalFieldUt == 13)
+        #expect(reading.headingDeg == 42 && reading.headingSigmaDeg == 3 && reading.trueHeadingDeg == nil)
+        let simd = try SIMD3(#require(reading.fieldUt))
+        #expect(simd == SIMD3(3, 4, 12) && Vector3(simd) == reading.fieldUt)
         let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
         let system = SystemFieldSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3), accuracy: .high)
         let answer = CompensatedReading(reading: reading, sample: sample, systemField: system)

@@ -403,7 +403,7 @@ import Testing
             }
         }
         #expect(readings.map(\.sample.timeNs) == times.map { Int64(($0 * 1e9).rounded()) })
-        #expect(readings.allSatisfy { $0.reading.status.label() == "collecting" })
+        #expect(readings.allSatisfy { $0.reading.status.label == "collecting" })
     }
 
     @Test func timesThatRepeatOrGoBackAreRejectedAndNothingElse() async throws {
@@ -414,7 +414,7 @@ import Testing
                 manager.magnetometer(at: time, 20 + time, 30, -40)
             }
         }
-        #expect(readings.map { $0.reading.status.label() == "rejected" } == [false, false, true, true, false])
+        #expect(readings.map { $0.reading.status.label == "rejected" } == [false, false, true, true, false])
     }
 
     @Test func deviceMotionMayStopAndComeBack() async throws {
@@ -540,7 +540,7 @@ import Testing
     @Test func theOneLiner() async throws {
         // its own manager: nothing can be played, but it compiles as the documents say, and ends when told to
         let task = Task {
-            for try await reading in Compass().readings() { print(reading.reading.status.text()) }
+            for try await reading in Compass().readings() { print(reading.reading.status.text) }
         }
         task.cancel()
         try await task.value

@@ -120,10 +120,10 @@ import Testing
             let field = Vector3(x: x, y: 0, z: 0)
             return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status
         }
-        #expect(try push(0, limits.magneticUt[0]).label() == "collecting")
+        #expect(try push(0, limits.magneticUt[0]).label == "collecting")
         guard case .rejected(.outOfRange) = try push(1, limits.magneticUt[1]) else { throw Unexpected() }
         guard case .rejected(.timeJump) = try push(limits.gapNs[1], 1) else { throw Unexpected() }
-        #expect(try push(limits.gapNs[0], 1).label() == "collecting")
+        #expect(try push(limits.gapNs[0], 1).label == "collecting")
 
         let other = try Compensator()
         func rate(_ timeNs: Int64, _ x: Double) throws -> Bool {
@@ -159,13 +159,13 @@ import Testing
         ours += held.map { .held(reason: $0) }
         ours.append(.disturbed(sinceNs: 1))
         ours += rejected.map { .rejected(reason: $0) }
-        #expect(ours.map { $0.label() } == facts.statuses.map(\.label))
-        #expect(ours.map { $0.text() } == facts.statuses.map(\.text))
+        #expect(ours.map { $0.label } == facts.statuses.map(\.label))
+        #expect(ours.map { $0.text } == facts.statuses.map(\.text))
     }
 
     @Test func errors() throws {
         let rejections: [EventRejection] = [.notFinite, .outOfRange, .late, .duplicate, .ahead]
-        #expect(rejections.map { $0.text() } == facts.eventRejections.map(\.text))
+        #expect(rejections.map { $0.text } == facts.eventRejections.map(\.text))
         #expect(facts.errors.count == 3 && facts.borderErrors.count == 2)
         for fact in facts.errors + facts.borderErrors {
             let sentence = try #require(said(fact.name), "\(fact.name)")

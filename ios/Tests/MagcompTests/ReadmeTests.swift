@@ -7,7 +7,7 @@ func follow(_ compass: Compass, show: (String) -> Void) async throws {
     for try await answer in compass.readings() {
         let reading = answer.reading
         // without a heading, a sentence that says what is missing
-        show(reading.heading.map { "\($0.headingDeg) deg +- \($0.headingSigmaDeg ?? 180)" } ?? reading.status.text())
+        show(reading.heading.map { "\($0.headingDeg) deg +- \($0.headingSigmaDeg ?? 180)" } ?? reading.status.text)
     }
 }
 
@@ -20,7 +20,7 @@ func follow(_ compass: Compass, show: (String) -> Void) async throws {
         #expect(readme.contains("func follow\(code)\n}\n"))
 
         var lines: [String] = []
-        try await follow(Compass(source: Played(events: tumbling(600), live: false))) { lines.append($0) }
+        try await follow(Compass(source: Played(events: tumbling(600), isLive: false))) { lines.append($0) }
         #expect(lines.first?.hasPrefix("collecting: ") == true)
         #expect(lines.last?.contains(" deg +- ") == true)
     }

@@ -158,7 +158,7 @@ import Testing
             try await phone.end()
             try await phone.start()
             let first = try #require(try await phone.play(flat(899 - earlierMs / 10)).last)
-            #expect((first.reading.status.label() == "rejected") == sameClock, "\(earlierMs) ms")
+            #expect((first.reading.status.label == "rejected") == sameClock, "\(earlierMs) ms")
             try await phone.end()
         }
     }

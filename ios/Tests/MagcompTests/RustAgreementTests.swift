@@ -128,7 +128,7 @@ import Testing
     func expectReadings(_ readings: [Reading]) {
         let ours = readings.map {
             let (field, heading, attitude) = ($0.fieldUt, $0.heading, $0.attitude)
-            return "reading \($0.timeNs) \($0.status.label())"
+            return "reading \($0.timeNs) \($0.status.label)"
                 + bits([
                     field?.x, field?.y, field?.z, $0.totalFieldUt, heading?.headingDeg, heading?.headingSigmaDeg,
                     heading?.inclinationDeg, attitude?.w, attitude?.x, attitude?.y, attitude?.z, attitude?.sigmaDeg,

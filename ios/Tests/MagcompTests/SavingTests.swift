@@ -63,7 +63,7 @@ import Testing
         // one that is rejected for its time, an hour back, changes no interval
         events.insert(moved(events[1001], byNs: -3_600_000_000_000), at: 1002)
         let readings = try await readings(events, store)
-        #expect(readings.filter { $0.reading.status.label() == "rejected" }.count == 1)
+        #expect(readings.filter { $0.reading.status.label == "rejected" }.count == 1)
         let tracking = try #require(readings.first { $0.reading.status == .tracking })
         #expect(store.savedS.count == 4, "\(store.savedS)")
         #expect(store.savedS.first == Double(tracking.sample.timeNs) * 1e-9)
@@ -171,7 +171,7 @@ import Testing
         _ = try await readings(tumbling(1500), store)
         let rest = still(0..<6000)
         let next = try await readings(rest, Kept(store.state.value.text))
-        let labels = next.map { $0.reading.status.label() }
+        let labels = next.map { $0.reading.status.label }
         let suspect = labels.filter { $0 == "suspect" }.count
         #expect(labels.count == 6000 && suspect == 0, "suspect in \(suspect) of 6000 samples at rest")
         #expect(next.allSatisfy { $0.reading.heading != nil })

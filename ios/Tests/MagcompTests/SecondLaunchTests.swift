@@ -106,7 +106,7 @@ import Testing
         let first = try await compass.readings(capacity: 300).collected().last?.reading.heading
         clock.change { $0 += 60 }
         let again = try await compass.readings(capacity: 300).collected()
-        #expect(again.allSatisfy { $0.reading.status.label() != "rejected" })
+        #expect(again.allSatisfy { $0.reading.status.label != "rejected" })
         let heading = try #require(again.last?.reading.heading)
         let before = try #require(first?.headingSigmaDeg)
         #expect(abs(try #require(heading.headingSigmaDeg) - before) < 1)
@@ -134,7 +134,7 @@ import Testing
 
             func samples() -> SensorSamples {
                 let (next, events, at, sleptS, slept) = (Shared(0), events, at, sleptS, slept)
-                return SensorSamples(live: false) {
+                return SensorSamples(isLive: false) {
                     AsyncStream(unfolding: {
                         let k = next.value
                         next.change { $0 += 1 }

@@ -93,7 +93,7 @@ import Testing
         _ = try await compass.readings().collected()
         let again = try await compass.readings(capacity: 1500).collected()
         #expect(again.count == 1500)
-        #expect(again[0].reading.fieldUt != nil && again.allSatisfy { $0.reading.status.label() != "rejected" })
+        #expect(again[0].reading.fieldUt != nil && again.allSatisfy { $0.reading.status.label != "rejected" })
     }
 
     final class Slow: CalibrationStore {
@@ -237,7 +237,7 @@ import Testing
         #expect(store.kept.value == nil)
         source.play(flat(1500))
         try await eventually { seen.value.count == 1501 }
-        #expect(seen.value.last?.reading.status.label() == "collecting")
+        #expect(seen.value.last?.reading.status.label == "collecting")
         task.cancel()
         try await task.value
         try await eventually { source.state.value.ends == 1 }
@@ -288,7 +288,7 @@ import Testing
             SystemFieldSample(timeNs: -5 * stepNs, fieldUt: Vector3(x: 10, y: 28, z: -40), accuracy: .high))
         for events in [lying(.uncalibrated), Array(old[..<3])] {
             let readings = try await Compass(source: Played(events: events)).readings().collected()
-            #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label() == "collecting" })
+            #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label == "collecting" })
         }
     }
 

@@ -74,10 +74,10 @@ func flat(_ k: Int) -> [SensorSample] {
 /// All at once, as often as it is asked.
 struct Played: MagneticFieldSource {
     let events: [SensorSample]
-    var live = true
+    var isLive = true
 
     func samples() -> SensorSamples {
-        SensorSamples(live: live) { [events] in
+        SensorSamples(isLive: isLive) { [events] in
             AsyncStream { continuation in
                 for event in events { continuation.yield(event) }
                 continuation.finish()
@@ -98,9 +98,9 @@ extension Compensator {
     func pushAll(_ events: [SensorSample]) throws -> [Reading] { try events.compactMap { try push($0) } }
 }
 
-/// Waits for what must happen; a test that waits in vain fails after a minute.
+/// Waits for what must happen; a test that waits in vain fails after half a minute.
 func eventually(_ happens: () -> Bool) async throws {
-    let deadline = ContinuousClock.now + .seconds(60)
+    let deadline = ContinuousClock.now + .seconds(30)
     while !happens() {
         try #require(ContinuousClock.now < deadline, "it never happened")
         try await Task.sleep(for: .milliseconds(1))

@@ -40,7 +40,7 @@ struct TextsTests {
     @Test func statuses() {
         var random = SystemRandomNumberGenerator()
         for _ in 0..<200 {
-            for status in statuses(&random) { #expect(status.localizedText == status.text()) }
+            for status in statuses(&random) { #expect(status.localizedText == status.text) }
         }
     }
 

@@ -22,7 +22,7 @@ func follow() async throws {
         let reading = answer.reading
         let fields = [reading.fieldUt, reading.filteredFieldUt].flatMap { [$0?.x, $0?.y, $0?.z] }
         let angles = [reading.heading?.headingDeg, reading.heading?.headingSigmaDeg, reading.heading?.inclinationDeg]
-        print((cells(fields, 6) + cells(angles, 4) + [reading.status.label()]).joined(separator: ","))
+        print((cells(fields, 6) + cells(angles, 4) + [reading.status.label]).joined(separator: ","))
         if answer.droppedBefore > 0 { fatalError("\(answer.droppedBefore) readings were lost") }
     }
 }
