@@ -346,11 +346,14 @@ import Testing
         let compass = Compass(source: Played(events: []))
         let lost = Locked(0)
         DispatchQueue.concurrentPerform(iterations: 2) { thread in
-            for k in 1...200_000 {
+            for k in 1...300_000 {
                 let (deg, rotation) = (Double(k % 90), k % 2 == 0 ? ScreenRotation.deg0 : .deg90)
                 if thread == 0 { try? compass.setDeclinationDeg(deg) } else { compass.screenRotation = rotation }
-                let kept = thread == 0 ? compass.declinationDeg == deg : compass.screenRotation == rotation
-                if !kept { lost.change { $0 += 1 } }
+                // the other thread may be anywhere in its own change
+                for _ in 1...10 {
+                    let kept = thread == 0 ? compass.declinationDeg == deg : compass.screenRotation == rotation
+                    if !kept { lost.change { $0 += 1 } }
+                }
             }
         }
         #expect(lost.value == 0)

@@ -269,6 +269,8 @@ import Testing
             sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
         await #expect(throws: missing) {
             var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+            iterator.start()
+            manager.deviceMotion(at: 1, gravity: (0, 0, -1))
             _ = try await iterator.next()
         }
         #expect(manager.starts == 0 && manager.frame == [])
@@ -292,6 +294,9 @@ import Testing
         for manager in [Denied(), Restricted()] {
             await #expect(throws: SensorError.accessRefused(sensor: .motion)) {
                 var iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+                iterator.start()
+                // an event for who began nevertheless
+                manager.deviceMotion(at: 1, gravity: (0, 0, -1))
                 _ = try await iterator.next()
             }
             #expect(manager.starts == 0)

@@ -151,6 +151,12 @@ import Testing
             let source = Sleeping(events: events, at: moving.count, sleptS: sleptS)
             let all = try await Compass(source: source).readings(capacity: 4000).collected()
             #expect(all.count == 3200)
+            // once, with the first sample after it
+            let alone = try Compensator(config: Config(heading: HeadingConfig(axis: .auto)))
+            var expected = try alone.pushAll(Array(events[..<(moving.count + 2)]))
+            if sleptS > 0 { try alone.pushGap(hiddenS: sleptS) }
+            expected += try alone.pushAll(Array(events[(moving.count + 2)...]))
+            #expect(all.map(\.reading) == expected)
             return (try #require(all[2999].reading.fieldSigmaUt), all[3199].reading.fieldSigmaUt ?? 1e9)
         }
         let (awake, slept) = (try await sigmas(sleptS: 0), try await sigmas(sleptS: 8 * 3600))

@@ -342,6 +342,13 @@ import Testing
         #expect(abs(try #require(first.fieldUt).y - 28) < 1, "\(first)")
     }
 
+    @Test func theStoreHasTheCalibrationWhenReadingsHaveEnded() async throws {
+        let store = Slow()
+        _ = try await Compass(source: Played(events: events), store: store).readings().collected()
+        let calls = store.calls.value
+        #expect(calls.last == "saved" && calls.filter { $0 == "saved" }.count >= 2, "\(calls)")
+    }
+
     @Test func anAppThatEntersTheBackgroundSaves() async throws {
         let (source, store) = (Live(), Slow())
         let compass = Compass(source: source, store: store)
@@ -460,6 +467,37 @@ import Testing
         try await second.value
     }
 
+    /// A source that does not end at once when it is told to.
+    @Test func aRunWaitsUntilTheOneBeforeHasEnded() async throws {
+        struct Slack: MagneticFieldSource {
+            let gate = Gate()
+            let starts = Shared(0)
+
+            func samples() -> SensorSamples {
+                starts.change { $0 += 1 }
+                return SensorSamples { [gate] in
+                    AsyncStream(unfolding: {
+                        gate.pass()
+                        return nil
+                    })
+                }
+            }
+        }
+        let source = Slack()
+        let compass = Compass(source: source)
+        let first = reader(compass, Shared([]))
+        try await eventually { source.gate.entered.value == 1 }
+        first.cancel()
+        try await first.value
+        let second = reader(compass, Shared([]))
+        try await Task.sleep(for: .milliseconds(50))
+        #expect(source.starts.value == 1)
+        source.gate.open()
+        source.gate.open()
+        try await second.value
+        #expect(source.starts.value == 2 && source.gate.opensInTime.value == [true, true])
+    }
+
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
         let source = Live()
         let compass = Compass(source: source)
@@ -472,6 +510,10 @@ import Testing
             task.cancel()
             try await task.value
         }
+        // nor do those that wait to be asked
+        let kept = (0..<10).map { _ in compass.readings().makeAsyncIterator() }
+        try await Task.sleep(for: .milliseconds(20))
+        #expect(source.state.value.starts == 0 && kept.count == 10)
         // a run waits for those before it
         let task = reader(compass, Shared([]))
         try await source.started(1)
@@ -536,7 +578,10 @@ import Testing
         let compass = Compass(source: source)
         // the feeding waits for room when it is left
         for _ in 1...3 {
-            for try await _ in compass.readings(capacity: 1) { break }
+            for try await _ in compass.readings(capacity: 1) {
+                try await Task.sleep(for: .milliseconds(20))
+                break
+            }
         }
         let count = Shared(0)
         let task = Task {
