@@ -37,7 +37,7 @@ class SecondLaunchTest {
         var headings = 0
         for (offUt in listOf(0.0, 20.0, 39.0, null)) {
             for (k in 0 until PHONES) {
-                preferences.edit().putString("calibration", learned)
+                preferences.edit().putString("calibration", learned).apply()
                 val random = Random(100L + k)
                 val direction = length(random.let { Vector3(it.nextGaussian(), it.nextGaussian(), it.nextGaussian()) }, 1.0)
                 val off = if (offUt == null) cover else length(direction, offUt)
@@ -87,7 +87,7 @@ class SecondLaunchTest {
     fun `a damaged text, or one of a newer version, is as none and is told, and the next that is learned replaces it`() {
         val (learned, _) = learn()
         for (damaged in listOf(learned.dropLast(20), newer(learned))) {
-            preferences.edit().putString("calibration", damaged)
+            preferences.edit().putString("calibration", damaged).apply()
             val resting = launched(Phone(2).apply { layDown(10.0) }, 50, still = true).last()
             assertNull(resting.reading.fieldUt)
             val expected = if (damaged == newer(learned)) MagcompException.KeptNewer::class else MagcompException.KeptDamaged::class
@@ -103,7 +103,7 @@ class SecondLaunchTest {
         val (learned, _) = learn()
         val hardIron = HARD_IRON_UT + Vector3(22.0, -22.0, 22.0)
         fun fieldUt(reported: Vector3?, accuracy: Int?): Vector3 {
-            preferences.edit().putString("calibration", learned)
+            preferences.edit().putString("calibration", learned).apply()
             val phone = Phone(4, hardIron, reported).apply { layDown(120.0) }
             return launched(phone, 20, still = true, nowS = NOW_S + 3600, accuracy = accuracy).last().reading.fieldUt!!
         }
@@ -118,7 +118,7 @@ class SecondLaunchTest {
     @Test
     fun `a source whose times begin again keeps what was in force, learned or not`() {
         val (learned, _) = learn()
-        preferences.edit().putString("calibration", learned)
+        preferences.edit().putString("calibration", learned).apply()
         var nowS = NOW_S + 3600
         val resting = Phone(5).apply { layDown(80.0) }
         val events = (1..50).flatMap { resting.advance(still = true) }

@@ -37,6 +37,7 @@ class AarTest {
             "META-INF/com/android/build/gradle/aar-metadata.properties",
             "META-INF/LICENSE-MIT",
             "META-INF/LICENSE-APACHE",
+            "META-INF/THIRD-PARTY-NOTICES",
             "res/values/strings.xml",
         ) + machines.keys.map { "jni/$it/libmagcomp_ffi.so" }
         assertEquals(expected.sorted(), parts.keys.filterNot { it.startsWith("res/values-") }.sorted())
@@ -142,6 +143,35 @@ class AarTest {
         assertEquals("aar", text(byName.getValue("jna"), "type"), "the jar has no libraries for Android")
         for (dependency in dependencies) assertTrue(text(dependency, "version")!!.matches(Regex("""\d+\.\d+\.\d+""")))
         assertTrue('@' !in File(aar.path.removeSuffix(".aar") + ".pom").readText(), "every placeholder was filled")
+    }
+
+    @Test
+    fun `the POM says what Central asks for`() {
+        val pom = xml(File(aar.path.removeSuffix(".aar") + ".pom").readBytes())
+        fun each(path: String): List<String> = path.split("/").fold(listOf(pom)) { nodes, tag ->
+            nodes.flatMap { node -> node.childNodes.let { all -> (0 until all.length).map(all::item) }.filterIsInstance<Element>().filter { it.tagName == tag } }
+        }.map { it.textContent.trim() }
+        for (path in listOf("name", "description", "url", "licenses/license/name", "developers/developer/name", "scm/url", "scm/connection")) {
+            assertTrue(each(path).isNotEmpty() && each(path).all { it.isNotEmpty() }, path)
+        }
+        assertEquals(each("licenses/license/name").size, each("licenses/license/url").size, "a licence without its text")
+        for (url in each("url") + each("licenses/license/url") + each("scm/url")) assertTrue(url.startsWith("https://"), url)
+        // where the project lives is not known here
+        assertEquals(!release, each("url").single().endsWith(".invalid"), "a release is told -Dmagcomp.url=https://...")
+    }
+
+    @Test
+    fun `the sources and their pages are there`() {
+        fun names(classifier: String) = ZipFile(File(aar.path.removeSuffix(".aar") + "-$classifier.jar")).use { jar ->
+            jar.entries().asSequence().map { it.name }.toList()
+        }
+        for (source in listOf("Compass.kt", "NativeLibrary.kt", "magcomp_ffi.kt")) assertTrue("org/magcomp/$source" in names("sources"), source)
+        val pages = names("javadoc")
+        assertTrue("index.html" in pages)
+        // of the library, and of the bindings
+        for (page in listOf("-compass/index.html", "-reading/index.html", "-magcomp-exception/index.html")) {
+            assertTrue(pages.any { it.endsWith("org.magcomp/$page") }, page)
+        }
     }
 
     private fun xml(bytes: ByteArray): Element =

@@ -1,0 +1,24 @@
+@file:JvmName("LifecycleKt")
+
+package androidx.lifecycle
+
+import kotlinx.coroutines.awaitCancellation
+import kotlinx.coroutines.coroutineScope
+import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.collectLatest
+
+// Stand-ins of AndroidX, which is in Google's Maven alone: as much as android/compose/RememberCompass.kt needs. No artifact has them.
+
+class Lifecycle {
+    enum class State { CREATED, STARTED }
+
+    val state = MutableStateFlow(State.CREATED)
+}
+
+interface LifecycleOwner {
+    val lifecycle: Lifecycle
+}
+
+suspend fun LifecycleOwner.repeatOnLifecycle(state: Lifecycle.State, block: suspend kotlinx.coroutines.CoroutineScope.() -> Unit) {
+    lifecycle.state.collectLatest { if (it >= state) coroutineScope(block) else awaitCancellation() }
+}

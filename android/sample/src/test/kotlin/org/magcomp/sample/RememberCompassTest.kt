@@ -1,0 +1,77 @@
+package org.magcomp.sample
+
+import android.view.Surface
+import androidx.compose.foundation.text.BasicText
+import androidx.compose.runtime.CompositionLocalProvider
+import androidx.compose.ui.test.ExperimentalTestApi
+import androidx.compose.ui.test.hasText
+import androidx.compose.ui.test.runDesktopComposeUiTest
+import androidx.lifecycle.Lifecycle
+import androidx.lifecycle.LifecycleOwner
+import androidx.lifecycle.compose.LocalLifecycleOwner
+import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.awaitCancellation
+import kotlinx.coroutines.channels.Channel
+import kotlinx.coroutines.flow.flow
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Test
+import org.magcomp.Compass
+import org.magcomp.MagneticFieldSource
+import org.magcomp.MagneticSample
+import org.magcomp.ScreenRotation
+import org.magcomp.SensorSample
+import org.magcomp.Vector3
+import org.magcomp.compose.rememberCompass
+
+/** The file that an app copies, over stand-ins of AndroidX. */
+@OptIn(ExperimentalTestApi::class)
+class RememberCompassTest {
+    private val events = Channel<MagneticSample>(Channel.UNLIMITED)
+    private val running = AtomicInteger()
+    private val source = object : MagneticFieldSource {
+        override fun samples() = flow {
+            running.incrementAndGet()
+            try {
+                for (event in events) if (event.timeNs > 0) emit(SensorSample.Magnetic(event)) else error("broken")
+            } finally {
+                running.decrementAndGet()
+            }
+        }
+    }
+
+    private fun deliver(timeNs: Long) = events.trySend(MagneticSample(timeNs, Vector3(1.0, 2.0, timeNs.toDouble())))
+
+    @Test
+    fun `a screen shows readings while it is on, and an error`() = runDesktopComposeUiTest {
+        val screen = object : LifecycleOwner {
+            override val lifecycle = Lifecycle()
+        }
+        val compass = Compass(source, graceMs = 0)
+        var rotation = Surface.ROTATION_90
+        setContent {
+            CompositionLocalProvider(LocalLifecycleOwner provides screen) {
+                val state = rememberCompass(compass) { rotation }.value
+                BasicText("time ${state.reading?.timeNs}, error ${state.error?.message}")
+            }
+        }
+        fun shown(text: String) = waitUntil(20_000) { onAllNodes(hasText(text)).fetchSemanticsNodes().isNotEmpty() }
+        shown("time null, error null")
+        assertEquals(0, running.get(), "the screen is off")
+        screen.lifecycle.state.value = Lifecycle.State.STARTED
+        deliver(1)
+        shown("time 1, error null")
+        assertEquals(ScreenRotation.DEG90, compass.screenRotation)
+        rotation = Surface.ROTATION_270
+        deliver(2)
+        shown("time 2, error null")
+        assertEquals(ScreenRotation.DEG270, compass.screenRotation)
+
+        screen.lifecycle.state.value = Lifecycle.State.CREATED
+        waitUntil(20_000) { running.get() == 0 }
+        screen.lifecycle.state.value = Lifecycle.State.STARTED
+        deliver(3)
+        shown("time 3, error null")
+        deliver(-1)
+        shown("time null, error broken")
+    }
+}
