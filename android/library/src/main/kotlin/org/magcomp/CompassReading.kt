@@ -31,10 +31,13 @@ public class CompassReading internal constructor(public val details: Compensated
     /** The heading as a screen reader says it, in the language of [resources]. */
     public fun spoken(resources: Resources): String = details.reading.heading.spoken(resources)
 
+    /** Whether the other one says the same in every detail. */
     override fun equals(other: Any?): Boolean = other is CompassReading && details == other.details
 
+    /** That of the details. */
     override fun hashCode(): Int = details.hashCode()
 
+    /** For logs. */
     override fun toString(): String =
         "CompassReading(headingDeg=$headingDeg, headingSigmaDeg=$headingSigmaDeg, trueHeadingDeg=$trueHeadingDeg, status=$status)"
 }

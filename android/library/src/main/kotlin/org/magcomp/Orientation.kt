@@ -20,6 +20,7 @@ public fun Attitude.rotationMatrix(): FloatArray = FloatArray(9).also { matrix -
  * @property rollDeg how far the left edge is raised, -180 to 180
  */
 public class Orientation internal constructor(public val azimuthDeg: Double, public val pitchDeg: Double, public val rollDeg: Double) {
+    /** For logs. */
     override fun toString(): String = "Orientation(azimuthDeg=$azimuthDeg, pitchDeg=$pitchDeg, rollDeg=$rollDeg)"
 }
 
