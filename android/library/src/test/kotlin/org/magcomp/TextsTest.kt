@@ -69,7 +69,9 @@ class TextsTest {
         val line = Regex(""""(\w+)" = "(.*)";""")
         val swift = repository.resolve("ios/Sources/Magcomp/Resources/en.lproj/Localizable.strings").readLines()
             .mapNotNull(line::matchEntire).associate { "magcomp_" + it.groupValues[1] to it.groupValues[2] }
-        assertEquals(englishStrings, swift.mapValues { (_, text) -> text.replace("\$@", "\$s").replace("\$lld", "\$d") })
+        // Apple's systems alone have those of `ios_`
+        val shared = swift.filterKeys { !it.startsWith("magcomp_ios_") }
+        assertEquals(englishStrings, shared.mapValues { (_, text) -> text.replace("\$@", "\$s").replace("\$lld", "\$d") })
         assertEquals(englishStrings.keys.toList(), stringNames.values.toList())
         assertTrue(englishStrings.size >= 30)
     }
