@@ -66,7 +66,7 @@ public enum CompassError: Error, Equatable, Sendable {
             }
     }
 
-    /// Whether the person can mend it in the system's settings: ``CompassAdvice`` shows a button to them then, or an app its own, to
+    /// Whether the person can mend it in the system's settings: `CompassAdvice` shows a button to them then, or an app its own, to
     /// `UIApplication.openSettingsURLString`.
     public var isMendedInSettings: Bool {
         if case .sensor(.accessRefused) = self { true } else { false }
