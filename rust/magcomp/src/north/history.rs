@@ -1,8 +1,9 @@
 //! How the device turned in the last seconds, so that a heading that comes late is used at the time it was true.
 
 use super::tuning::Tuning;
+use crate::math::turn::Turn;
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Mathematics: seconds in a nanosecond.
 pub(super) const NANO: f64 = 1e-9;
@@ -45,7 +46,9 @@ impl History {
         let from = self.turns.get(after.checked_sub(1)?)?;
         let to = self.turns.get(after).unwrap_or(&latest);
         let share = (time_ns - from.time_ns) as f64 / ((to.time_ns - from.time_ns) as f64).max(1.0);
-        let between = Rotation3::from_matrix_unchecked(to.turn * from.turn.transpose()).powf(share.clamp(0.0, 1.0));
+        let whole = Rotation3::from_matrix_unchecked(to.turn * from.turn.transpose());
+        let whole_rad = UnitQuaternion::from_rotation_matrix(&whole).scaled_axis();
+        let between = Turn::by(&(whole_rad * share.clamp(0.0, 1.0))).rotation;
         Some(latest.turn * (between * from.turn).transpose() * vector)
     }
 }
