@@ -910,6 +910,30 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      */
     func shutDown()
 
+    /**
+     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     */
+    func foundDeclination() throws  -> FoundDeclination?
+
+    /**
+     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     */
+    func headingAid() throws  -> HeadingAid?
+
+    /**
+     * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
+     * north it is a heading too. Fails with `MagcompError.eventRejected`, which says why it was not taken.
+     */
+    func pushAttitude(sample: AttitudeSample) throws
+
+    /**
+     * A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
+     * North is carried by the gyroscope from one to the next; without a gyroscope they are not used. One that contradicts what is known is
+     * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
+     * field do not. Fails with `MagcompError.eventRejected`, which says why it was not taken.
+     */
+    func pushHeading(sample: HeadingSample) throws
+
 }
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample. Any thread may call it.
@@ -1187,6 +1211,58 @@ public func shutDown()  {try! rustCall() {
 }
 }
 
+    /**
+     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     */
+public func foundDeclination()throws  -> FoundDeclination?  {
+    return try  FfiConverterOptionTypeFoundDeclination.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_found_declination(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     */
+public func headingAid()throws  -> HeadingAid?  {
+    return try  FfiConverterOptionTypeHeadingAid.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_heading_aid(
+            self.uniffiCloneHandle(),uniffiCallStatus
+    )
+})
+}
+
+    /**
+     * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
+     * north it is a heading too. Fails with `MagcompError.eventRejected`, which says why it was not taken.
+     */
+public func pushAttitude(sample: AttitudeSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_attitude(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeAttitudeSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
+    /**
+     * A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
+     * North is carried by the gyroscope from one to the next; without a gyroscope they are not used. One that contradicts what is known is
+     * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
+     * field do not. Fails with `MagcompError.eventRejected`, which says why it was not taken.
+     */
+public func pushHeading(sample: HeadingSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_compensator_push_heading(
+            self.uniffiCloneHandle(),
+        FfiConverterTypeHeadingSample_lower(sample),uniffiCallStatus
+    )
+}
+}
+
 
 
 }
@@ -1334,6 +1410,117 @@ fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Atti
 #endif
 fileprivate func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
     return FfiConverterTypeAttitude.lower(value)
+}
+
+
+/**
+ * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
+ */
+public struct AttitudeSample: Equatable, Hashable, Codable {
+    /**
+     * When it was true, nanoseconds, on the magnetometer's clock.
+     */
+    public var timeNs: Int64
+    /**
+     * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
+     * any length but 0.
+     */
+    public var w: Double
+    /**
+     * The part of i.
+     */
+    public var x: Double
+    /**
+     * The part of j.
+     */
+    public var y: Double
+    /**
+     * The part of k.
+     */
+    public var z: Double
+    /**
+     * What is known of that world's y axis.
+     */
+    public var yaw: Yaw
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * When it was true, nanoseconds, on the magnetometer's clock.
+         */timeNs: Int64,
+        /**
+         * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
+         * any length but 0.
+         */w: Double,
+        /**
+         * The part of i.
+         */x: Double,
+        /**
+         * The part of j.
+         */y: Double,
+        /**
+         * The part of k.
+         */z: Double,
+        /**
+         * What is known of that world's y axis.
+         */yaw: Yaw) {
+        self.timeNs = timeNs
+        self.w = w
+        self.x = x
+        self.y = y
+        self.z = z
+        self.yaw = yaw
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension AttitudeSample: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> AttitudeSample {
+        return
+            try AttitudeSample(
+                timeNs: FfiConverterInt64.read(from: &buf),
+                w: FfiConverterDouble.read(from: &buf),
+                x: FfiConverterDouble.read(from: &buf),
+                y: FfiConverterDouble.read(from: &buf),
+                z: FfiConverterDouble.read(from: &buf),
+                yaw: FfiConverterTypeYaw.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: AttitudeSample, into buf: inout [UInt8]) {
+        FfiConverterInt64.write(value.timeNs, into: &buf)
+        FfiConverterDouble.write(value.w, into: &buf)
+        FfiConverterDouble.write(value.x, into: &buf)
+        FfiConverterDouble.write(value.y, into: &buf)
+        FfiConverterDouble.write(value.z, into: &buf)
+        FfiConverterTypeYaw.write(value.yaw, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeAttitudeSample_lift(_ buf: RustBuffer) throws -> AttitudeSample {
+    return try FfiConverterTypeAttitudeSample.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeAttitudeSample_lower(_ value: AttitudeSample) -> RustBuffer {
+    return FfiConverterTypeAttitudeSample.lower(value)
 }
 
 
@@ -1988,6 +2175,75 @@ fileprivate func FfiConverterTypeFitOptions_lower(_ value: FitOptions) -> RustBu
 
 
 /**
+ * A declination that headings from true north have shown.
+ */
+public struct FoundDeclination: Equatable, Hashable, Codable {
+    /**
+     * Degrees, east positive.
+     */
+    public var declinationDeg: Double
+    /**
+     * One standard deviation, degrees.
+     */
+    public var sigmaDeg: Double
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * Degrees, east positive.
+         */declinationDeg: Double,
+        /**
+         * One standard deviation, degrees.
+         */sigmaDeg: Double) {
+        self.declinationDeg = declinationDeg
+        self.sigmaDeg = sigmaDeg
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension FoundDeclination: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeFoundDeclination: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FoundDeclination {
+        return
+            try FoundDeclination(
+                declinationDeg: FfiConverterDouble.read(from: &buf),
+                sigmaDeg: FfiConverterDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: FoundDeclination, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.declinationDeg, into: &buf)
+        FfiConverterDouble.write(value.sigmaDeg, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFoundDeclination_lift(_ buf: RustBuffer) throws -> FoundDeclination {
+    return try FfiConverterTypeFoundDeclination.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclination) -> RustBuffer {
+    return FfiConverterTypeFoundDeclination.lower(value)
+}
+
+
+/**
  * The Earth's field at a place and date.
  */
 public struct GeomagneticField: Equatable, Hashable, Codable {
@@ -2330,6 +2586,107 @@ fileprivate func FfiConverterTypeHeadingFrame_lift(_ buf: RustBuffer) throws -> 
 #endif
 fileprivate func FfiConverterTypeHeadingFrame_lower(_ value: HeadingFrame) -> RustBuffer {
     return FfiConverterTypeHeadingFrame.lower(value)
+}
+
+
+/**
+ * A heading that something else than the magnetometer knows: a GNSS course, a landmark that the user tapped, a corridor of a map.
+ */
+public struct HeadingSample: Equatable, Hashable, Codable {
+    /**
+     * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
+     */
+    public var timeNs: Int64
+    /**
+     * Degrees clockwise from north, -360 to 360.
+     */
+    public var headingDeg: Double
+    /**
+     * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
+     * tell little more than one.
+     */
+    public var sigmaDeg: Double
+    /**
+     * Which north.
+     */
+    public var reference: NorthReference
+    /**
+     * What points there.
+     */
+    public var axis: HeadedAxis
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
+         */timeNs: Int64,
+        /**
+         * Degrees clockwise from north, -360 to 360.
+         */headingDeg: Double,
+        /**
+         * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
+         * tell little more than one.
+         */sigmaDeg: Double,
+        /**
+         * Which north.
+         */reference: NorthReference,
+        /**
+         * What points there.
+         */axis: HeadedAxis) {
+        self.timeNs = timeNs
+        self.headingDeg = headingDeg
+        self.sigmaDeg = sigmaDeg
+        self.reference = reference
+        self.axis = axis
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension HeadingSample: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeHeadingSample: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingSample {
+        return
+            try HeadingSample(
+                timeNs: FfiConverterInt64.read(from: &buf),
+                headingDeg: FfiConverterDouble.read(from: &buf),
+                sigmaDeg: FfiConverterDouble.read(from: &buf),
+                reference: FfiConverterTypeNorthReference.read(from: &buf),
+                axis: FfiConverterTypeHeadedAxis.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: HeadingSample, into buf: inout [UInt8]) {
+        FfiConverterInt64.write(value.timeNs, into: &buf)
+        FfiConverterDouble.write(value.headingDeg, into: &buf)
+        FfiConverterDouble.write(value.sigmaDeg, into: &buf)
+        FfiConverterTypeNorthReference.write(value.reference, into: &buf)
+        FfiConverterTypeHeadedAxis.write(value.axis, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadingSample_lift(_ buf: RustBuffer) throws -> HeadingSample {
+    return try FfiConverterTypeHeadingSample.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadingSample_lower(_ value: HeadingSample) -> RustBuffer {
+    return FfiConverterTypeHeadingSample.lower(value)
 }
 
 
@@ -3941,6 +4298,185 @@ fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBu
 
 
 /**
+ * What a heading from outside is that of.
+ */
+
+public enum HeadedAxis: Equatable, Hashable, Codable {
+
+    /**
+     * A direction of the device: the top edge is (0, 1, 0), the back camera (0, 0, -1).
+     */
+    case device(
+        /**
+         * Of any length but 0, device frame.
+         */axis: Vector3
+    )
+    /**
+     * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
+     * A device that is moved in its holder is noticed.
+     */
+    case vehicle
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension HeadedAxis: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
+    typealias SwiftType = HeadedAxis
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadedAxis {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .device(axis: try FfiConverterTypeVector3.read(from: &buf)
+        )
+
+        case 2: return .vehicle
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: HeadedAxis, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case let .device(axis):
+            writeInt(&buf, Int32(1))
+            FfiConverterTypeVector3.write(axis, into: &buf)
+
+
+        case .vehicle:
+            writeInt(&buf, Int32(2))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadedAxis_lift(_ buf: RustBuffer) throws -> HeadedAxis {
+    return try FfiConverterTypeHeadedAxis.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadedAxis_lower(_ value: HeadedAxis) -> RustBuffer {
+    return FfiConverterTypeHeadedAxis.lower(value)
+}
+
+
+
+/**
+ * What headings from outside are worth. `text` says it in a sentence.
+ */
+
+public enum HeadingAid: Equatable, Hashable, Codable {
+
+    /**
+     * They agree with the magnetometer, which knows north at least as well by itself.
+     */
+    case used
+    /**
+     * North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+     */
+    case leads
+    /**
+     * The latest one contradicts what is known, and is ignored.
+     */
+    case disagrees
+
+
+
+    /**
+     * One sentence an app may show.
+     */
+public var text: String  {
+    return try!  FfiConverterString.lift(try! rustCall() {
+        uniffiCallStatus in
+    uniffi_magcomp_ffi_fn_method_headingaid_text(
+            FfiConverterTypeHeadingAid_lower(self),uniffiCallStatus
+    )
+})
+}
+
+
+
+}
+
+#if compiler(>=6)
+extension HeadingAid: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeHeadingAid: FfiConverterRustBuffer {
+    typealias SwiftType = HeadingAid
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingAid {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .used
+
+        case 2: return .leads
+
+        case 3: return .disagrees
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: HeadingAid, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .used:
+            writeInt(&buf, Int32(1))
+
+
+        case .leads:
+            writeInt(&buf, Int32(2))
+
+
+        case .disagrees:
+            writeInt(&buf, Int32(3))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadingAid_lift(_ buf: RustBuffer) throws -> HeadingAid {
+    return try FfiConverterTypeHeadingAid.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeHeadingAid_lower(_ value: HeadingAid) -> RustBuffer {
+    return FfiConverterTypeHeadingAid.lower(value)
+}
+
+
+
+/**
  * Why nothing is learned at the moment.
  */
 
@@ -4576,6 +5112,81 @@ fileprivate func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> 
 
 
 /**
+ * The north that a heading counts from.
+ */
+
+public enum NorthReference: Equatable, Hashable, Codable {
+
+    /**
+     * True north, as of maps and GNSS. While no declination is set it is learned from these headings.
+     */
+    case `true`
+    /**
+     * Magnetic north.
+     */
+    case magnetic
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension NorthReference: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeNorthReference: FfiConverterRustBuffer {
+    typealias SwiftType = NorthReference
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> NorthReference {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .`true`
+
+        case 2: return .magnetic
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: NorthReference, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .`true`:
+            writeInt(&buf, Int32(1))
+
+
+        case .magnetic:
+            writeInt(&buf, Int32(2))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeNorthReference_lift(_ buf: RustBuffer) throws -> NorthReference {
+    return try FfiConverterTypeNorthReference.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeNorthReference_lower(_ value: NorthReference) -> RustBuffer {
+    return FfiConverterTypeNorthReference.lower(value)
+}
+
+
+
+/**
  * The axis of the device whose heading is reported.
  */
 
@@ -5186,6 +5797,91 @@ fileprivate func FfiConverterTypeTermination_lower(_ value: Termination) -> Rust
 }
 
 
+
+/**
+ * What is known of the y axis of an outside world.
+ */
+
+public enum Yaw: Equatable, Hashable, Codable {
+
+    /**
+     * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
+     */
+    case relative
+    /**
+     * It points north.
+     */
+    case absolute(
+        /**
+         * One standard deviation, degrees, as that of a `HeadingSample`.
+         */sigmaDeg: Double,
+        /**
+         * Which north.
+         */reference: NorthReference
+    )
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension Yaw: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
+    typealias SwiftType = Yaw
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Yaw {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .relative
+
+        case 2: return .absolute(sigmaDeg: try FfiConverterDouble.read(from: &buf), reference: try FfiConverterTypeNorthReference.read(from: &buf)
+        )
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: Yaw, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .relative:
+            writeInt(&buf, Int32(1))
+
+
+        case let .absolute(sigmaDeg,reference):
+            writeInt(&buf, Int32(2))
+            FfiConverterDouble.write(sigmaDeg, into: &buf)
+            FfiConverterTypeNorthReference.write(reference, into: &buf)
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeYaw_lift(_ buf: RustBuffer) throws -> Yaw {
+    return try FfiConverterTypeYaw.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeYaw_lower(_ value: Yaw) -> RustBuffer {
+    return FfiConverterTypeYaw.lower(value)
+}
+
+
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
@@ -5429,6 +6125,30 @@ fileprivate struct FfiConverterOptionTypeFitOptions: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeFoundDeclination: FfiConverterRustBuffer {
+    typealias SwiftType = FoundDeclination?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeFoundDeclination.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeFoundDeclination.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeHeading: FfiConverterRustBuffer {
     typealias SwiftType = Heading?
 
@@ -5541,6 +6261,30 @@ fileprivate struct FfiConverterOptionTypeCompensationMethod: FfiConverterRustBuf
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterTypeCompensationMethod.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionTypeHeadingAid: FfiConverterRustBuffer {
+    typealias SwiftType = HeadingAid?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeHeadingAid.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeHeadingAid.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -5918,6 +6662,18 @@ private let initializationResult: InitializationResult = {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_shut_down() != 5850) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_found_declination() != 51137) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() != 17167) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push_attitude() != 21175) {
+        return InitializationResult.apiChecksumMismatch
+    }
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push_heading() != 33979) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_add() != 32779) {

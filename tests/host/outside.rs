@@ -46,6 +46,28 @@ fn turns_of_a_camera_stand_in_for_a_gyroscope() {
     assert_eq!(with.heading_aid(), None);
 }
 
+/// The camera's world is another one after a sleep: what it seems to have turned by belongs to no time.
+#[test]
+fn no_turn_of_a_camera_reaches_across_a_gap() {
+    let (mut phone, mut compensator) = (phone(5), compensator());
+    phone.gyroscope = false;
+    let run = |compensator: &mut Compensator, phone: &mut Phone, turned_deg: f64| {
+        let mut reading = None;
+        for _ in 0..3000 {
+            compensator.push_attitude(seen(phone, Yaw::Relative, turned_deg)).unwrap();
+            reading = Some(phone.advance(compensator));
+        }
+        reading.unwrap().heading.unwrap().heading_deg
+    };
+    run(&mut compensator, &mut phone, 0.0);
+    compensator.push_gap(60.0).unwrap();
+    let (mut same, mut other) = (compensator.clone(), phone.clone());
+    let same_deg = run(&mut same, &mut other, 0.0);
+    let another_deg = run(&mut compensator, &mut phone, 100.0);
+    assert!((same_deg - another_deg).abs() < 1e-6, "{same_deg} {another_deg}");
+    assert!(off_deg(same_deg, &phone).abs() < 3.0);
+}
+
 #[test]
 fn beside_a_gyroscope_a_relative_orientation_changes_nothing() {
     let (mut phone, mut with, mut without) = (phone(2), compensator(), compensator());
@@ -101,12 +123,16 @@ fn what_is_refused_changes_nothing() {
         compensator.push_heading(HeadingSample { time_ns: phone.time_ns - 6_000_000_000, ..heading }),
         compensator.push_attitude(seen(&phone, Yaw::Absolute { sigma_deg: 0.0, reference: NorthReference::True }, 0.0)),
         compensator.push_attitude(AttitudeSample {
+            time_ns: phone.time_ns + 11_000_000_000,
+            ..seen(&phone, Yaw::Relative, 0.0)
+        }),
+        compensator.push_attitude(AttitudeSample {
             to_world: UnitQuaternion::new_unchecked(magcomp::nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0)),
             ..seen(&phone, Yaw::Relative, 0.0)
         }),
     ];
     use EventRejection::{Ahead, Late, NotFinite, OutOfRange};
-    assert_eq!(refused, [NotFinite, OutOfRange, Ahead, Late, OutOfRange, NotFinite].map(Err));
+    assert_eq!(refused, [NotFinite, OutOfRange, Ahead, Late, OutOfRange, Ahead, NotFinite].map(Err));
     assert_eq!(compensator, before);
     compensator.push_heading(heading).unwrap();
     assert_ne!(compensator, before);

@@ -180,6 +180,14 @@ impl Compensator {
         })
     }
 
+    /// What the core answers.
+    pub(crate) fn with_core<R>(
+        &self,
+        answer: impl FnOnce(&mut magcomp::Compensator) -> Result<R, MagcompError>,
+    ) -> Result<R, MagcompError> {
+        self.running.with(|running| answer(&mut running.core))
+    }
+
     /// Runs an action that panics, to show what happens then.
     #[cfg(feature = "test-hooks")]
     pub(crate) fn panic_on_purpose(&self) -> Result<(), MagcompError> {

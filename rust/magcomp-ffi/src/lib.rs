@@ -22,6 +22,7 @@ mod handles;
 #[cfg(not(target_vendor = "apple"))]
 mod java;
 mod logging;
+mod outside;
 mod record;
 mod status;
 
@@ -31,6 +32,7 @@ pub use constant_field::ConstantField;
 pub use error::MagcompError;
 pub use geomagnetic::{GeomagneticField, geomagnetic_field};
 pub use logging::{LogLevel, start_logging};
+pub use outside::{AttitudeSample, FoundDeclination, HeadedAxis, HeadingAid, HeadingSample, NorthReference, Yaw};
 pub use record::{
     Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, ReferenceAxis, RotationRateSample,
     ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,

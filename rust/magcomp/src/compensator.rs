@@ -1,13 +1,14 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
 //! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
-//! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `assemble` (heading and
-//! attitude), `tuning` (every choice).
+//! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `outside` (headings and
+//! orientations from outside), `assemble` (heading and attitude), `tuning` (every choice).
 
 mod adopted;
 mod assemble;
 mod belief;
 mod check;
 mod keep;
+mod outside;
 mod presence;
 mod tuning;
 
@@ -21,13 +22,14 @@ use crate::explanation::Explanation;
 use crate::heading::HeadingConfig;
 use crate::north::North;
 use crate::range::ConfigError;
-use crate::reading::{Event, HeadingAid, Reading, RejectReason, SensorMode, Status};
-use crate::sample::{AttitudeSample, HeadedAxis, HeadingSample, MagneticSample, RotationRateSample, UpSample, Yaw};
-use crate::sensing::pairing::{EventRejection, InertialPairing, STALE_S};
+use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
+use crate::sample::{MagneticSample, RotationRateSample, UpSample};
+use crate::sensing::pairing::{EventRejection, InertialPairing};
+use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
 use belief::Belief;
 use check::Stream;
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::SMatrix;
 use presence::Presence;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
@@ -69,9 +71,7 @@ pub struct Compensator {
     estimator: Box<Estimator>,
     guidance: Guidance,
     north: North,
-    /// The latest orientation from outside, and the latest event of the gyroscope itself.
-    outside: Option<AttitudeSample>,
-    gyroscope_ns: Option<i64>,
+    stand_in: StandIn,
     mode: SensorMode,
     event: Option<Event>,
 }
@@ -101,8 +101,7 @@ impl Compensator {
             estimator: Box::new(estimator(&config, tunings)),
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
             north: North::default(),
-            outside: None,
-            gyroscope_ns: None,
+            stand_in: StandIn::default(),
             mode: SensorMode::default(),
             event: None,
             config,
@@ -121,7 +120,7 @@ impl Compensator {
         self.estimator.restart();
         self.guidance.restart();
         self.north = North::default();
-        (self.outside, self.gyroscope_ns) = (None, None);
+        self.stand_in = StandIn::default();
         (self.mode, self.event) = (SensorMode::default(), None);
         self.adopt_initial();
     }
@@ -148,7 +147,7 @@ impl Compensator {
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_rotation_rate(&mut self, sample: RotationRateSample) -> Result<(), EventRejection> {
         self.pairing.push_rotation_rate(sample.time_ns, sample.rate_rad_s)?;
-        self.gyroscope_ns = Some(sample.time_ns);
+        self.stand_in.hear_gyroscope(sample.time_ns);
         Ok(())
     }
 
@@ -158,65 +157,6 @@ impl Compensator {
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_up(&mut self, sample: UpSample) -> Result<(), EventRejection> {
         self.pairing.push_up(sample.time_ns, sample.up_m_s2)
-    }
-
-    /// A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
-    ///
-    /// North is carried by the gyroscope from one to the next; without a gyroscope they are not used. One that contradicts what is known is
-    /// ignored ([`Self::heading_aid`]), unless others say the same for a minute. `filtered_field_ut`, heading and attitude go by it; the calibration
-    /// and `field_ut` do not.
-    ///
-    /// # Errors
-    /// [`EventRejection`] says why it was not taken; nothing has changed then.
-    pub fn push_heading(&mut self, sample: HeadingSample) -> Result<(), EventRejection> {
-        self.north.push(sample, self.stream.latest_ns())
-    }
-
-    /// An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
-    /// north it is a heading too, of the device's most horizontal axis, as of [`Self::push_heading`].
-    ///
-    /// # Errors
-    /// [`EventRejection`] says why it was not taken; nothing has changed then.
-    pub fn push_attitude(&mut self, sample: AttitudeSample) -> Result<(), EventRejection> {
-        let AttitudeSample { time_ns, to_world, yaw } = sample;
-        if !to_world.coords.iter().all(|it| it.is_finite()) {
-            return Err(EventRejection::NotFinite);
-        }
-        if self.outside.is_some_and(|before| time_ns <= before.time_ns) {
-            return Err(EventRejection::Late);
-        }
-        if let Yaw::Absolute { sigma_deg, reference } = yaw {
-            let axis = Vector3::ith((to_world.inverse() * Vector3::z()).iamin(), 1.0);
-            let pointing = to_world * axis;
-            let heading_deg = pointing.x.atan2(pointing.y).to_degrees();
-            let axis = HeadedAxis::Device(axis);
-            self.push_heading(HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis })?;
-        }
-        let before = self.outside.replace(sample);
-        let is_missing =
-            |at_ns: i64| self.gyroscope_ns.is_none_or(|it| at_ns.saturating_sub(it) as f64 * 1e-9 > STALE_S);
-        let Some(before) = before.filter(|_| is_missing(time_ns)) else { return Ok(()) };
-        let span_ns = time_ns.saturating_sub(before.time_ns);
-        if span_ns as f64 * 1e-9 > STALE_S {
-            return Ok(());
-        }
-        // the mean rate of the time between is that of its middle
-        let rate_rad_s = (before.to_world.inverse() * to_world).scaled_axis() / (span_ns as f64 * 1e-9);
-        let _ = self.pairing.push_rotation_rate(before.time_ns + span_ns / 2, rate_rad_s);
-        Ok(())
-    }
-
-    /// What headings from outside are worth after the latest sample. None where none came in the last two minutes.
-    #[must_use]
-    pub fn heading_aid(&self) -> Option<HeadingAid> {
-        self.north.aid(self.stream.latest_ns()?)
-    }
-
-    /// The declination that true headings from outside have shown, degrees, east positive, and its standard deviation. None before the first,
-    /// and while `HeadingConfig::declination_deg` is set.
-    #[must_use]
-    pub fn found_declination_deg(&self) -> Option<(f64, f64)> {
-        self.north.declination_deg().filter(|_| self.config.heading.declination_deg.is_none())
     }
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50

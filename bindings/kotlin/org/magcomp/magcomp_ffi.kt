@@ -722,6 +722,14 @@ internal object IntegrityCheckingUniffiLib {
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_compensator_shut_down(
     ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_found_declination(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_heading_aid(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_push_attitude(
+    ): Int
+    external fun uniffi_magcomp_ffi_checksum_method_compensator_push_heading(
+    ): Int
     external fun uniffi_magcomp_ffi_checksum_method_constantfield_add(
     ): Int
     external fun uniffi_magcomp_ffi_checksum_method_constantfield_coverage(
@@ -796,6 +804,14 @@ internal object UniffiLib {
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_compensator_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
+    external fun uniffi_magcomp_ffi_fn_method_compensator_found_declination(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_heading_aid(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_compensator_push_attitude(`ptr`: Long,`sample`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
+    external fun uniffi_magcomp_ffi_fn_method_compensator_push_heading(`ptr`: Long,`sample`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): Unit
     external fun uniffi_magcomp_ffi_fn_clone_constantfield(`handle`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Long
     external fun uniffi_magcomp_ffi_fn_free_constantfield(`handle`: Long,uniffi_out_err: UniffiRustCallStatus,
@@ -815,6 +831,8 @@ internal object UniffiLib {
     external fun uniffi_magcomp_ffi_fn_method_constantfield_shut_down(`ptr`: Long,uniffi_out_err: UniffiRustCallStatus,
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_magcomperror_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_headingaid_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_eventrejection_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
@@ -1026,6 +1044,18 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_shut_down() and 0xFFFF) != 5850) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_found_declination() and 0xFFFF) != 51137) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() and 0xFFFF) != 17167) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_attitude() and 0xFFFF) != 21175) {
+        throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
+    }
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_heading() and 0xFFFF) != 33979) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_add() and 0xFFFF) != 32779) {
@@ -1553,6 +1583,30 @@ internal interface NativeCompensatorInterface {
      */
     fun `shutDown`()
 
+    /**
+     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     */
+    fun `foundDeclination`(): FoundDeclination?
+
+    /**
+     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     */
+    fun `headingAid`(): HeadingAid?
+
+    /**
+     * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
+     * north it is a heading too. Fails with `EventRejected`, which says why it was not taken.
+     */
+    fun `pushAttitude`(`sample`: AttitudeSample)
+
+    /**
+     * A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
+     * North is carried by the gyroscope from one to the next; without a gyroscope they are not used. One that contradicts what is known is
+     * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
+     * field do not. Fails with `EventRejected`, which says why it was not taken.
+     */
+    fun `pushHeading`(`sample`: HeadingSample)
+
     companion object
 }
 
@@ -1953,6 +2007,78 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_shut_down(
         it,
         _status)
+}
+    }
+
+
+
+
+    /**
+     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     */
+    @Throws(MagcompException::class)override fun `foundDeclination`(): FoundDeclination? {
+            return FfiConverterOptionalTypeFoundDeclination.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_found_declination(
+        it,
+        _status)
+}
+    }
+    )
+    }
+
+
+
+    /**
+     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     */
+    @Throws(MagcompException::class)override fun `headingAid`(): HeadingAid? {
+            return FfiConverterOptionalTypeHeadingAid.lift(
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_heading_aid(
+        it,
+        _status)
+}
+    }
+    )
+    }
+
+
+
+    /**
+     * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
+     * north it is a heading too. Fails with `EventRejected`, which says why it was not taken.
+     */
+    @Throws(MagcompException::class)override fun `pushAttitude`(`sample`: AttitudeSample)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_push_attitude(
+        it,
+
+        FfiConverterTypeAttitudeSample.lower(`sample`),_status)
+}
+    }
+
+
+
+
+    /**
+     * A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
+     * North is carried by the gyroscope from one to the next; without a gyroscope they are not used. One that contradicts what is known is
+     * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
+     * field do not. Fails with `EventRejected`, which says why it was not taken.
+     */
+    @Throws(MagcompException::class)override fun `pushHeading`(`sample`: HeadingSample)
+        =
+    callWithHandle {
+    uniffiRustCallWithError(MagcompException) { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_push_heading(
+        it,
+
+        FfiConverterTypeHeadingSample.lower(`sample`),_status)
 }
     }
 
@@ -2463,6 +2589,86 @@ internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
 
 
 /**
+ * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
+ */
+data class AttitudeSample (
+    /**
+     * When it was true, nanoseconds, on the magnetometer's clock.
+     */
+    val `timeNs`: kotlin.Long
+    ,
+    /**
+     * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
+     * any length but 0.
+     */
+    val `w`: kotlin.Double
+    ,
+    /**
+     * The part of i.
+     */
+    val `x`: kotlin.Double
+    ,
+    /**
+     * The part of j.
+     */
+    val `y`: kotlin.Double
+    ,
+    /**
+     * The part of k.
+     */
+    val `z`: kotlin.Double
+    ,
+    /**
+     * What is known of that world's y axis.
+     */
+    val `yaw`: Yaw
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeAttitudeSample: FfiConverterRustBuffer<AttitudeSample> {
+    override fun read(buf: ByteBuffer): AttitudeSample {
+        return AttitudeSample(
+            FfiConverterLong.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterTypeYaw.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: AttitudeSample) = (
+            FfiConverterLong.allocationSize(value.`timeNs`) +
+            FfiConverterDouble.allocationSize(value.`w`) +
+            FfiConverterDouble.allocationSize(value.`x`) +
+            FfiConverterDouble.allocationSize(value.`y`) +
+            FfiConverterDouble.allocationSize(value.`z`) +
+            FfiConverterTypeYaw.allocationSize(value.`yaw`)
+    )
+
+    override fun write(value: AttitudeSample, buf: ByteBuffer) {
+            FfiConverterLong.write(value.`timeNs`, buf)
+            FfiConverterDouble.write(value.`w`, buf)
+            FfiConverterDouble.write(value.`x`, buf)
+            FfiConverterDouble.write(value.`y`, buf)
+            FfiConverterDouble.write(value.`z`, buf)
+            FfiConverterTypeYaw.write(value.`yaw`, buf)
+    }
+}
+
+
+
+/**
  * Raw field = soft iron * field + hard iron.
  */
 data class Calibration (
@@ -2929,6 +3135,53 @@ internal object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
 
 
 /**
+ * A declination that headings from true north have shown.
+ */
+data class FoundDeclination (
+    /**
+     * Degrees, east positive.
+     */
+    val `declinationDeg`: kotlin.Double
+    ,
+    /**
+     * One standard deviation, degrees.
+     */
+    val `sigmaDeg`: kotlin.Double
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeFoundDeclination: FfiConverterRustBuffer<FoundDeclination> {
+    override fun read(buf: ByteBuffer): FoundDeclination {
+        return FoundDeclination(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: FoundDeclination) = (
+            FfiConverterDouble.allocationSize(value.`declinationDeg`) +
+            FfiConverterDouble.allocationSize(value.`sigmaDeg`)
+    )
+
+    override fun write(value: FoundDeclination, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`declinationDeg`, buf)
+            FfiConverterDouble.write(value.`sigmaDeg`, buf)
+    }
+}
+
+
+
+/**
  * The Earth's field at a place and date.
  */
 data class GeomagneticField (
@@ -3167,6 +3420,78 @@ internal object FfiConverterTypeHeadingFrame: FfiConverterRustBuffer<HeadingFram
             FfiConverterTypeReferenceAxis.write(value.`axis`, buf)
             FfiConverterTypeScreenRotation.write(value.`screenRotation`, buf)
             FfiConverterOptionalDouble.write(value.`declinationDeg`, buf)
+    }
+}
+
+
+
+/**
+ * A heading that something else than the magnetometer knows: a GNSS course, a landmark that the user tapped, a corridor of a map.
+ */
+data class HeadingSample (
+    /**
+     * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
+     */
+    val `timeNs`: kotlin.Long
+    ,
+    /**
+     * Degrees clockwise from north, -360 to 360.
+     */
+    val `headingDeg`: kotlin.Double
+    ,
+    /**
+     * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
+     * tell little more than one.
+     */
+    val `sigmaDeg`: kotlin.Double
+    ,
+    /**
+     * Which north.
+     */
+    val `reference`: NorthReference
+    ,
+    /**
+     * What points there.
+     */
+    val `axis`: HeadedAxis
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeHeadingSample: FfiConverterRustBuffer<HeadingSample> {
+    override fun read(buf: ByteBuffer): HeadingSample {
+        return HeadingSample(
+            FfiConverterLong.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterTypeNorthReference.read(buf),
+            FfiConverterTypeHeadedAxis.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: HeadingSample) = (
+            FfiConverterLong.allocationSize(value.`timeNs`) +
+            FfiConverterDouble.allocationSize(value.`headingDeg`) +
+            FfiConverterDouble.allocationSize(value.`sigmaDeg`) +
+            FfiConverterTypeNorthReference.allocationSize(value.`reference`) +
+            FfiConverterTypeHeadedAxis.allocationSize(value.`axis`)
+    )
+
+    override fun write(value: HeadingSample, buf: ByteBuffer) {
+            FfiConverterLong.write(value.`timeNs`, buf)
+            FfiConverterDouble.write(value.`headingDeg`, buf)
+            FfiConverterDouble.write(value.`sigmaDeg`, buf)
+            FfiConverterTypeNorthReference.write(value.`reference`, buf)
+            FfiConverterTypeHeadedAxis.write(value.`axis`, buf)
     }
 }
 
@@ -4142,6 +4467,154 @@ internal object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
 
 
 /**
+ * What a heading from outside is that of.
+ */
+sealed class HeadedAxis {
+
+    /**
+     * A direction of the device: the top edge is (0, 1, 0), the back camera (0, 0, -1).
+     */
+    data class Device(
+        /**
+         * Of any length but 0, device frame.
+         */
+        val `axis`: org.magcomp.Vector3) : HeadedAxis()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
+     * A device that is moved in its holder is noticed.
+     */
+    object Vehicle : HeadedAxis()
+
+
+
+
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeHeadedAxis : FfiConverterRustBuffer<HeadedAxis>{
+    override fun read(buf: ByteBuffer): HeadedAxis {
+        return when(buf.getInt()) {
+            1 -> HeadedAxis.Device(
+                FfiConverterTypeVector3.read(buf),
+                )
+            2 -> HeadedAxis.Vehicle
+            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
+        }
+    }
+
+    override fun allocationSize(value: HeadedAxis): ULong = when(value) {
+        is HeadedAxis.Device -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeVector3.allocationSize(value.`axis`)
+            )
+        }
+        is HeadedAxis.Vehicle -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+    }
+
+    override fun write(value: HeadedAxis, buf: ByteBuffer) {
+        when(value) {
+            is HeadedAxis.Device -> {
+                buf.putInt(1)
+                FfiConverterTypeVector3.write(value.`axis`, buf)
+                Unit
+            }
+            is HeadedAxis.Vehicle -> {
+                buf.putInt(2)
+                Unit
+            }
+        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
+
+
+
+/**
+ * What headings from outside are worth. `text()` says it in a sentence.
+ */
+
+enum class HeadingAid {
+
+    /**
+     * They agree with the magnetometer, which knows north at least as well by itself.
+     */
+    USED,
+    /**
+     * North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+     */
+    LEADS,
+    /**
+     * The latest one contradicts what is known, and is ignored.
+     */
+    DISAGREES;
+
+
+    /**
+     * One sentence an app may show.
+     */ fun `text`(): kotlin.String {
+            return FfiConverterString.lift(
+    uniffiRustCall() { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_headingaid_text(FfiConverterTypeHeadingAid.lower(this),
+        _status)
+}
+    )
+    }
+
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeHeadingAid: FfiConverterRustBuffer<HeadingAid> {
+    override fun read(buf: ByteBuffer) = try {
+
+        HeadingAid.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: HeadingAid) = 4UL
+
+    override fun write(value: HeadingAid, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * Why nothing is learned at the moment.
  */
 sealed class HoldReason {
@@ -4980,6 +5453,51 @@ internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<Normalisat
 
 
 /**
+ * The north that a heading counts from.
+ */
+
+enum class NorthReference {
+
+    /**
+     * True north, as of maps and GNSS. While no declination is set it is learned from these headings.
+     */
+    TRUE,
+    /**
+     * Magnetic north.
+     */
+    MAGNETIC;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeNorthReference: FfiConverterRustBuffer<NorthReference> {
+    override fun read(buf: ByteBuffer) = try {
+
+        NorthReference.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: NorthReference) = 4UL
+
+    override fun write(value: NorthReference, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * The axis of the device whose heading is reported.
  */
 
@@ -5713,6 +6231,98 @@ internal object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination>
 
 
 
+/**
+ * What is known of the y axis of an outside world.
+ */
+sealed class Yaw {
+
+    /**
+     * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
+     */
+    object Relative : Yaw()
+
+
+    /**
+     * It points north.
+     */
+    data class Absolute(
+        /**
+         * One standard deviation, degrees, as that of a `HeadingSample`.
+         */
+        val `sigmaDeg`: kotlin.Double,
+        /**
+         * Which north.
+         */
+        val `reference`: org.magcomp.NorthReference) : Yaw()
+
+    {
+
+
+        companion object
+    }
+
+
+
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeYaw : FfiConverterRustBuffer<Yaw>{
+    override fun read(buf: ByteBuffer): Yaw {
+        return when(buf.getInt()) {
+            1 -> Yaw.Relative
+            2 -> Yaw.Absolute(
+                FfiConverterDouble.read(buf),
+                FfiConverterTypeNorthReference.read(buf),
+                )
+            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
+        }
+    }
+
+    override fun allocationSize(value: Yaw): ULong = when(value) {
+        is Yaw.Relative -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is Yaw.Absolute -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterDouble.allocationSize(value.`sigmaDeg`)
+                + FfiConverterTypeNorthReference.allocationSize(value.`reference`)
+            )
+        }
+    }
+
+    override fun write(value: Yaw, buf: ByteBuffer) {
+        when(value) {
+            is Yaw.Relative -> {
+                buf.putInt(1)
+                Unit
+            }
+            is Yaw.Absolute -> {
+                buf.putInt(2)
+                FfiConverterDouble.write(value.`sigmaDeg`, buf)
+                FfiConverterTypeNorthReference.write(value.`reference`, buf)
+                Unit
+            }
+        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
+
+
+
 
 /**
  * @suppress
@@ -6037,6 +6647,38 @@ internal object FfiConverterOptionalTypeFitOptions: FfiConverterRustBuffer<FitOp
 /**
  * @suppress
  */
+internal object FfiConverterOptionalTypeFoundDeclination: FfiConverterRustBuffer<FoundDeclination?> {
+    override fun read(buf: ByteBuffer): FoundDeclination? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeFoundDeclination.read(buf)
+    }
+
+    override fun allocationSize(value: FoundDeclination?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeFoundDeclination.allocationSize(value)
+        }
+    }
+
+    override fun write(value: FoundDeclination?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeFoundDeclination.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?> {
     override fun read(buf: ByteBuffer): Heading? {
         if (buf.get().toInt() == 0) {
@@ -6155,6 +6797,38 @@ internal object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<W
         } else {
             buf.put(1)
             FfiConverterTypeWindowedConfig.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalTypeHeadingAid: FfiConverterRustBuffer<HeadingAid?> {
+    override fun read(buf: ByteBuffer): HeadingAid? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeHeadingAid.read(buf)
+    }
+
+    override fun allocationSize(value: HeadingAid?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeHeadingAid.allocationSize(value)
+        }
+    }
+
+    override fun write(value: HeadingAid?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeHeadingAid.write(value, buf)
         }
     }
 }

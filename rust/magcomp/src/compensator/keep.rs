@@ -59,6 +59,7 @@ impl Compensator {
         in_range("hidden_s", hidden_s, 0.0..=1e9, "s")?;
         self.presence.pause();
         self.pairing.pause();
+        self.stand_in.pause();
         self.north.pause();
         let Some(given) = self.estimator.in_force() else { return Ok(()) };
         let kept = KeptCalibration::learned(given.calibration, given.covariance, self.belief.inclination_deg, 0);

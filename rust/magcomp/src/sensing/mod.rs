@@ -1,7 +1,9 @@
 //! Events of the sensors on their way to an estimator: put in the order of their times (`order`), brought together
-//! by time (`pairing`), and how far gravity is to be trusted while the device moves (`tilt`).
+//! by time (`pairing`), how far gravity is to be trusted while the device moves (`tilt`), and a camera's turns where
+//! the gyroscope is missing (`stand_in`).
 
 pub(crate) mod order;
 pub(crate) mod pairing;
+pub(crate) mod stand_in;
 pub(crate) mod tilt;
 mod tuning;

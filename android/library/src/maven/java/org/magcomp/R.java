@@ -33,12 +33,15 @@ final class R {
         static int magcomp_event_device_step = 0x7f0e001b;
         static int magcomp_event_device_step_back = 0x7f0e001c;
         static int magcomp_event_place_changed = 0x7f0e001d;
-        static int magcomp_guidance_turn = 0x7f0e001e;
-        static int magcomp_guidance_eight = 0x7f0e001f;
-        static int magcomp_guidance_pick_up = 0x7f0e0020;
-        static int magcomp_guidance_walk_away = 0x7f0e0021;
-        static int magcomp_spoken_heading = 0x7f0e0022;
-        static int magcomp_spoken_no_heading = 0x7f0e0023;
-        static int magcomp_starting = 0x7f0e0024;
+        static int magcomp_aid_used = 0x7f0e001e;
+        static int magcomp_aid_leads = 0x7f0e001f;
+        static int magcomp_aid_disagrees = 0x7f0e0020;
+        static int magcomp_guidance_turn = 0x7f0e0021;
+        static int magcomp_guidance_eight = 0x7f0e0022;
+        static int magcomp_guidance_pick_up = 0x7f0e0023;
+        static int magcomp_guidance_walk_away = 0x7f0e0024;
+        static int magcomp_spoken_heading = 0x7f0e0025;
+        static int magcomp_spoken_no_heading = 0x7f0e0026;
+        static int magcomp_starting = 0x7f0e0027;
     }
 }
