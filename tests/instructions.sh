@@ -25,6 +25,7 @@ push_100=$(per_sample push-100 100 1100)
 push_2000=$(per_sample push-2000 100 1100)
 aided=$(per_sample aided 10 4010)
 adaptive=$(per_sample adaptive 10 4010)
+vqf=$(per_sample vqf 10 4010)
 ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
 echo "instructions per sample"
 echo "  fitting part (moments and iterations), window 100    $fit_100"
@@ -34,3 +35,4 @@ echo "  whole push, window 100                               $push_100"
 echo "  whole push, window 2000                              $push_2000   $(ratio "$push_2000" "$push_100") times that of 100"
 echo "  whole push, hand-held, aided, a step every 10 s      $aided"
 echo "  the same, adaptive                                   $adaptive"
+echo "  the same, VQF (the crate vqf-rs)                     $vqf   aided takes $(ratio "$aided" "$vqf") times that"

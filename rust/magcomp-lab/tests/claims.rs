@@ -286,3 +286,33 @@ fn the_readmes_recordings_are_those_of_the_command() {
     }
     assert_eq!(rows.len(), 2);
 }
+
+/// docs/COMPARISON.md has the tables that the command prints of the recordings that are here, to a last digit.
+#[test]
+fn the_comparison_is_that_of_the_command() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = fs::read_to_string(root.join("docs/COMPARISON.md")).expect("docs/COMPARISON.md");
+    let page =
+        page.split("## A sensor with magnets").nth(1).and_then(|rest| rest.split("## Phones").next()).expect("it");
+    let arguments = ["compare", "--recordings", "tests/recordings", "--markdown"];
+    let printed = Command::cargo_bin("magcomp").unwrap().args(arguments).current_dir(root).output().unwrap();
+    let printed = String::from_utf8(printed.stdout).expect("text");
+    let rows = |text: &str| -> Vec<Vec<String>> {
+        let rows = text.lines().filter(|line| line.starts_with("| "));
+        rows.map(|row| row.split(['|', '/']).map(|cell| cell.trim().to_owned()).collect()).collect()
+    };
+    let (shown, found) = (rows(page), rows(&printed));
+    assert_eq!(shown.len(), found.len());
+    for (shown, found) in shown.iter().zip(&found) {
+        assert_eq!(shown.len(), found.len(), "{shown:?} {found:?}");
+        for (shown, found) in shown.iter().zip(found) {
+            let is_near = |shown: f64, found: f64| (shown - found).abs() < 0.11;
+            let both = shown.parse().ok().zip(found.parse().ok());
+            assert!(
+                both.map_or(shown == found, |(shown, found)| is_near(shown, found)),
+                "{shown} is shown, {found} found"
+            );
+        }
+    }
+    assert!(found.len() > 20, "{printed}");
+}

@@ -1,6 +1,6 @@
 //! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
 //!
-//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided adaptive.
+//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided adaptive vqf.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
@@ -8,11 +8,12 @@ mod common;
 use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, turning, warm_start};
 use magcomp::{Compensator, Config, MagneticSample, Method, Moments, Residual};
 use std::hint::black_box;
+use vqf_rs::VQF;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
-        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided|adaptive COUNT");
+        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided|adaptive|vqf COUNT");
         std::process::exit(2);
     };
     match case.as_str() {
@@ -22,6 +23,7 @@ fn main() {
         "push-2000" => push(2000, count),
         "aided" => hand_held(Method::Auto, count),
         "adaptive" => hand_held(Method::Adaptive, count),
+        "vqf" => vqf(count),
         _ => direct(count),
     }
 }
@@ -63,6 +65,15 @@ fn hand_held(method: Method, count: usize) {
         compensator.push_rotation_rate(rate).expect("a plausible rate");
         compensator.push_up(up).expect("a plausible acceleration");
         black_box(compensator.push(sample));
+    }
+}
+
+/// VQF on the same stream, for comparison.
+fn vqf(count: usize) {
+    let mut filter = VQF::new(0.01, Some(0.01), Some(0.01), None);
+    for (rate, up, sample) in turning(8000)[..3000 + count].iter().copied() {
+        filter.update(rate.rate_rad_s.into(), up.up_m_s2.into(), Some(sample.field_ut.into()));
+        black_box(filter.quat_9d());
     }
 }
 

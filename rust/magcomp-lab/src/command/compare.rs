@@ -1,6 +1,7 @@
 //! `magcomp compare`.
 
 use super::common::{Common, finite, refuse_outputs, warn};
+use super::compare_folder::CompareFolder;
 use crate::baseline::Contestant;
 use crate::catalogue::{COMPARED, Variant, find};
 use crate::error::LabError;
@@ -38,9 +39,11 @@ pub(super) struct Compare {
     /// Signal-to-noise ratio of a scenario, dB; 30, or 40 for the phones, when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
-    /// Scenarios: print the overview alone, as markdown
+    /// Scenarios: print the overview alone, as markdown; a folder: print its tables as markdown
     #[arg(long, conflicts_with_all = ["recordings", "json"])]
     markdown: bool,
+    #[command(flatten)]
+    folder: CompareFolder,
     #[command(flatten)]
     common: Common,
 }
@@ -72,6 +75,9 @@ const BOTH: [Given; 2] = [Given::Magnetometer, Given::Inertial];
 
 impl Compare {
     pub fn run(self) -> Result<(), LabError> {
+        if let Some(folder) = self.folder.folder() {
+            return self.folder.run(folder, self.markdown, &self.common);
+        }
         if self.recordings.is_empty() { self.scenarios() } else { self.recorded() }
     }
 

@@ -2,6 +2,7 @@
 
 mod common;
 mod compare;
+mod compare_folder;
 mod crb;
 mod demo;
 mod evaluate;

@@ -12,9 +12,9 @@ use serde::Serialize;
 /// Share of a recording with a reference to learn from.
 const LEARNED: f64 = 0.4;
 /// Noise given to the Kalman filters, uT: that of phones' magnetometers.
-const NOISE_UT: f64 = 0.5;
+pub const NOISE_UT: f64 = 0.5;
 /// Field strength they start from, uT.
-const FIELD_UT: f64 = 50.0;
+pub const FIELD_UT: f64 = 50.0;
 /// Dip of the directions the network learns, degrees: that of central Europe. North is the reference's.
 const DIP_DEG: f64 = 65.0;
 
@@ -25,7 +25,7 @@ fn middle(contestant: Contestant) -> f64 {
 }
 
 /// Gives a method the events of gyroscope and accelerometer up to a row.
-fn push_inertial(method: &mut dyn Baseline, row: &Row) {
+pub fn push_inertial(method: &mut dyn Baseline, row: &Row) {
     let usable = |v: &Vector3<f64>| v.iter().all(|value| value.is_finite());
     for event in row.inertial() {
         if let Some(rate_rad_s) = event.rate_rad_s.filter(usable) {
@@ -96,7 +96,7 @@ pub fn compare_recording(
         aided: contestant.is_aided(),
         value: (contestant.grid().len() > 1).then(|| middle(*contestant)),
         // north by an attitude has no length
-        vectors: match (judge.vectors(), contestant.gives_attitude()) {
+        vectors: match (judge.vectors(0.0), contestant.gives_attitude()) {
             (vectors, true) => Vectors { total_field_ut: None, ..vectors },
             (vectors, false) => vectors,
         },

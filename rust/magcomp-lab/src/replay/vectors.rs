@@ -64,13 +64,13 @@ impl VectorsJudge {
         }
     }
 
-    /// The figures.
+    /// The figures; `north_deg`: how far magnetic north is east of the reference's, degrees.
     #[must_use]
-    pub fn vectors(&self) -> Vectors {
+    pub fn vectors(&self, north_deg: f64) -> Vectors {
         Vectors {
             answered: self.answered as f64 / self.rows.max(1) as f64,
             total_field_ut: self.live.lengths.mean_spread(),
-            heading: self.live.azimuths.heading_error(0.0),
+            heading: self.live.azimuths.heading_error(north_deg),
         }
     }
 

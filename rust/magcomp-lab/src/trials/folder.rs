@@ -39,6 +39,13 @@ pub(super) fn name_of(path: &Path) -> String {
     short.strip_suffix(".csv").unwrap_or(short).to_owned()
 }
 
+/// The operating system's half of a trial, where it lies beside the raw one.
+pub(super) fn system_half(path: &Path) -> Option<PathBuf> {
+    let name = crate::recording::name_of(path);
+    let half = path.with_file_name(name.replace(RAW, SYSTEM));
+    (half != path && half.is_file()).then_some(half)
+}
+
 fn is_csv(path: &Path) -> bool {
     let name = crate::recording::name_of(path);
     name.ends_with(".csv") || name.ends_with(".csv.gz")

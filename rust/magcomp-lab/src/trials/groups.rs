@@ -1,5 +1,5 @@
 //! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
-//! recording,group[,declination_deg]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
+//! recording,group[,declination_deg[,magnet_s]]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
 
 use crate::error::{LabError, Place};
 use crate::recording::read_table;
@@ -19,6 +19,18 @@ struct Line {
     group: String,
     #[serde(default)]
     declination_deg: Option<f64>,
+    #[serde(default)]
+    magnet_s: Option<String>,
+}
+
+/// What an index says of a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Told<'a> {
+    pub group: &'a str,
+    /// How far magnetic north is east of the reference's, degrees; 0 where none is told.
+    pub declination_deg: f64,
+    /// From when to when a magnet sat on the sensor, s.
+    pub magnet_s: Option<(f64, f64)>,
 }
 
 /// A line of an index.
@@ -26,6 +38,7 @@ struct Rule {
     pattern: Pattern,
     group: String,
     declination_deg: f64,
+    magnet_s: Option<(f64, f64)>,
 }
 
 /// The lines of an index, in order.
@@ -41,7 +54,8 @@ impl Groups {
         let Some(path) = index.map(Path::to_owned).or_else(|| own.is_file().then_some(own)) else {
             return Ok(Self { path: None, rules: Vec::new() });
         };
-        let lines: Vec<Line> = read_table(&path, "an index with the columns recording,group[,declination_deg]")?;
+        let lines: Vec<Line> =
+            read_table(&path, "an index with the columns recording,group[,declination_deg[,magnet_s]]")?;
         let rule = |(k, line): (usize, Line)| {
             let wrong = |expected: &str, found: String| LabError::Recording {
                 place: Place { path: path.clone(), line: k as u64 + 2, column: None },
@@ -55,17 +69,28 @@ impl Groups {
             if !(-180.0..=180.0).contains(&declination_deg) {
                 return Err(wrong("a declination from -180 to 180 degrees", declination_deg.to_string()));
             }
-            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg })
+            let magnet_s = line.magnet_s.filter(|told| !told.trim().is_empty()).map(|told| {
+                let ends = told.split_once('-').map(|(on, off)| (on.trim().parse(), off.trim().parse()));
+                let known = ends.and_then(|(on, off)| Some((on.ok()?, off.ok()?)));
+                let known = known.filter(|(on, off): &(f64, f64)| 0.0 <= *on && on < off && off.is_finite());
+                known.ok_or_else(|| wrong("from when to when a magnet sat there, such as 45.1-99.8, in seconds", told))
+            });
+            let magnet_s = magnet_s.transpose()?;
+            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s })
         };
         let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, _>>()?;
         Ok(Self { path: Some(path), rules })
     }
 
-    /// Group and declination (degrees, east positive; 0 where none is told) of a recording.
-    pub fn find(&self, recording: &str) -> (&str, f64) {
+    /// What is told of a recording.
+    pub fn find(&self, recording: &str) -> Told<'_> {
         let rest = if self.path.is_some() { OTHERS } else { ALL };
         let found = self.rules.iter().find(|rule| rule.pattern.matches(recording));
-        found.map_or((rest, 0.0), |rule| (rule.group.as_str(), rule.declination_deg))
+        found.map_or(Told { group: rest, declination_deg: 0.0, magnet_s: None }, |rule| Told {
+            group: &rule.group,
+            declination_deg: rule.declination_deg,
+            magnet_s: rule.magnet_s,
+        })
     }
 
     /// The names of all groups, in the order of the index.

@@ -1,12 +1,16 @@
-//! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups.
+//! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups; and beside other
+//! methods (`rivals`).
 
 mod figures;
 mod folder;
 mod groups;
+mod rivals;
+mod rivals_view;
 mod score;
 mod view;
 
 pub use figures::{FIGURES, Figure};
+pub use rivals::{Comparison, compare_folder};
 pub use score::{GroupScore, Score, Summary, Trials};
 
 use crate::error::LabError;

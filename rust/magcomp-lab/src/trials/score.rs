@@ -2,7 +2,7 @@
 
 use super::figures::{FIGURES, Worse, device_steps};
 use super::folder::name_of;
-use super::groups::Groups;
+use super::groups::{Groups, Told};
 use crate::error::LabError;
 use crate::import::{ImportOptions, Opened, open};
 use crate::replay::{Ignore, Judge, Judgement, Player, usual_part};
@@ -76,7 +76,7 @@ impl Score {
     /// Plays a recording and judges it. Warnings about it come beside.
     pub(super) fn of(path: &Path, groups: &Groups) -> Result<(Self, Vec<String>), LabError> {
         let recording = name_of(path);
-        let (group, declination_deg) = groups.find(&recording);
+        let Told { group, declination_deg, .. } = groups.find(&recording);
         let opened = open(&[path.to_owned()], &ImportOptions::default())?;
         let warnings = opened.warnings.clone();
         let found = judged(opened, declination_deg)?;
@@ -134,7 +134,7 @@ impl GroupScore {
 
 impl Summary {
     /// None of no values.
-    fn of(mut values: Vec<f64>, worse: Worse) -> Option<Self> {
+    pub(super) fn of(mut values: Vec<f64>, worse: Worse) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         if worse == Worse::Small {
             values.reverse();

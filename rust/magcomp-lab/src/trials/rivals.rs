@@ -1,0 +1,280 @@
+//! Our headings beside those of other methods, on every recording of a folder.
+
+use super::figures::Worse;
+use super::folder::{name_of, recordings, system_half};
+use super::groups::{Groups, Told};
+use super::score::{GroupScore, Score, Summary};
+use crate::baseline::{Baseline, Contestant, Known};
+use crate::error::LabError;
+use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
+use crate::import::{ImportOptions, open};
+use crate::recording::{Row, read_table};
+use crate::replay::VectorsJudge;
+use crate::{parallel, progress};
+use magcomp::MagneticSample;
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// A method in the comparison.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rival {
+    /// Its name in tables.
+    pub name: &'static str,
+    contestant: Contestant,
+    /// Value of its one free number.
+    value: f64,
+    /// It is given the field that the operating system has calibrated, in place of the raw one.
+    of_system: bool,
+}
+
+const fn rival(name: &'static str, contestant: Contestant, value: f64, of_system: bool) -> Rival {
+    Rival { name, contestant, value, of_system }
+}
+
+/// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. Ours is the last of each.
+pub(super) const RIVALS: [Rival; 10] = [
+    rival("the raw field", Contestant::None, 0.0, false),
+    rival("the system's field", Contestant::None, 0.0, true),
+    rival("a sphere, window of 2000", Contestant::Sphere, 2000.0, false),
+    rival("an ellipsoid, window of 2000", Contestant::Linear, 2000.0, false),
+    rival("the paper's method", Contestant::PaperHalfRange, 0.5, false),
+    rival("ours, magnetometer alone: corrected sample", Contestant::Adaptive, 0.0, false),
+    rival("VQF on the raw field", Contestant::VqfRaw, 9.0, false),
+    rival("VQF on the system's field", Contestant::VqfRaw, 9.0, true),
+    rival("VQF on our corrected sample", Contestant::VqfOurs, 9.0, false),
+    rival("ours: published heading", Contestant::Aided, 0.0, false),
+];
+
+/// Time that a hand needs about a change, s: before it, and after it.
+const HAND_S: [f64; 2] = [8.0, 3.0];
+/// Rows of each part that a step of b is formed from, at least.
+const FEWEST_ROWS: usize = 100;
+
+/// A method's heading on a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Heading {
+    /// Share of the rows with an answer.
+    pub answered: f64,
+    /// Rms of the error up to one constant, degrees.
+    pub rms_deg: f64,
+    /// Rms of the error itself, degrees.
+    pub absolute_deg: f64,
+}
+
+/// The hard iron of a magnet that was put on a sensor and taken off, uT.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MagnetStep {
+    /// By the reference orientation.
+    pub true_ut: [f64; 3],
+    /// By our calibration.
+    pub found_ut: [f64; 3],
+}
+
+/// All methods on one recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct Compared {
+    /// Its name.
+    pub recording: String,
+    /// Its group.
+    pub group: String,
+    /// Of the magnet, where the index tells of one.
+    pub magnet: Option<MagnetStep>,
+    /// By method, in the order of the tables; none where it cannot take part or has too few answers.
+    pub headings: Vec<Option<Heading>>,
+}
+
+/// What a folder of recordings came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// Names of the methods.
+    pub methods: Vec<&'static str>,
+    /// By name.
+    pub recordings: Vec<Compared>,
+    /// Our published heading by groups, as `evaluate --recordings` judges it.
+    pub ours: Vec<GroupScore>,
+    /// Parts that may be wrong.
+    pub warnings: Vec<String>,
+}
+
+/// Plays every recording of `folder` that has a reference through all methods; `index` and `threads` as of [`super::judge_folder`].
+///
+/// # Errors
+/// As of [`super::judge_folder`].
+pub fn compare_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Comparison, LabError> {
+    let paths = recordings(folder)?;
+    let groups = Groups::of(folder, index)?;
+    let bar = progress::bar(paths.len(), "compare");
+    let both = parallel::map(&paths, threads, |path| {
+        let both = Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups)?)));
+        bar.inc(1);
+        both
+    });
+    bar.finish_and_clear();
+    let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();
+    let (scores, warnings): (Vec<Score>, Vec<Vec<String>>) = scores.into_iter().unzip();
+    let mut warnings = warnings.concat();
+    warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
+    let ours = GroupScore::of_all(&scores, &groups);
+    Ok(Comparison { methods: RIVALS.map(|rival| rival.name).to_vec(), recordings, ours, warnings })
+}
+
+/// A line of the operating system's half of a trial.
+#[derive(Deserialize)]
+struct SystemLine {
+    mx: f64,
+    my: f64,
+    mz: f64,
+}
+
+/// One recording through all methods.
+fn compared(path: &Path, groups: &Groups) -> Result<Compared, LabError> {
+    let recording = name_of(path);
+    let Told { group, declination_deg, magnet_s } = groups.find(&recording);
+    let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
+    let extent = *opened.source.extent();
+    let half = system_half(path);
+    let system: Vec<SystemLine> =
+        half.map_or(Ok(Vec::new()), |half| read_table(&half, "the system's field, with the columns mx,my,mz"))?;
+    let known =
+        Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
+    let mut running = Vec::new();
+    for rival in RIVALS {
+        let method = rival.contestant.make(rival.value, &known)?;
+        running.push((rival, method, VectorsJudge::new(&extent)));
+    }
+    let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
+    for (k, row) in opened.source.rows()?.enumerate() {
+        let row = row?;
+        let beside = system.get(k).map(|line| Vector3::new(line.mx, line.my, line.mz));
+        let system_ut = row.system_ut.or(beside);
+        for (rival, method, judge) in &mut running {
+            let Some(method) = method else { continue };
+            if rival.contestant.is_aided() {
+                push_inertial(method.as_mut(), &row);
+            }
+            let field_ut = if rival.of_system { system_ut } else { Some(row.field_ut) };
+            let field_ut = field_ut.filter(|field| field.iter().all(|value| value.is_finite()));
+            let answer = field_ut.and_then(|field_ut| {
+                method.push(&MagneticSample { time_ns: row.time_ns, field_ut });
+                method.latest(&field_ut)
+            });
+            judge.add(&row, answer.as_ref());
+        }
+        if let (Some(magnet), Some((_, Some(ours), _))) = (&mut magnet, running.last()) {
+            magnet.add(&row, ours.as_ref());
+        }
+    }
+    let heading = |judge: &VectorsJudge| {
+        let vectors = judge.vectors(declination_deg);
+        let error = vectors.heading?;
+        Some(Heading { answered: vectors.answered, rms_deg: error.rms_deg, absolute_deg: error.absolute_rms_deg })
+    };
+    let headings = running.iter().map(|(_, _, judge)| heading(judge)).collect();
+    Ok(Compared { group: group.to_owned(), recording, magnet: magnet.and_then(|it| it.step()), headings })
+}
+
+/// What a magnet did, gathered row by row.
+struct Magnet {
+    on_s: f64,
+    off_s: f64,
+    /// Without it, before and after; and while it sat there.
+    rows: [Vec<Moment>; 2],
+}
+
+/// A row's raw field, attitude by the reference, and our hard iron.
+struct Moment {
+    raw_ut: Vector3<f64>,
+    attitude: UnitQuaternion<f64>,
+    found_ut: Vector3<f64>,
+}
+
+impl Magnet {
+    fn new((on_s, off_s): (f64, f64), start_s: f64) -> Self {
+        Self { on_s: on_s + start_s, off_s: off_s + start_s, rows: Default::default() }
+    }
+
+    fn add(&mut self, row: &Row, ours: &dyn Baseline) {
+        let [before_s, after_s] = HAND_S;
+        let is_with = (self.on_s + after_s..self.off_s - before_s).contains(&row.time_s);
+        let is_without = row.time_s < self.on_s - before_s || row.time_s > self.off_s + after_s;
+        if let (Some(attitude), Some(ours), true) = (row.attitude, ours.calibration(), is_with || is_without) {
+            let moment = Moment { raw_ut: row.field_ut, attitude, found_ut: *ours.hard_iron_ut() };
+            self.rows[usize::from(is_with)].push(moment);
+        }
+    }
+
+    /// The medians with it less those without.
+    fn step(&self) -> Option<MagnetStep> {
+        if self.rows.iter().any(|rows| rows.len() < FEWEST_ROWS) {
+            return None;
+        }
+        let without = &self.rows[0];
+        let earth_ut = without.iter().map(|it| it.attitude * it.raw_ut).sum::<Vector3<f64>>() / without.len() as f64;
+        let step = |of: &dyn Fn(&Moment) -> Vector3<f64>| {
+            let [without, with] = self.rows.each_ref().map(|rows| median(rows.iter().map(of).collect()));
+            (with - without).into()
+        };
+        let true_ut = step(&|it| it.raw_ut - it.attitude.inverse() * earth_ut);
+        Some(MagnetStep { true_ut, found_ut: step(&|it| it.found_ut) })
+    }
+}
+
+/// Of each component.
+fn median(vectors: Vec<Vector3<f64>>) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| {
+        let values = vectors.iter().map(|vector| vector[axis]).collect();
+        Summary::of(values, Worse::Large).map_or(f64::NAN, |summary| summary.median)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use magcomp::Calibration;
+    use magcomp::nalgebra::Matrix3;
+
+    /// A turning sensor in a field of 50 uT, (1, -2, 30) uT from 50 s to 100 s; our hard iron is 0.5 uT short of that along z.
+    #[test]
+    fn the_step_of_a_magnet_is_what_the_raw_field_lacks_to_the_earths() {
+        struct Ours(Calibration);
+        impl Baseline for Ours {
+            fn push(&mut self, _: &MagneticSample) {}
+            fn correct(&self, _: &Vector3<f64>) -> Option<Vector3<f64>> {
+                None
+            }
+            fn calibration(&self) -> Option<Calibration> {
+                Some(self.0)
+            }
+        }
+        let mut magnet = Magnet::new((50.0, 100.0), 10.0);
+        for k in 0..6000 {
+            let time_s = 10.0 + f64::from(k) / 50.0;
+            let attitude = UnitQuaternion::from_euler_angles(0.5 * time_s.sin(), 0.7 * time_s, 0.3 * time_s);
+            // the hand is about the sensor: what it reads then counts for nothing
+            let is_hand = (52.0..63.0).contains(&time_s) || (102.0..113.0).contains(&time_s);
+            let with = f64::from(u8::from((60.0..110.0).contains(&time_s))) + 9.0 * f64::from(u8::from(is_hand));
+            let step = Vector3::new(1.0, -2.0, 30.0) * with;
+            let field_ut = attitude.inverse() * Vector3::new(0.0, 20.0, -45.0) + step;
+            let ours = Calibration::new(Matrix3::identity(), step - Vector3::z() * (0.5 * with), 50.0).unwrap();
+            let row = Row {
+                time_s,
+                time_ns: (time_s * 1e9) as i64,
+                field_ut,
+                before: Vec::new(),
+                up_m_s2: None,
+                rate_rad_s: None,
+                system_ut: None,
+                attitude: Some(attitude),
+                hard_iron_ut: None,
+                course: None,
+            };
+            magnet.add(&row, &Ours(ours));
+        }
+        let MagnetStep { true_ut, found_ut } = magnet.step().unwrap();
+        assert!((Vector3::from(true_ut) - Vector3::new(1.0, -2.0, 30.0)).norm() < 1e-9, "{true_ut:?}");
+        assert!((Vector3::from(found_ut) - Vector3::new(1.0, -2.0, 29.5)).norm() < 1e-9, "{found_ut:?}");
+    }
+}

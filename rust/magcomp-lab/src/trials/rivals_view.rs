@@ -1,0 +1,92 @@
+//! The comparison as tables: what a magnet did, then each group.
+
+use super::figures::Worse;
+use super::rivals::{Compared, Comparison, Heading, MagnetStep};
+use super::score::{GroupScore, Summary};
+use crate::table::{Table, number};
+use magcomp::nalgebra::Vector3;
+
+impl Comparison {
+    /// Magnets that were put on sensors, where there are any; then a table a group.
+    #[must_use]
+    pub fn tables(&self) -> Vec<Table> {
+        let mut tables: Vec<Table> = self.magnets().into_iter().collect();
+        tables.extend(self.ours.iter().map(|ours| self.group(ours)));
+        if let Some(last) = tables.last_mut() {
+            last.note(
+                "Rms of the heading error in degrees: median / nine of ten are not worse / worst recording. Up to one constant, and itself: \
+                 against magnetic north by the reference. Rows from 20 s on. A field's heading is levelled by the reference, so that its own error \
+                 alone is judged; VQF and ours level by themselves. Each method starts cold and answers each sample before it sees the next. Windows, \
+                 the paper's threshold (0.5) and VQF's time constant (9 s, its default) are the same everywhere.",
+            );
+        }
+        tables
+    }
+
+    fn magnets(&self) -> Option<Table> {
+        let magnets: Vec<(&Compared, MagnetStep)> =
+            self.recordings.iter().filter_map(|it| Some((it, it.magnet?))).collect();
+        (!magnets.is_empty()).then(|| {
+            let columns = ["recording", "true step, uT", "found, uT", "off, uT"];
+            let columns: Vec<&str> = columns.into_iter().chain(self.methods.iter().copied()).collect();
+            let kept = self.taking_part(magnets.iter().map(|(it, _)| *it));
+            let mut table = Table::new("A magnet is put on a sensor and taken off again", &[]);
+            table.columns = columns.iter().take(4).map(|it| (*it).to_owned()).collect();
+            table.columns.extend(kept.iter().map(|k| self.methods[*k].to_owned()));
+            for (it, MagnetStep { true_ut, found_ut }) in magnets {
+                let (real, found) = (Vector3::from(true_ut), Vector3::from(found_ut));
+                let along = found.dot(&real) / real.norm();
+                let step = [real.norm(), along, (found - real).norm()].map(|value| number(Some(value), 1));
+                let headings = kept.iter().map(|k| number(it.headings[*k].map(|heading| heading.rms_deg), 1));
+                table.row(std::iter::once(it.recording.clone()).chain(step).chain(headings).collect());
+            }
+            table.note(
+                "True step: of the hard iron, by the reference orientation. Found: what our hard iron steps by along it; off: the length of the \
+                 difference. Medians with the magnet, from 3 s after it came to 8 s before it went, less those without. Then heading errors, rms in \
+                 degrees up to one constant, from 20 s on.",
+            );
+            table
+        })
+    }
+
+    fn group(&self, ours: &GroupScore) -> Table {
+        let own: Vec<&Compared> = self.recordings.iter().filter(|it| it.group == ours.group).collect();
+        let count = if own.len() == 1 { "one recording".to_owned() } else { format!("{} recordings", own.len()) };
+        let title = format!("{}: {count}, {:.1} minutes", ours.group, ours.hours * 60.0);
+        let mut table = Table::new(&title, &["method", "up to one constant", "itself", "answered %"]);
+        for k in self.taking_part(own.iter().copied()) {
+            let headings: Vec<Heading> = own.iter().filter_map(|it| it.headings[k]).collect();
+            let cell = |of: fn(&Heading) -> f64| three(headings.iter().map(of).collect());
+            let answered = headings.iter().map(|it| it.answered).sum::<f64>() / own.len() as f64;
+            let cells = [cell(|it| it.rms_deg), cell(|it| it.absolute_deg), number(Some(100.0 * answered), 0)];
+            table.row(std::iter::once(self.methods[k].to_owned()).chain(cells).collect());
+        }
+        let share = |name: &str| ours.figures[name].map(|it| (100.0 * it.median, 100.0 * it.worst));
+        let told = |name: &str| {
+            share(name)
+                .map_or_else(|| "-".to_owned(), |(median, worst)| format!("{median:.0} % ({worst:.0} % at worst)"))
+        };
+        table.note(&format!(
+            "Ours: errors within one sigma {}, within two {}; {} changes of the device were declared, {:.1} an hour.",
+            told("within_one_sigma"),
+            told("within_two_sigma"),
+            ours.device_steps,
+            ours.device_steps as f64 / ours.hours
+        ));
+        table
+    }
+
+    /// The methods that answered any of these recordings.
+    fn taking_part<'a>(&self, recordings: impl Iterator<Item = &'a Compared> + Clone) -> Vec<usize> {
+        (0..self.methods.len()).filter(|k| recordings.clone().any(|it| it.headings[*k].is_some())).collect()
+    }
+}
+
+/// Median, nine of ten and worst; of a single value itself.
+fn three(values: Vec<f64>) -> String {
+    let (cell, is_one) = (|value| number(Some(value), 1), values.len() == 1);
+    Summary::of(values, Worse::Large).map_or_else(
+        || "-".to_owned(),
+        |it| if is_one { cell(it.worst) } else { [it.median, it.p90, it.worst].map(cell).join(" / ") },
+    )
+}
