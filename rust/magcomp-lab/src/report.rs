@@ -12,24 +12,64 @@ pub struct Report {
     title: String,
     lead: String,
     body: String,
+    /// Headings of the sections so far: the page's contents.
+    sections: Vec<String>,
     /// Tables so far.
     tables: usize,
     /// Files beside the page: name and content.
     figures: Vec<(String, String)>,
 }
 
+/// Fewest sections of a page that has its contents at the top.
+const CONTENTS: usize = 4;
 const STYLE: &str = include_str!("report.css");
 
 impl Report {
     /// A page with a title and a first paragraph.
     #[must_use]
     pub fn new(title: &str, lead: &str) -> Self {
-        Self { title: title.to_owned(), lead: lead.to_owned(), body: String::new(), tables: 0, figures: Vec::new() }
+        Self {
+            title: title.to_owned(),
+            lead: lead.to_owned(),
+            body: String::new(),
+            sections: Vec::new(),
+            tables: 0,
+            figures: Vec::new(),
+        }
     }
 
     /// Begins a section.
     pub fn section(&mut self, heading: &str, text: &str) {
-        let _ = write!(self.body, "<h2>{}</h2>\n<p>{}</p>\n", escape(heading), escape(text));
+        self.sections.push(heading.to_owned());
+        let (number, heading, text) = (self.sections.len(), escape(heading), escape(text));
+        let _ = write!(self.body, "<h2 id=\"section{number}\">{heading}</h2>\n<p>{text}</p>\n");
+    }
+
+    /// Adds a paragraph.
+    pub fn text(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p>{}</p>", escape(text));
+    }
+
+    /// Folds what `add` adds under one line that opens it.
+    ///
+    /// # Errors
+    /// Those of `add`.
+    pub fn folded<E>(&mut self, line: &str, add: impl FnOnce(&mut Self) -> Result<(), E>) -> Result<(), E> {
+        let _ = writeln!(self.body, "<details><summary>{}</summary>", escape(line));
+        let added = add(self);
+        self.body.push_str("</details>\n");
+        added
+    }
+
+    /// Links to the sections, where there are enough of them to lose the way.
+    fn contents(&self) -> String {
+        if self.sections.len() < CONTENTS {
+            return String::new();
+        }
+        let link =
+            |(k, heading): (usize, &String)| format!("<li><a href=\"#section{}\">{}</a></li>", k + 1, escape(heading));
+        let links: String = self.sections.iter().enumerate().map(link).collect();
+        format!("<nav aria-label=\"Contents\"><ol>{links}</ol></nav>\n")
     }
 
     /// Adds a table.
@@ -91,7 +131,8 @@ impl Report {
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n<p class=\"lead\">{lead}</p>\n\
-             {}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
+             {}{}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
+            self.contents(),
             self.body,
             env!("CARGO_PKG_VERSION")
         );
@@ -142,6 +183,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut report = Report::new("A & B", "lead");
         report.section("Section", "text");
+        for k in 2..=CONTENTS {
+            assert!(!report.contents().contains("<nav"), "{k}");
+            report.section(&format!("Section {k}"), "text");
+        }
+        report
+            .folded("more <of it>", |report| {
+                report.text("inside");
+                Ok::<(), LabError>(())
+            })
+            .unwrap();
         report.table(&Table::new("table", &["a", "b"]));
         report.figure("picture", "<svg></svg>".to_owned(), "what it shows");
         let page = report.write(&folder.path().join("deep/er")).unwrap();
@@ -149,6 +200,12 @@ mod tests {
         let mut wide = Table::new("wide", &["column"; 12]);
         wide.row(vec!["0.123456".to_owned(); 12]);
         assert_eq!([setting(&Table::new("table", &["a", "b"])), setting(&wide)], ["scroll", "scroll wide"]);
+        let folded = "<details><summary>more &lt;of it&gt;</summary>\n<p>inside</p>\n</details>";
+        assert!(
+            html.contains(folded)
+                && html.contains("<a href=\"#section4\">Section 4</a>")
+                && html.contains("<h2 id=\"section4\">")
+        );
         assert!(html.contains("<h1>A &amp; B</h1>") && html.contains("picture.svg") && html.contains("what it shows"));
         assert_eq!(std::fs::read_to_string(page.with_file_name("picture.svg")).unwrap(), "<svg></svg>");
     }

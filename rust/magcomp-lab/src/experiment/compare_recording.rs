@@ -3,7 +3,7 @@
 
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::error::LabError;
-use crate::recording::{Row, Source};
+use crate::recording::{Extent, Row, Source};
 use crate::replay::{Vectors, VectorsJudge};
 use magcomp::nalgebra::Vector3;
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
@@ -63,6 +63,19 @@ pub fn compare_recording(
     seed: u64,
 ) -> Result<Vec<RecordingScore>, LabError> {
     let extent = *source.extent();
+    compare_rows(&extent, source.rows()?, methods, seed)
+}
+
+/// The same on rows of this extent.
+///
+/// # Errors
+/// [`LabError::Config`], or the first of the rows.
+pub fn compare_rows(
+    extent: &Extent,
+    rows: impl IntoIterator<Item = Result<Row, LabError>>,
+    methods: &[Contestant],
+    seed: u64,
+) -> Result<Vec<RecordingScore>, LabError> {
     let taught = (extent.rows as f64 * LEARNED) as usize;
     let (down, north) = DIP_DEG.to_radians().sin_cos();
     let field = Vector3::new(0.0, north, -down);
@@ -71,10 +84,10 @@ pub fn compare_recording(
     let mut running = Vec::new();
     for contestant in methods {
         if let Some(method) = contestant.make(middle(*contestant), &known)? {
-            running.push((*contestant, method, VectorsJudge::new(&extent)));
+            running.push((*contestant, method, VectorsJudge::new(extent)));
         }
     }
-    for (k, row) in source.rows()?.enumerate() {
+    for (k, row) in rows.into_iter().enumerate() {
         let row = row?;
         let finite = row.field_ut.iter().all(|value| value.is_finite());
         for (contestant, method, judge) in &mut running {

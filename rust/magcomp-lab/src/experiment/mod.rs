@@ -16,6 +16,7 @@ mod step_course;
 mod step_score;
 mod step_trace;
 mod step_view;
+pub mod story;
 
 use crate::catalogue::Variant;
 use crate::error::LabError;
