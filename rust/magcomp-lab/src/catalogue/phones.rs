@@ -82,7 +82,7 @@ fn step(by: By) -> Happening {
 pub fn phone(name: &str, motion: Motion, change: PhoneChange) -> Variant {
     let moves = match motion {
         Motion::Tumble => "tumbling",
-        Motion::Pedestrian | Motion::Stroll => "walking",
+        Motion::Walk | Motion::Stroll => "walking",
         Motion::Planar => "turned about one axis",
         Motion::Still => "at rest",
         _ => "carried",
@@ -135,30 +135,30 @@ pub(super) fn variants() -> Vec<Variant> {
 }
 
 fn ordinary() -> Vec<Variant> {
-    use Motion::{Pedestrian, Planar, Still, Tumble};
+    use Motion::{Planar, Still, Tumble, Walk};
     use PhoneChange::{Drift, Nothing, Offset, Parameters, Place};
-    let walk = || phone("phone-walk", Pedestrian, Offset);
+    let walk = || phone("phone-walk", Walk, Offset);
     let poor =
         Sensors { gyro_bias_deg_s: (5.0, 5.0), gyro_scale: 0.01, gyro_late_s: 0.01, ..Sensors::plain().at_rate(25.0) };
     vec![
         phone("phone-steady", Tumble, Nothing),
-        phone("phone-walk-steady", Pedestrian, Nothing),
+        phone("phone-walk-steady", Walk, Nothing),
         phone("phone-hand", Tumble, Parameters),
         phone("phone-spikes", Tumble, Parameters).with_spikes(0.02).and("2 % spikes"),
         walk(),
-        Variant { is_known: true, ..phone("phone-walk-known", Pedestrian, Offset) }.and("calibrated before"),
+        Variant { is_known: true, ..phone("phone-walk-known", Walk, Offset) }.and("calibrated before"),
         Variant { name: "phone-walk-spikes".into(), ..walk() }.with_spikes(0.01).and("1 % spikes"),
         Variant { name: "phone-walk-poor".into(), sensors: poor, ..walk() }.and("poor gyroscope at 25 Hz"),
         phone("phone-hand-place", Tumble, Place),
-        phone("phone-walk-place", Pedestrian, Place),
+        phone("phone-walk-place", Walk, Place),
         phone("phone-hand-room", Tumble, Nothing)
             .in_a_room(Vec::new())
             .about("tumbling, the place differs by 20 uT for 60 s"),
-        phone("phone-walk-room", Pedestrian, Nothing)
+        phone("phone-walk-room", Walk, Nothing)
             .in_a_room(Vec::new())
             .about("walking, the place differs by 20 uT for 60 s"),
         phone("phone-drift", Tumble, Drift),
-        phone("phone-walk-drift", Pedestrian, Drift),
+        phone("phone-walk-drift", Walk, Drift),
         phone("phone-planar", Planar, Nothing),
         phone("phone-still", Still, Nothing),
         charger("phone-walk-charger", None, "walking, a charger saturates x for 10 s"),
@@ -169,7 +169,7 @@ fn ordinary() -> Vec<Variant> {
 fn charger(name: &str, rail_ut: Option<f64>, about: &str) -> Variant {
     let by = By::Offset(CHARGER_UT);
     let charged = Happening::Step { when: When::At(CHANGE_S), by, over_s: 0.0, for_s: Some(10.0) };
-    let mut variant = phone(name, Motion::Pedestrian, PhoneChange::Nothing).about(about);
+    let mut variant = phone(name, Motion::Walk, PhoneChange::Nothing).about(about);
     variant.sensors.magnetometer.full_scale_ut = Some(FULL_SCALE_UT);
     Variant { happens: vec![charged], rail_ut, ..variant }
 }
@@ -200,7 +200,7 @@ fn pauses() -> Vec<Variant> {
             duration_s: DURATION_S + for_s,
             pause_s: Some(for_s),
             happens: changes.then_some(change).into_iter().collect(),
-            ..phone(&name, Motion::Pedestrian, PhoneChange::Nothing)
+            ..phone(&name, Motion::Walk, PhoneChange::Nothing)
         }
         .about(&format!("{for_s} s, b {what}"))
     };

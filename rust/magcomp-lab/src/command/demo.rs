@@ -91,7 +91,7 @@ impl Demo {
             }
             None => Ok(None),
         };
-        let [tumble, walk] = [follow(Motion::Tumble)?, follow(Motion::Pedestrian)?];
+        let [tumble, walk] = [follow(Motion::Tumble)?, follow(Motion::Walk)?];
         let aided: Vec<FollowResult> = [tumble, walk].into_iter().flatten().collect();
         let step =
             run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;
@@ -118,7 +118,7 @@ impl Demo {
             figures(report, &quiet.name().replace(".csv.gz", ""), &quiet, &quiet_drawn)
         })?;
         report.table(&table);
-        for (result, figure) in aided.iter().zip(["step_tumble", "step_pedestrian"]) {
+        for (result, figure) in aided.iter().zip(["step_tumble", "step_walk"]) {
             report.section(&format!("Simulated phones, {}", result.scenario), "Each from a cold start.");
             result.tables().iter().take(1).for_each(|table| report.table(table));
             report.folded("The first of them over time, and the time of every method", |report| {

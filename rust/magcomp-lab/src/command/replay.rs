@@ -8,8 +8,8 @@ use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, name_of};
 use crate::replay::{
-    ExplainOutput, Figures, Ignore, Judge, Judgement, Legs, Output, Player, read_waypoints, table as summary,
-    usual_part, write_calibration,
+    Bearing, Bearings, ExplainOutput, Figures, Ignore, Judge, Judgement, Legs, Mark, Output, Player, read_waypoints,
+    table as summary, usual_part, write_calibration,
 };
 use crate::report::Report;
 use crate::table::Table;
@@ -26,8 +26,9 @@ const CHUNK: usize = 4096;
 /// IN is any input of `magcomp import`, or CSV, gzipped or not, with a header:
 /// t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,qw,qx,qy,qz] (s; uT; m/s^2, Android's sign; rad/s; reference orientation, device to
 /// east-north-up). A row may leave a sensor's cells empty: then each has its own times. sys_mx,sys_my,sys_mz (uT) is the
-/// field that the operating system calibrated; course_deg,course_sigma_deg are headings from outside (--course). Other columns are ignored. Out: the corrected sample c, the estimator's own
-/// estimate f, the heading, and the parameters in force; until there is a calibration c is empty, b = 0, W = 1.
+/// field that the operating system calibrated; course_deg,course_sigma_deg are headings from outside (--course). Other columns are
+/// ignored. Out (--output): the corrected sample c, the estimator's own estimate f, the heading, and the parameters in force; until there is
+/// a calibration c is empty, b = 0, W = 1.
 ///
 /// The summary begins with what it comes to. Against a reference orientation the heading is judged up to one constant, the circular
 /// median of heading less reference, which is told (positive: headings too far clockwise; of the true heading where a declination
@@ -55,6 +56,10 @@ pub(super) struct Replay {
     #[arg(long, value_enum, value_delimiter = ',')]
     ignore: Vec<Sensor>,
     /// Where one row for every input row is written; without it only the summary is printed
+    ///
+    /// t_s; cx,cy,cz the corrected sample and fx,fy,fz the carried field, uT; heading_deg, heading_sigma_deg, inclination_deg; sigma_t, window and
+    /// coverage (samples and directions that the estimator looks at); status; bx,by,bz the hard iron, uT; w00 to w22 the inverse of M, row by row;
+    /// ns, the time of the push in nanoseconds; true_heading_deg where a declination is known. A cell is empty where nothing is known.
     #[arg(long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
     /// Where it is told for every input row why the reading says what it says: estimator and phase, innovation against its expected size,
@@ -91,6 +96,12 @@ pub(super) struct Replay {
     /// Judge the heading by the legs between surveyed positions: CSV t_s,x_m,y_m (s; m, x right and y up on the map)
     #[arg(long, value_name = "CSV")]
     waypoints: Option<PathBuf>,
+    /// What you noted: something was done to the device at so many seconds after the first row; may be given again
+    #[arg(long, value_name = "S=WORD")]
+    mark: Vec<Mark>,
+    /// Where the axis pointed at so many seconds after the first row, degrees from north (true north with --place or --declination); may be given again
+    #[arg(long, value_name = "S=DEG")]
+    bearing: Vec<Bearing>,
     /// Play it so many times; of each row the least time counts, which other work on the machine does not lengthen
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     passes: u32,
@@ -198,7 +209,8 @@ impl Replay {
         let mut explanations = Vec::new();
         let mut judge = Judge::new(&extent, part, axis);
         let mut legs = Legs::new(&waypoints.unwrap_or_default());
-        let mut figures = self.common.report.is_some().then(|| Figures::new(&extent));
+        let mut bearings = Bearings::new(&self.bearing, extent.start_s);
+        let mut figures = self.common.report.is_some().then(|| Figures::new(&extent).with(&self.mark));
         let mut last = None;
         let bar = progress::bar(extent.rows, "replay");
         let mut rows = source.rows()?.peekable();
@@ -221,6 +233,7 @@ impl Replay {
                 output.iter_mut().try_for_each(|output| output.add(row, step))?;
                 judge.add(row, step);
                 legs.add(row, step);
+                bearings.add(row, step);
                 figures.iter_mut().for_each(|figures| figures.add(row, step, explanations.get(k)));
             }
             if let Some(explained) = &mut explained {
@@ -239,7 +252,9 @@ impl Replay {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let judgement = Judgement { legs: legs.finish(), earth, ..judge.finish() };
+        let judged = judge.finish();
+        let marks = self.mark.iter().map(|mark| mark.told(&judged.events)).collect();
+        let judgement = Judgement { legs: legs.finish(), marks, bearings: bearings.finish(), earth, ..judged };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let recording = name_of(source.path());
         let mut table = summary(&recording, &name, &judgement);

@@ -14,18 +14,18 @@ use magcomp::Method;
 
 /// The device's disturbance steps while it turns, and the methods follow.
 ///
-/// --motion uniform: the paper's figs. 4 and 5 (also planar, stroll and still), with the true parameters of --set or one's own. --motion tumble and pedestrian: the aided method
+/// --motion uniform: the paper's figs. 4 and 5 (also planar, stroll and still), with the true parameters of --set or one's own. --motion tumble and walk: the aided method
 /// beside the paper's, with the gyroscope and accelerometer that belong to the motion. --method adaptive: the magnetometer
 /// alone, on the scenario that belongs to the motion (30 dB uniform, 40 dB others) or on the one named.
 #[derive(Debug, Args)]
 pub(super) struct Step {
-    /// Runs to average; 60 for figs. 4 and 5, 20 for tumble and pedestrian when not given
+    /// Runs to average; 60 for figs. 4 and 5, 20 for tumble and walk when not given
     #[arg(long, value_parser = value_parser!(u32).range(1..))]
     runs: Option<u32>,
     /// How the device turns
     #[arg(long, value_enum, default_value_t)]
     motion: Motion,
-    /// Signal-to-noise ratio, dB; 30 for figs. 4 and 5, 40 for tumble and pedestrian when not given
+    /// Signal-to-noise ratio, dB; 30 for figs. 4 and 5, 40 for tumble and walk when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
     // of figs. 4 and 5, as all that follows up to --sigma-th
@@ -49,25 +49,25 @@ pub(super) struct Step {
     /// Figs. 4 and 5: threshold of sigma_T; 0.1 when not given
     #[arg(long, value_name = "SIGMA_T", value_parser = |text: &str| between(text, 0.0, 10.0))]
     sigma_th: Option<f64>,
-    /// Tumble, pedestrian: the change; parameters for tumble and offset for pedestrian when not given
+    /// Tumble, walk: the change; parameters for tumble and offset for walk when not given
     #[arg(long, value_enum)]
     change: Option<PhoneChange>,
-    /// Tumble, pedestrian: samples per second of every sensor; 100 when not given
+    /// Tumble, walk: samples per second of every sensor; 100 when not given
     #[arg(long, value_name = "HZ", value_parser = |text: &str| between(text, 25.0, 400.0))]
     rate: Option<f64>,
-    /// Tumble, pedestrian: gyroscope bias, deg/s, in a random direction
+    /// Tumble, walk: gyroscope bias, deg/s, in a random direction
     #[arg(long, value_name = "DEG_S", value_parser = |text: &str| between(text, 0.0, 20.0))]
     gyro_bias: Option<f64>,
-    /// Tumble, pedestrian: error of the gyroscope's scale, percent
+    /// Tumble, walk: error of the gyroscope's scale, percent
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = |text: &str| between(text, -20.0, 20.0))]
     gyro_scale: Option<f64>,
-    /// Tumble, pedestrian: how late the gyroscope's events are stamped, ms
+    /// Tumble, walk: how late the gyroscope's events are stamped, ms
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = |text: &str| between(text, -100.0, 100.0))]
     gyro_late: Option<f64>,
-    /// Tumble, pedestrian: how far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
+    /// Tumble, walk: how far each axis of the gyroscope is off along each axis, degrees rms: errors drawn for each run
     #[arg(long, value_name = "DEG", value_parser = |text: &str| between(text, 0.0, 5.0))]
     gyro_skew: Option<f64>,
-    /// Tumble, pedestrian: samples hit by a spike of 30 to 150 uT, percent
+    /// Tumble, walk: samples hit by a spike of 30 to 150 uT, percent
     #[arg(long, value_name = "PERCENT", value_parser = |text: &str| between(text, 0.0, 50.0))]
     spikes: Option<f64>,
     /// Which methods; those that belong to the motion when not given
@@ -130,7 +130,7 @@ impl Step {
     fn adaptive(self) -> Result<(), LabError> {
         let of_motion = match self.motion {
             Motion::Tumble => "phone-hand",
-            Motion::Pedestrian => "phone-walk-known",
+            Motion::Walk => "phone-walk-known",
             Motion::Stroll => "step-walk",
             Motion::Planar => "phone-planar",
             Motion::Still => "phone-still",

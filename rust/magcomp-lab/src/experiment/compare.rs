@@ -20,7 +20,7 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// The error of no answer, degrees: that of a direction drawn at random.
-const NO_ANSWER_DEG: f64 = 90.0;
+pub(super) const NO_ANSWER_DEG: f64 = 90.0;
 /// Samples before the change that count as steady.
 const STEADY: usize = 1000;
 /// Samples after which the error is compared with the bound.

@@ -1,6 +1,6 @@
 //! The comparison as tables and as a picture.
 
-use super::compare::{BOUND_AT, MethodScore, TOLD_AT};
+use super::compare::{BOUND_AT, MethodScore, NO_ANSWER_DEG, TOLD_AT};
 use super::compare_recording::RecordingScore;
 use crate::error::LabError;
 use crate::plot::{Colour, Panel, Series, draw};
@@ -64,14 +64,14 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
     let best = |value: &dyn Fn(&MethodScore) -> f64| methods.iter().map(value).fold(f64::INFINITY, f64::min);
     let (best_after, best_steady) = (best(&|m| m.after_deg), best(&|m| m.steady_deg));
     let marked = |value: f64, best: f64| {
-        let text = number(Some(value), 2);
+        let text = degrees(value, 2);
         if value <= best { format!("*{text}") } else { text }
     };
     for m in methods {
         let mut cells = vec![m.name.clone(), m.tuned.map_or_else(String::new, tuned)];
-        cells.push(number(Some(m.before_deg), 2));
+        cells.push(degrees(m.before_deg, 2));
         cells.extend([marked(m.after_deg, best_after), marked(m.steady_deg, best_steady)]);
-        cells.extend(m.told_deg.iter().map(|v| number(Some(*v), 2)));
+        cells.extend(m.told_deg.iter().map(|v| degrees(*v, 2)));
         cells.extend(m.settled_s.map(|s| s.median.map_or_else(|| "never".to_owned(), |s| format!("{s:.1}"))));
         cells.push(number(Some(m.worst_over_held), 2));
         cells.extend(m.push_ns.map(|v| number(Some(v / 1000.0), 1)));
@@ -81,7 +81,7 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
         "Tuned: the method's one free number. Before: the last 1000 samples before the change. After: all samples after it. Steady: \
          from 1000 samples after it on. *: the best of all. At n: n samples after the change. < 5 deg: seconds after the change until the 95th \
          percentile over the trailing second stays below for good, median run. / held: the largest ratio, over 50 samples, to the error of the \
-         method's own parameters from before. us: time for a sample in microseconds: mean, 99.9th percentile, maximum.",
+         method's own parameters from before. -: no answer at all; single samples without one count as 90 deg. us: time for a sample in microseconds: mean, 99.9th percentile, maximum.",
     );
     if given == Given::Inertial {
         table.note(
@@ -109,6 +109,11 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
     tables
 }
 
+/// An error; a dash where no sample had an answer.
+fn degrees(value: f64, digits: usize) -> String {
+    number(Some(value).filter(|value| (value - NO_ANSWER_DEG).abs() > 1e-9), digits)
+}
+
 /// A tuned number: those of the Kalman filters are powers of ten.
 fn tuned(value: f64) -> String {
     if value.abs() < 1e-3 { format!("{value:e}") } else { format!("{value}") }
@@ -133,7 +138,7 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
         let mut table = Table::new(title, &columns);
         let mut won = Vec::new();
         for (scenario, methods) in scenarios.clone() {
-            let text = |m: &MethodScore| number(Some(value(m)), if value(m) < 10.0 { 2 } else { 0 });
+            let text = |m: &MethodScore| degrees(value(m), if value(m) < 10.0 { 2 } else { 0 });
             let Some(best) = methods.iter().min_by(|a, b| value(a).total_cmp(&value(b))) else { continue };
             let cells = names.iter().map(|name| match methods.iter().find(|m| m.name == *name) {
                 Some(m) if text(m) == text(best) => format!("*{}", text(m)),
@@ -179,7 +184,7 @@ pub fn add_case(
     let panel = Panel {
         title: given.error().to_owned(),
         x_label: "samples after the change".to_owned(),
-        y_label: "deg".to_owned(),
+        y_label: format!("deg (at most {SHOWN_DEG:.0} are shown)"),
         series: series.collect(),
         ..Panel::default()
     };
@@ -203,7 +208,7 @@ pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<Stri
     let panel = Panel {
         title: format!("heading error against the reference, {}", given.what()),
         x_label: "s".to_owned(),
-        y_label: "deg".to_owned(),
+        y_label: format!("deg (at most {SHOWN_DEG:.0} are shown)"),
         series: series.collect(),
         ..Panel::default()
     };

@@ -31,7 +31,7 @@ impl FollowOptions {
     pub fn of(motion: Motion) -> Option<Self> {
         let change = match motion {
             Motion::Tumble => PhoneChange::Parameters,
-            Motion::Pedestrian => PhoneChange::Offset,
+            Motion::Walk => PhoneChange::Offset,
             _ => return None,
         };
         let variant = phone("step", motion, change);

@@ -42,7 +42,7 @@ pub enum Motion {
     /// A hand turning the device about: smooth random body rate, 1 rad/s rms
     Tumble,
     /// Walking: heading held, then turned by 45 to 180 deg; pitch and roll within 20 deg
-    Pedestrian,
+    Walk,
     /// Walking about, with more turns: straight for 1.5 to 4.5 s; pitch and roll wander within 20 deg
     Stroll,
     /// Turning about one axis of the device only
@@ -108,7 +108,7 @@ impl Motion {
                 let start = random.attitude();
                 Trajectory::from_rates(start, wandering(count, TUMBLE_RAD_S / 3f64.sqrt(), random))
             }
-            Self::Pedestrian => Trajectory::from_attitudes(walk(count, random), GRID_S),
+            Self::Walk => Trajectory::from_attitudes(walk(count, random), GRID_S),
             Self::Stroll => Trajectory::from_attitudes(stroll(count, random), GRID_S),
             Self::Planar => {
                 let (start, axis) = (random.attitude(), random.direction());
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn rates_carry_one_attitude_to_the_next() {
-        for motion in [Motion::Tumble, Motion::Pedestrian, Motion::Stroll, Motion::Planar, Motion::Still] {
+        for motion in [Motion::Tumble, Motion::Walk, Motion::Stroll, Motion::Planar, Motion::Still] {
             let trajectory = trajectory(motion);
             for k in 0..5900 {
                 let t = f64::from(k) * 0.01;
@@ -237,7 +237,7 @@ mod tests {
         let tumble = trajectory(Motion::Tumble);
         let squares: f64 = (0..6000).map(|k| tumble.at(f64::from(k) * 0.01).1.norm_squared()).sum();
         assert!(((squares / 6000.0).sqrt() - TUMBLE_RAD_S).abs() < 0.3);
-        for walk in [Motion::Pedestrian, Motion::Stroll].map(trajectory) {
+        for walk in [Motion::Walk, Motion::Stroll].map(trajectory) {
             for k in 0..6000 {
                 let (roll, pitch, _) = walk.at(f64::from(k) * 0.01).0.euler_angles();
                 assert!(roll.to_degrees().abs() <= 20.01 && pitch.to_degrees().abs() <= 20.01);
@@ -251,7 +251,7 @@ mod tests {
         for (motion, most_rad_s) in [
             (Motion::Uniform, 35.0),
             (Motion::Tumble, 35.0),
-            (Motion::Pedestrian, 8.0),
+            (Motion::Walk, 8.0),
             (Motion::Stroll, 8.0),
             (Motion::Planar, 35.0),
             (Motion::Still, 35.0),

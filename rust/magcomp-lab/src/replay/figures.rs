@@ -6,6 +6,7 @@ use super::directions::azimuth_deg;
 use super::player::Step;
 use super::sizes::Sizes;
 use super::sphere::Sphere;
+use super::told::Mark;
 use crate::error::LabError;
 use crate::plot::{Band, Colour, Thin};
 use crate::recording::{Extent, Recording, Row};
@@ -62,6 +63,8 @@ pub struct Figures {
     pub(super) lanes: [Vec<(f64, f64)>; LANES.len()],
     /// The lane of the latest row.
     lane: Option<usize>,
+    /// What a tester noted: s after the first row, and its name.
+    pub(super) noted: Vec<(f64, String)>,
 }
 
 /// The inside of the estimator over time.
@@ -144,7 +147,14 @@ impl Figures {
             inside: None,
             lanes: Default::default(),
             lane: None,
+            noted: Vec::new(),
         }
+    }
+
+    /// The same with what a tester noted.
+    #[must_use]
+    pub fn with(self, marks: &[Mark]) -> Self {
+        Self { noted: marks.iter().map(|mark| (mark.at_s, mark.name.clone())).collect(), ..self }
     }
 
     /// The next row, the compensator's step for it, and why its reading says what it says.

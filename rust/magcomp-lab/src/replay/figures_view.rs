@@ -69,7 +69,7 @@ impl Figures {
                 y_range: Some((-range, range)),
                 layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
                 ..panel(
-                    "error of the heading given, and its 2-sigma band",
+                    &format!("error of the heading given within {range:.0} deg, and its 2-sigma band"),
                     "deg",
                     vec![series("heading", Colour::Blue, self.heading_error.points())],
                 )
@@ -132,7 +132,9 @@ impl Figures {
         let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
             spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
         });
-        let marks = self.sphere.marks();
+        let mut marks = self.sphere.marks();
+        marks.extend(self.noted.iter().map(|(at_s, name)| (*at_s, format!("noted: {name}"))));
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         // the moments of the events in every panel; the lowest names them
         for panel in &mut panels {
             panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();

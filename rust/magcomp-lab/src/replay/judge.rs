@@ -223,6 +223,8 @@ impl Judge {
             raw_heading: heading(&self.raw),
             system_heading: heading(&self.system),
             legs: None,
+            marks: Vec::new(),
+            bearings: Vec::new(),
             disturbance: self.disturbance(),
             events: self.events.iter().map(declared).collect(),
             device_changes,

@@ -6,6 +6,7 @@ use super::circle::HeadingError;
 use super::kinds::Kinds;
 use super::legs::LegJudgement;
 use super::spread::MeanSpread;
+use super::told::{BearingTold, MarkTold};
 use super::turns::TurnJudgement;
 use crate::place::EarthField;
 use serde::Serialize;
@@ -69,6 +70,10 @@ pub struct Judgement {
     pub system_heading: Option<HeadingError>,
     /// The heading against the legs of the way; none without waypoints.
     pub legs: Option<LegJudgement>,
+    /// What a tester noted, beside the events.
+    pub marks: Vec<MarkTold>,
+    /// Bearings that a tester noted, beside the published heading.
+    pub bearings: Vec<BearingTold>,
     /// How well a disturbed field was called so.
     pub disturbance: Option<Disturbance>,
     /// Events that were declared in the whole recording.

@@ -15,7 +15,11 @@ const MOST_CHANGES: usize = 12;
 pub(super) fn sentences(judgement: &Judgement) -> Vec<String> {
     let heading = reference_sentence(judgement).or_else(|| legs_sentence(judgement));
     let turns = turns_sentence(judgement).filter(|_| judgement.heading.is_none());
-    let found = [heading, field_sentence(judgement), dip_sentence(judgement), turns, changes_sentence(judgement)];
+    let listed = |what: &str, told: Vec<String>| (!told.is_empty()).then(|| format!("{what}: {}.", told.join("; ")));
+    let marks = listed("Noted", judgement.marks.iter().map(ToString::to_string).collect());
+    let bearings = listed("Heading", judgement.bearings.iter().map(ToString::to_string).collect());
+    let (field, dip, changes) = (field_sentence(judgement), dip_sentence(judgement), changes_sentence(judgement));
+    let found = [heading, bearings, field, dip, turns, changes, marks];
     let mut found: Vec<String> = found.into_iter().flatten().collect();
     if judgement.total_field_ut.compensated.is_none() {
         let (from_s, to_s) = judgement.counted_s;

@@ -80,7 +80,7 @@ fn the_summary_agrees_with_the_output_and_opens_the_report() {
 fn without_a_reference_the_summary_judges_by_field_dip_and_turns() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("in.csv");
-    assert_eq!(run(&["simulate", text(&path), "--seconds", "60", "--motion", "pedestrian", "--field", "47,61"]).0, 0);
+    assert_eq!(run(&["simulate", text(&path), "--seconds", "60", "--motion", "walk", "--field", "47,61"]).0, 0);
     // all but the reference and the truth
     let bare: String = fs::read_to_string(&path)
         .unwrap()
@@ -142,4 +142,32 @@ fn samples_at_the_rail_are_rejected_and_counted() {
     assert!(table.contains(&sentence), "{table}");
     let (code, _, error) = run(&["replay", text(&path), "--rail", "0"]);
     assert!(code == 2 && error.contains("expected a number from 1 to 100000"), "{error}");
+}
+
+/// The magnet of broad_33 was put on at 42.5 s and taken off at 98.7 s; the sensor lies still at the end, and its reference tells the bearing.
+#[test]
+fn what_a_tester_noted_stands_beside_what_was_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/recordings/broad_33_attached_magnet_2cm.csv.gz");
+    let [output, pages] = ["out.csv", "pages"].map(|name| folder.path().join(name));
+    let (_, _, _) = run(&["replay", recording, "--output", text(&output)]);
+    let (_, [w, x, y, z], _, _) = replayed(recording, &output).into_iter().rfind(|row| row.0 < 150.0).unwrap();
+    let bearing_deg = (2.0 * (x * y - w * z)).atan2(1.0 - 2.0 * (x * x + z * z)).to_degrees();
+    let noted = ["--mark", "98.7=magnet off", "--mark", "140=nothing", "--bearing", &format!("150={bearing_deg:.1}")];
+    let (code, json, _) = run(&[&["replay", recording, "--json", "--report", text(&pages)], noted.as_slice()].concat());
+    assert_eq!(code, 0);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let after_s = value.pointer("/marks/0/decided_after_s").and_then(serde_json::Value::as_f64).unwrap();
+    assert!((0.5..6.0).contains(&after_s) && value.pointer("/marks/1/event").unwrap().is_null(), "{after_s}");
+    let of = |path: &str| value.pointer(path).and_then(serde_json::Value::as_f64).unwrap();
+    let off_deg = (of("/bearings/0/heading_deg") - bearing_deg + 540.0).rem_euclid(360.0) - 180.0;
+    assert!(off_deg.abs() < 2.0 * of("/bearings/0/sigma_deg"), "{off_deg}");
+    let page = fs::read_to_string(pages.join("index.html")).unwrap();
+    assert!(
+        page.contains("magnet off at 98.7 s: DeviceStep, told ")
+            && page.contains("nothing at 140.0 s: no change was told")
+    );
+    assert!(fs::read_to_string(pages.join("replay.svg")).unwrap().contains("noted: magnet off"));
+    let (code, _, error) = run(&["replay", recording, "--mark", "cover"]);
+    assert!(code == 2 && error.contains("such as 52=cover"), "{error}");
 }

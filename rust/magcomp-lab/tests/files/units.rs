@@ -32,6 +32,9 @@ fn a_run_is_no_other_unit() {
         "{error}"
     );
     assert_eq!(replay("rest.csv", &[]).2, "");
+    // held as phones are, but with Apple's sign
+    let (code, _, error) = replay("rest.csv", &["--units", "a=-m/s2"]);
+    assert!(code == Some(0) && error.contains("the screen faced down nearly all the time"), "{error}");
     // the units that occur are told apart, however lively it is
     let (code, _, error) = replay("run_in_g.csv", &[]);
     assert!(code == Some(1) && error.contains("looks like g: --units a=g, or a=-g for Apple's sign"), "{error}");
