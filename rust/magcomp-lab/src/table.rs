@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-/// Longest line of a note on the terminal, characters.
+/// Longest line of a note on the terminal, and of one in a markdown page, characters.
 const NOTE: usize = 120;
+const PAGE: usize = 158;
 
 /// A heading, column names, rows of cells. The first column is aligned left, the others right.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,8 +56,9 @@ impl Table {
         };
         let rule = format!("|{}\n", "---|".repeat(self.columns.len()));
         let rows: String = self.rows.iter().map(|row| line(row)).collect();
-        let lead: String = self.lead.iter().map(|text| format!("{text}\n\n")).collect();
-        let notes: String = self.notes.iter().map(|note| format!("{note}\n")).collect();
+        let page = |text: &String| wrapped(text, PAGE).join("\n");
+        let lead: String = self.lead.iter().map(|text| format!("{}\n\n", page(text))).collect();
+        let notes: String = self.notes.iter().map(|note| format!("{}\n", page(note))).collect();
         format!("{}\n\n{lead}{}{rule}{rows}\n{notes}", self.title, line(&self.columns))
     }
 }
@@ -69,7 +71,7 @@ impl fmt::Display for Table {
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
         writeln!(f, "{}", self.title)?;
-        self.lead.iter().flat_map(|text| wrapped(text)).try_for_each(|line| writeln!(f, "  {line}"))?;
+        self.lead.iter().flat_map(|text| wrapped(text, NOTE)).try_for_each(|line| writeln!(f, "  {line}"))?;
         for (k, cells) in lines().enumerate() {
             let mut line = String::new();
             for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
@@ -81,16 +83,16 @@ impl fmt::Display for Table {
                 writeln!(f, "  {}", "-".repeat(widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1)))?;
             }
         }
-        self.notes.iter().flat_map(|note| wrapped(note)).try_for_each(|line| writeln!(f, "  {line}"))
+        self.notes.iter().flat_map(|note| wrapped(note, NOTE)).try_for_each(|line| writeln!(f, "  {line}"))
     }
 }
 
-/// A text in lines of at most [`NOTE`] characters, broken between words.
-fn wrapped(text: &str) -> Vec<String> {
+/// A text in lines of at most `width` characters, broken between words.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.last_mut().expect("there is a line");
-        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > NOTE {
+        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > width {
             lines.push(word.to_owned());
         } else {
             *last += if last.is_empty() { "" } else { " " };
@@ -120,7 +122,7 @@ mod tests {
             "Title\n  name        uT\n  --------------\n  a          1.2\n  long name    -\n  what it means\n";
         assert_eq!(table.to_string(), expected);
         let words = "word ".repeat(50);
-        let lines = wrapped(&words);
+        let lines = wrapped(&words, NOTE);
         assert!(lines.len() == 3 && lines.iter().all(|line| line.len() <= NOTE), "{lines:?}");
         assert_eq!(lines.join(" "), words.trim());
         table.row(vec!["best".into(), "*0.5".into()]);
