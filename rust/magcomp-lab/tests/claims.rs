@@ -66,11 +66,11 @@ fn sigma_t_of_a_device_at_rest_depends_on_its_azimuth() {
     assert!(elsewhere < 0.02 && at_180 > 0.95, "{elsewhere} and {at_180}");
 }
 
-/// docs/TUNING.md has a line for every choice, in order, with the value in use, then one for every mechanism.
+/// docs/dev/TUNING.md has a line for every choice, in order, with the value in use, then one for every mechanism.
 #[test]
 fn the_choices_are_documented_with_their_values() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/TUNING.md");
-    let text = std::fs::read_to_string(path).expect("docs/TUNING.md");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/dev/TUNING.md");
+    let text = std::fs::read_to_string(path).expect("docs/dev/TUNING.md");
     let lines = text.lines().filter(|line| line.starts_with("| adaptive |") || line.starts_with("| aided |"));
     let documented: Vec<String> =
         lines.map(|line| line.split(" | ").take(3).collect::<Vec<_>>().join(" ").replacen("| ", "", 1)).collect();
@@ -79,7 +79,7 @@ fn the_choices_are_documented_with_their_values() {
     let mechanisms =
         magcomp::Tunings::mechanisms().map(|(estimator, mechanism)| format!("{estimator} {} on", mechanism.name));
     let used: Vec<String> = choices.chain(mechanisms).collect();
-    assert_eq!(documented, used, "run `cargo run --release -- sensitivity > docs/TUNING.md`");
+    assert_eq!(documented, used, "run `cargo run --release -- sensitivity > docs/dev/TUNING.md`");
 }
 
 /// Every file and folder below `folder`, but what builds leave.
@@ -97,11 +97,11 @@ fn paths(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// docs/PAPER.md names only files, tests and commands that there are, and has no empty row.
+/// docs/dev/PAPER.md names only files, tests and commands that there are, and has no empty row.
 #[test]
 fn the_page_of_the_paper_names_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let text = fs::read_to_string(root.join("docs/PAPER.md")).expect("docs/PAPER.md");
+    let text = fs::read_to_string(root.join("docs/dev/PAPER.md")).expect("docs/dev/PAPER.md");
     let mut found = Vec::new();
     ["rust", "tests", "docs", "android", "ios"].iter().for_each(|folder| paths(&root.join(folder), &mut found));
     found.extend(["android", "ios"].map(|folder| root.join(folder)));
@@ -327,4 +327,24 @@ fn the_comparison_is_that_of_the_command() {
         }
     }
     assert!(found.len() > 20, "{printed}");
+}
+
+/// Every link of a page to another file leads to one.
+#[test]
+fn the_pages_link_to_what_there_is() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut found = vec![root.join("README.md"), root.join("CONTRIBUTING.md"), root.join("CHANGELOG.md")];
+    ["docs", "android", "ios", "c", "python"].iter().for_each(|folder| paths(&root.join(folder), &mut found));
+    let mut links = 0;
+    for page in found.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        let text = fs::read_to_string(page).expect("a page");
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()) {
+            let file = link.split('#').next().unwrap_or_default();
+            if !file.is_empty() && !file.contains(':') {
+                links += 1;
+                assert!(page.parent().unwrap().join(file).exists(), "{}: there is no {file}", page.display());
+            }
+        }
+    }
+    assert!(links > 60, "{links} links");
 }

@@ -28,11 +28,11 @@ choices! {
     /// The choices.
     Tuning {
         /// Standard deviation of a component of b where none is told
-        usual_sigma_ut: 2.0, "uT", "a phone that was calibrated the day before: docs/METHOD.md";
+        usual_sigma_ut: 2.0, "uT", "a phone that was calibrated the day before: docs/dev/METHOD.md";
         /// How far an element of M is off where M was never measured
-        unseen_iron: 0.08, "", "phones have up to 10 %: docs/METHOD.md, as aided's iron_sd";
+        unseen_iron: 0.08, "", "phones have up to 10 %: docs/dev/METHOD.md, as aided's iron_sd";
         /// How far M is off beside a hard iron that is off, for each uT
-        iron_per_ut: 0.003, "1/uT", "covers; a steel plate with a magnet: docs/METHOD.md";
+        iron_per_ut: 0.003, "1/uT", "covers; a steel plate with a magnet: docs/dev/METHOD.md";
     }
 }
 

@@ -9,8 +9,8 @@
 //!
 //! # Where each equation lives
 //!
-//! Files are those of `src/`. Each opens with its equations and their source; `docs/METHOD.md` derives them. For our two estimators the
-//! headings of `docs/METHOD-AIDED.md` and `docs/METHOD-ADAPTIVE.md` name the file of each equation.
+//! Files are those of `src/`. Each opens with its equations and their source; `docs/dev/METHOD.md` derives them. For our two estimators the
+//! headings of `docs/dev/METHOD-AIDED.md` and `docs/dev/METHOD-ADAPTIVE.md` name the file of each equation.
 //!
 //! | equation, idea | item | file |
 //! |---|---|---|

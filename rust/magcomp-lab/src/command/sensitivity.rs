@@ -5,7 +5,7 @@ use crate::experiment::sensitivity::{SEEDS, run};
 use clap::Args;
 use std::io::Write;
 
-/// Every choice of the estimators halved and doubled on a fixed benchmark, as markdown (docs/TUNING.md)
+/// Every choice of the estimators halved and doubled on a fixed benchmark, as markdown (docs/dev/TUNING.md)
 #[derive(Debug, Args)]
 pub(super) struct Sensitivity {}
 

@@ -118,7 +118,7 @@ fn percent(halves: [f64; 2]) -> f64 {
     100.0 * ((halves[0] + halves[1]) / 2.0).exp_m1()
 }
 
-/// Every choice, as markdown: docs/TUNING.md.
+/// Every choice, as markdown: docs/dev/TUNING.md.
 ///
 /// # Errors
 /// [`LabError::Config`].
@@ -198,7 +198,9 @@ fn table(benchmarks: &[Benchmark], usual: &[Score], lines: &[Line], seeds: &Rang
             Trial::Scaled(choice, _) => {
                 (choice.name, format!("{}", choice.value), choice.unit, choice.meaning, choice.source)
             }
-            Trial::Off(mechanism) => (mechanism.name, "on".to_owned(), "", mechanism.meaning, "docs/METHOD-AIDED.md"),
+            Trial::Off(mechanism) => {
+                (mechanism.name, "on".to_owned(), "", mechanism.meaning, "docs/dev/METHOD-AIDED.md")
+            }
         };
         let changes = match trial {
             Trial::Scaled(..) => {

@@ -21,7 +21,7 @@ use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
-/// Choice: sizes of changes: from a current, 4 uT, to a cover with a magnet, 512 uT (docs/METHOD.md).
+/// Choice: sizes of changes: from a current, 4 uT, to a cover with a magnet, 512 uT (docs/dev/METHOD.md).
 const SIZES: usize = 8;
 
 type Matrix9 = SMatrix<f64, 9, 9>;

@@ -18,15 +18,15 @@ choices! {
         /// The dip that is kept is a mean over this time: a walk's accelerations pass
         dip_s: 5.0, "s", "ten steps: tests/host/kept.rs";
         /// Time in which all but one device in e have changed: a cover, a charger, a car
-        changes_s: 21_600.0, "s", "docs/METHOD.md, a calibration from elsewhere";
+        changes_s: 21_600.0, "s", "docs/dev/METHOD.md, a calibration from elsewhere";
         /// Share of launches before which the device was changed, however short the pause: it was laid down, a cover was put on
         changed_between: 0.1, "", "the same";
         /// Share of given calibrations that never held: taken beside a magnet, or of another phone
         never_held: 0.0025, "", "one in 400, as adaptive's log_cold";
         /// How far b walks where nothing changed, with temperature and currents. The least size of a change is twice this, and each further one
         /// twice that of the one before
-        walk_ut: 2.0, "uT", "docs/METHOD.md: phones within a day's hours";
+        walk_ut: 2.0, "uT", "docs/dev/METHOD.md: phones within a day's hours";
         /// Standard deviation of the field from one room to the next, an axis
-        rooms_ut: 3.0, "uT", "docs/METHOD.md, a calibration from elsewhere";
+        rooms_ut: 3.0, "uT", "docs/dev/METHOD.md, a calibration from elsewhere";
     }
 }

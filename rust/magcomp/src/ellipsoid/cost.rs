@@ -7,7 +7,7 @@
 //!         E[S] = S0 + nu^2 B for noise nu, see `moments`, so the noise does not move its minimum up to nu^4)
 //! Jacobian J = dp/dy = diag(1 1 1 1 1 1 -2 -2 -2) and a last row r = [-beta_i^2, -2 beta_i beta_j, 2 beta].
 //! With Q = S or S - (cost/slope) B the half gradient is J^T Q p and the Hessian J^T Q J (exact at the minimum of the second,
-//! Gauss-Newton for the first). An iteration costs the same for 100 samples as for 2000. Source: docs/METHOD-PAPER.md.
+//! Gauss-Newton for the first). An iteration costs the same for 100 samples as for 2000. Source: docs/dev/METHOD-PAPER.md.
 
 use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};

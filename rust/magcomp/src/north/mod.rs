@@ -9,7 +9,7 @@
 //! ```
 //! Where n and f exclude each other, f is turned all the way. Where n is known no better than f, it begins anew at f.
 //! A rival takes over once more seconds of headings speak for it than for n. The estimators do not know of any of this. One file each: `history` (the
-//! turns of the last seconds, for headings that come late), `carried` (n and s), `offset` (a mounting, a declination). Source: docs/METHOD.md.
+//! turns of the last seconds, for headings that come late), `carried` (n and s), `offset` (a mounting, a declination). Source: docs/dev/METHOD.md.
 
 mod carried;
 mod history;

@@ -15,11 +15,11 @@ choices! {
         /// Memory of what motion adds to gravity; and for how long a device turns about the same axis
         tilt_s: 1.0, "s", "two steps of a pedestrian: rust/magcomp/src/sensing/tilt/tests.rs";
         /// How far a hand turns the vertical, a random walk
-        hand_rad: 0.3, "rad/s^0.5", "17 deg in a second: walks with motion capture, docs/METHOD.md";
+        hand_rad: 0.3, "rad/s^0.5", "17 deg in a second: walks with motion capture, docs/dev/METHOD.md";
         /// For how long the same motion is added to gravity, and half of it how long the raw field is averaged, one and a half times how long
         /// its turn is
-        motion_s: 0.2, "s", "half a step of a pedestrian: walks with motion capture, docs/METHOD.md";
+        motion_s: 0.2, "s", "half a step of a pedestrian: walks with motion capture, docs/dev/METHOD.md";
         /// How much more of it, in squares, lies along a horizontal axis than along gravity
-        across: 2.0, "", "walks with motion capture, docs/METHOD.md";
+        across: 2.0, "", "walks with motion capture, docs/dev/METHOD.md";
     }
 }

@@ -2,7 +2,7 @@
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `grouping` (neighbours averaged) · `frame` (what is
 //! stored) · `state` (what is known, and a frame's update) · `filter` (a hypothesis) · `spread` (what only noise tells) · `bank` (hypotheses
 //! against each other) · `decision` (what is told of changes) · `published` (what is in force) · `explain` (for people). The noise is learned by
-//! `noise/`. The derivation is in docs/METHOD-ADAPTIVE.md.
+//! `noise/`. The derivation is in docs/dev/METHOD-ADAPTIVE.md.
 
 mod bank;
 mod decision;

@@ -11,7 +11,7 @@
 //! U_f: U, which fades over 5 s,   rho = max(1, (2 tau_d U_f^2 + sigma^2 dt) / (2 tau_d s_d^2 + sigma^2 dt)),   G^2 = 5 (U_f^2 - (1.5 uT)^2)+
 //! rho P_mm + G^2 is variance of f, an average: its error grows with the density of what is slow; what is too uneven does not average out.
 //! ```
-//! Source: docs/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
+//! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -5,7 +5,7 @@
 //! least   sum |raw - model|^2 / v + |x - x_0|^2_W          x = (h, b, e, g, tau, s), 25 numbers
 //! v = sigma^2 / n + (place^2 + misfit) t_c / t             t: seconds of the group, t_c = 1 s: a room's field is correlated
 //! ```
-//! Source: docs/METHOD-AIDED.md, Start; b and e by variable projection; the descent: `math/descend`.
+//! Source: docs/dev/METHOD-AIDED.md, Start; b and e by variable projection; the descent: `math/descend`.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -6,7 +6,7 @@
 //!                                                       so long that it is no field that is passed; 0 in a quiet place
 //! s^2 = p R^2 / 5,   R^2 = 16 (2 uT)^2                  what may be left in a sample that passed the gate: a field of any size within R
 //! ```
-//! What was found to be the device's doing counts as none of it. Source: docs/METHOD-AIDED.md, Bursts.
+//! What was found to be the device's doing counts as none of it. Source: docs/dev/METHOD-AIDED.md, Bursts.
 
 use super::tuning::Tuning;
 

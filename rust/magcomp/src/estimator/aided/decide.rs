@@ -5,7 +5,7 @@
 //! place      told; the filter stays as it was, for 30 s or until the samples fit it again
 //! new place  the filter goes on as `place`, and the Earth's field is carried beside it
 //! ```
-//! Source: docs/METHOD-AIDED.md, Changes.
+//! Source: docs/dev/METHOD-AIDED.md, Changes.
 
 use nalgebra::Vector3;
 

@@ -6,7 +6,7 @@
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
 //! s = max(mean |v| of the gated samples, 8 uT),   l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
 //! ```
-//! Source: docs/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
+//! Source: docs/dev/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
 //! the recall of a former calibration are new.
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};

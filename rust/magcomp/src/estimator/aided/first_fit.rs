@@ -6,7 +6,7 @@
 //! information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v    what a bias would feign (`feigned`)
 //! bend_k = M d(back_k far v_i)/dg                                                  i: the least lambda
 //! ```
-//! Source: docs/METHOD-AIDED.md, Start.
+//! Source: docs/dev/METHOD-AIDED.md, Start.
 
 use std::ops::Range;
 

@@ -8,7 +8,7 @@
 //! ```
 //! The model is linear in `back`, so a mean over a group loses nothing; what g and s do within a group is taken to first order.
 //! While a fit leaves more than a place does, the oldest groups go: a device that changed during its start is known soon after.
-//! Source: docs/METHOD-AIDED.md, Start.
+//! Source: docs/dev/METHOD-AIDED.md, Start.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

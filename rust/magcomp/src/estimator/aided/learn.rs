@@ -6,7 +6,7 @@
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
 //! ```
-//! Source: docs/METHOD-AIDED.md.
+//! Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::Vector3;
 

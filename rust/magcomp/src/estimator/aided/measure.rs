@@ -7,7 +7,7 @@
 //! x <- x + V z,   P <- P - V V^T + U U^T
 //! ```
 //! B is the second-order term of the bilinear E h. U is the part of V that belongs to states which an update holds (Schmidt): they
-//! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/METHOD-AIDED.md.
+//! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -2,7 +2,7 @@
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
-//! `publish` · `explain` (for people). The derivation is in docs/METHOD-AIDED.md.
+//! `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;

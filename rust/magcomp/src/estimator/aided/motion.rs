@@ -7,7 +7,7 @@
 //! D^2 = s_g^2 + P_ss |net rate|^2,   T = max(T_0, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = L T_0 / T + D^2 T^2
 //! ```
 //! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T meanwhile.
-//! Source: docs/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
+//! Source: docs/dev/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};

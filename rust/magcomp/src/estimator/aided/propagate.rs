@@ -11,7 +11,7 @@
 //! P_mm += (q_g^2 dt + v) (|m|^2 I - m m^T)     (gyroscope noise; v: bridged)
 //! P_bb += q_b^2 dt I,  P_gg += q_w^2 dt I,  P_dd += s_d^2 (1 - a^2) I
 //! ```
-//! Only the rows and columns of m and d change in F P F^T. Source: docs/METHOD-AIDED.md.
+//! Only the rows and columns of m and d change in F P F^T. Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 

@@ -6,7 +6,7 @@
 //! turn <- r turn,  G <- r G + (dt, increment') (x) I:    m <- exp([G (g, s)]x) turn m,   dm/d(g, s) = -[m]x G
 //! ```
 //! The turns are added up as those of a group of a start are (`groups`), so that a copy costs little until it is needed. A copy is used once: were
-//! it kept, a filter whose samples misfit every second would learn nothing. Source: docs/METHOD-AIDED.md, Bursts.
+//! it kept, a filter whose samples misfit every second would learn nothing. Source: docs/dev/METHOD-AIDED.md, Bursts.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -2,7 +2,7 @@
 //!
 //! A given calibration is what the first fit knows before any sample; it is dropped when the samples make it unlikely.
 //! Without rotations the direction of the field is lost; its strength and the calibration are not, and wait.
-//! Source: docs/METHOD-AIDED.md.
+//! Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -10,7 +10,7 @@
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! ```
 //!
-//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/METHOD-AIDED.md.
+//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

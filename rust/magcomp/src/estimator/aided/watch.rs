@@ -4,7 +4,7 @@
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
 //! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.1 s)
 //! ```
-//! Source: docs/METHOD-AIDED.md; the recall of a former calibration is new.
+//! Source: docs/dev/METHOD-AIDED.md; the recall of a former calibration is new.
 
 use nalgebra::Vector3;
 
