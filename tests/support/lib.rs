@@ -1,5 +1,6 @@
 //! What the host tests share: seeded data, a fit sample by sample, vectors read from `tests/vectors`.
 
+pub mod fuzz;
 mod phone;
 
 pub use phone::{PERIOD_NS, Phone};
