@@ -53,11 +53,11 @@ enum magcomp_error
   MAGCOMP_ERROR_NOTHING_YET = 7,
   // A panic was caught: a fault of the library. The compensator refuses every call but reset, free and those for its texts.
   MAGCOMP_ERROR_PANICKED = 8,
-  // A gyroscope or gravity event has a component that is NaN or infinite.
+  // An event beside the magnetic samples has a number that is NaN or infinite.
   MAGCOMP_ERROR_EVENT_NOT_FINITE = 9,
-  // Such an event is beyond anything a sensor reads: 60 rad/s, 200 m/s^2.
+  // Such an event is beyond anything a sensor reads: 60 rad/s, 200 m/s^2; or beyond what its function takes.
   MAGCOMP_ERROR_EVENT_OUT_OF_RANGE = 10,
-  // Such an event is at or before a magnetic sample that was pushed.
+  // Such an event is at or before a magnetic sample that was pushed. A heading: more than 5 s so, or not after the latest that was used.
   MAGCOMP_ERROR_EVENT_LATE = 11,
   // Such an event has the time of another.
   MAGCOMP_ERROR_EVENT_DUPLICATE = 12,
@@ -251,6 +251,50 @@ typedef int32_t magcomp_model_order;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What headings from outside are worth.
+enum magcomp_heading_aid
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // None came in the last two minutes.
+  MAGCOMP_HEADING_AID_NONE = 0,
+  // They agree with the magnetometer, which knows north at least as well by itself.
+  MAGCOMP_HEADING_AID_USED = 1,
+  // North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+  MAGCOMP_HEADING_AID_LEADS = 2,
+  // The latest one contradicts what is known, and is ignored.
+  MAGCOMP_HEADING_AID_DISAGREES = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_heading_aid magcomp_heading_aid;
+#else
+typedef int32_t magcomp_heading_aid;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What a direction from outside counts from.
+enum magcomp_north
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Not north: the y axis of an outside world points anywhere, and stays.
+  MAGCOMP_NORTH_NONE = 0,
+  // True north, as of maps and GNSS. While no declination is set it is learned from these headings.
+  MAGCOMP_NORTH_TRUE = 1,
+  // Magnetic north.
+  MAGCOMP_NORTH_MAGNETIC = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_north magcomp_north;
+#else
+typedef int32_t magcomp_north;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Finds M and b from a stream of samples, again whenever they change. magcomp_compensator_create makes one.
 typedef struct magcomp_compensator magcomp_compensator;
 
@@ -433,6 +477,46 @@ magcomp_error magcomp_compensator_keep(const struct magcomp_compensator *compens
 magcomp_error magcomp_compensator_adopt(struct magcomp_compensator *compensator,
                                         const char *kept_json,
                                         int64_t unix_time_s);
+
+// A heading from outside: a GNSS course, a landmark. Degrees clockwise from the north that `reference`, a magcomp_north, names, -360 to 360; its standard
+// deviation, above 0, up to 180 deg, of errors that are taken to last for 10 s. `axis` is what points there: three numbers of any length but 0, device
+// axes, such as the top edge 0, 1, 0; null: a vehicle in which the device lies, turned against it by an angle that does not change.
+//
+// It is used at the magnetic sample that follows it in time, or comes up to 5 s late. The gyroscope carries north from one to the next; without a gyroscope
+// they are not used. One that contradicts what is known is ignored, unless others say the same for a minute. The filtered field, heading and attitude go
+// by it; the calibration and `field_ut` do not.
+//
+// Errors: NULL_POINTER (`compensator`); CONFIG (`reference`); EVENT_NOT_FINITE, EVENT_OUT_OF_RANGE, EVENT_LATE, EVENT_DUPLICATE, EVENT_AHEAD: it is left out.
+magcomp_error magcomp_compensator_push_heading(struct magcomp_compensator *compensator,
+                                               int64_t time_ns,
+                                               double heading_deg,
+                                               double sigma_deg,
+                                               int32_t reference,
+                                               const double *axis);
+
+// An orientation from outside, such as a camera's pose: the quaternion w + x i + y j + z k, of any length but 0, that takes device axes to a world whose z
+// points up. While the gyroscope is missing its turns stand in for it. Where the world's y axis points to a north, which `reference` then names, it is a
+// heading too, of the standard deviation `sigma_deg`; with MAGCOMP_NORTH_NONE `sigma_deg` is not read.
+//
+// Errors: as magcomp_compensator_push_heading.
+magcomp_error magcomp_compensator_push_attitude(struct magcomp_compensator *compensator,
+                                                int64_t time_ns,
+                                                double w,
+                                                double x,
+                                                double y,
+                                                double z,
+                                                int32_t reference,
+                                                double sigma_deg);
+
+// What headings from outside are worth after the latest sample; MAGCOMP_HEADING_AID_NONE of null, and after a panic.
+magcomp_heading_aid magcomp_compensator_heading_aid(const struct magcomp_compensator *compensator);
+
+// The declination that headings from true north have shown, deg, east positive, and its standard deviation. Either pointer may be null.
+//
+// Errors: NULL_POINTER (`compensator`); NOTHING_YET: no such heading was used yet, or a declination is set. Both numbers are NaN then.
+magcomp_error magcomp_compensator_found_declination(const struct magcomp_compensator *compensator,
+                                                    double *declination_deg,
+                                                    double *sigma_deg);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -4,11 +4,13 @@
 
 #include "magcomp.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace magcomp {
 
@@ -52,6 +54,31 @@ public:
     // An accelerometer's or gravity event, m/s^2, up at rest. Whether it was used.
     bool push_up(std::int64_t time_ns, double x_m_s2, double y_m_s2, double z_m_s2) {
         return used(magcomp_compensator_push_up(get(), time_ns, x_m_s2, y_m_s2, z_m_s2));
+    }
+
+    // A heading from outside, such as a GNSS course: see magcomp_compensator_push_heading. `axis` is what points there, device axes; none: the vehicle.
+    // Whether it was taken.
+    bool push_heading(std::int64_t time_ns, double heading_deg, double sigma_deg, magcomp_north reference,
+                      const std::optional<std::array<double, 3>> &axis = std::nullopt) {
+        const double *const pointing = axis ? axis->data() : nullptr;
+        return used(magcomp_compensator_push_heading(get(), time_ns, heading_deg, sigma_deg, reference, pointing));
+    }
+
+    // An orientation from outside, w, x, y, z: see magcomp_compensator_push_attitude. Whether it was taken.
+    bool push_attitude(std::int64_t time_ns, const std::array<double, 4> &to_world, magcomp_north reference = MAGCOMP_NORTH_NONE,
+                       double sigma_deg = 0) {
+        const auto &[w, x, y, z] = to_world;
+        return used(magcomp_compensator_push_attitude(get(), time_ns, w, x, y, z, reference, sigma_deg));
+    }
+
+    // What headings from outside are worth after the latest sample.
+    magcomp_heading_aid heading_aid() const noexcept { return magcomp_compensator_heading_aid(get()); }
+
+    // The declination that headings from true north have shown, and its standard deviation, deg; nothing before one was used, or while one is set.
+    std::optional<std::pair<double, double>> found_declination() const {
+        std::pair<double, double> found;
+        if (is_there(magcomp_compensator_found_declination(get(), &found.first, &found.second))) return found;
+        return std::nullopt;
     }
 
     // So many seconds passed that the samples' clock does not show.

@@ -9,6 +9,9 @@ use magcomp_core::{KeptCalibration, MagneticSample, RotationRateSample, UpSample
 use std::ffi::{CString, c_char};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// What brings a calibration.
+const TURN: &str = "push samples of a turned device";
+
 /// Finds M and b from a stream of samples, again whenever they change. magcomp_compensator_create makes one.
 pub struct Compensator {
     core: Mutex<Core>,
@@ -18,7 +21,7 @@ pub struct Compensator {
 }
 
 pub(crate) struct Core {
-    compensator: magcomp_core::Compensator,
+    pub(crate) compensator: magcomp_core::Compensator,
     /// Of the latest reading.
     status: Option<magcomp_core::Status>,
 }
@@ -60,7 +63,7 @@ fn put(place: &Mutex<CString>, text: CString) -> *const c_char {
 }
 
 /// The code of what was done; the message is kept by the compensator, else by the thread.
-fn code(compensator: Option<&Compensator>, done: Result<(), Failure>) -> Error {
+pub(crate) fn code(compensator: Option<&Compensator>, done: Result<(), Failure>) -> Error {
     let Err(Failure { code, why }) = done else { return Error::None };
     match compensator {
         Some(it) => _ = put(&it.error, c_text(&why)),
@@ -71,7 +74,10 @@ fn code(compensator: Option<&Compensator>, done: Result<(), Failure>) -> Error {
 
 /// # Safety
 /// `compensator` is null, or was made by create and not freed.
-unsafe fn with(compensator: *const Compensator, action: impl FnOnce(&mut Core) -> Result<(), Failure>) -> Error {
+pub(crate) unsafe fn with(
+    compensator: *const Compensator,
+    action: impl FnOnce(&mut Core) -> Result<(), Failure>,
+) -> Error {
     // SAFETY: as said above
     let it = unsafe { compensator.as_ref() };
     code(it, it.ok_or_else(|| Failure::null("compensator")).and_then(|it| it.with(action)))
@@ -256,7 +262,7 @@ pub unsafe extern "C" fn magcomp_compensator_calibration(
     let action = |core: &mut Core| {
         // SAFETY: null, or the caller's
         let room = unsafe { room(calibration) }?;
-        let own = core.compensator.calibration().ok_or_else(|| Failure::nothing_yet("calibration"))?;
+        let own = core.compensator.calibration().ok_or_else(|| Failure::nothing_yet("calibration", TURN))?;
         // SAFETY: there is as much room
         unsafe { fill(calibration, room, Calibration::from(own)) };
         Ok(())
@@ -305,7 +311,8 @@ pub unsafe extern "C" fn magcomp_compensator_keep(
         }
         // SAFETY: it is not null
         unsafe { kept_json.write(std::ptr::null()) };
-        let kept = core.compensator.keep(unix_time_s).ok_or_else(|| Failure::nothing_yet("learned calibration"))?;
+        let kept =
+            core.compensator.keep(unix_time_s).ok_or_else(|| Failure::nothing_yet("learned calibration", TURN))?;
         if let Some(place) = place {
             // SAFETY: it is not null
             unsafe { kept_json.write(put(place, c_text(&kept.to_json()))) };

@@ -28,11 +28,11 @@ pub enum Error {
     NothingYet = 7,
     /// A panic was caught: a fault of the library. The compensator refuses every call but reset, free and those for its texts.
     Panicked = 8,
-    /// A gyroscope or gravity event has a component that is NaN or infinite.
+    /// An event beside the magnetic samples has a number that is NaN or infinite.
     EventNotFinite = 9,
-    /// Such an event is beyond anything a sensor reads: 60 rad/s, 200 m/s^2.
+    /// Such an event is beyond anything a sensor reads: 60 rad/s, 200 m/s^2; or beyond what its function takes.
     EventOutOfRange = 10,
-    /// Such an event is at or before a magnetic sample that was pushed.
+    /// Such an event is at or before a magnetic sample that was pushed. A heading: more than 5 s so, or not after the latest that was used.
     EventLate = 11,
     /// Such an event has the time of another.
     EventDuplicate = 12,
@@ -52,8 +52,8 @@ impl Failure {
         Self { code: Error::NullPointer, why: format!("{name} is a null pointer") }
     }
 
-    pub(crate) fn nothing_yet(what: &str) -> Self {
-        Self { code: Error::NothingYet, why: format!("there is no {what} yet; push samples of a turned device") }
+    pub(crate) fn nothing_yet(what: &str, after: &str) -> Self {
+        Self { code: Error::NothingYet, why: format!("there is no {what} yet; {after}") }
     }
 
     pub(crate) fn config(error: impl std::fmt::Display) -> Self {

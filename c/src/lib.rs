@@ -11,6 +11,7 @@ mod calibration;
 mod compensator;
 mod error;
 mod grows;
+mod outside;
 mod reading;
 #[cfg(test)]
 mod tests;

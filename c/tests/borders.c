@@ -99,6 +99,10 @@ static void nulls(void) {
     REFUSED(NULL_POINTER, says, magcomp_compensator_push(c, 0, 1, 2, 3, &reading));
     REFUSED(NULL_POINTER, says, magcomp_compensator_push_rotation_rate(c, 0, 1, 2, 3));
     REFUSED(NULL_POINTER, says, magcomp_compensator_push_up(c, 0, 1, 2, 3));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push_heading(c, 0, 90, 5, MAGCOMP_NORTH_TRUE, NULL));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_push_attitude(c, 0, 1, 0, 0, 0, MAGCOMP_NORTH_NONE, 0));
+    REFUSED(NULL_POINTER, says, magcomp_compensator_found_declination(c, NULL, NULL));
+    CHECK(magcomp_compensator_heading_aid(c) == MAGCOMP_HEADING_AID_NONE);
     REFUSED(NULL_POINTER, says, magcomp_compensator_push_gap(c, 1));
     REFUSED(NULL_POINTER, says, magcomp_compensator_reset(c));
     REFUSED(NULL_POINTER, says, magcomp_compensator_set_heading(c, NULL));
@@ -303,6 +307,57 @@ static void headings(void) {
     magcomp_compensator_free(c);
 }
 
+/* A device that lies flat and still, its top edge north by a calibration that is hardly known; headings say it points elsewhere. */
+static void from_outside(void) {
+    magcomp_compensator *c = made(NULL);
+    const double top[3] = {0, 1, 0}, zero[3] = {0, 0, 0};
+    double declination_deg = 1, sigma_deg = 1;
+    const int true_north = MAGCOMP_NORTH_TRUE;
+    REFUSED(CONFIG, "MAGCOMP_NORTH_NONE", magcomp_compensator_push_heading(c, 0, 90, 5, MAGCOMP_NORTH_NONE, top));
+    REFUSED(CONFIG, "reference is 7", magcomp_compensator_push_heading(c, 0, 90, 5, 7, top));
+    REFUSED(CONFIG, "reference is -1", magcomp_compensator_push_attitude(c, 0, 1, 0, 0, 0, -1, 5));
+    REFUSED(EVENT_NOT_FINITE, "not finite", magcomp_compensator_push_heading(c, 0, NAN, 5, true_north, top));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_heading(c, 0, 90, 0, true_north, top));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_heading(c, 0, 361, 5, true_north, top));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_heading(c, 0, 90, 5, true_north, zero));
+    REFUSED(EVENT_NOT_FINITE, "not finite", magcomp_compensator_push_attitude(c, 0, INFINITY, 0, 0, 0, MAGCOMP_NORTH_NONE, 0));
+    REFUSED(EVENT_OUT_OF_RANGE, "range", magcomp_compensator_push_attitude(c, 0, 0, 0, 0, 0, MAGCOMP_NORTH_NONE, 0));
+    REFUSED(NOTHING_YET, "headings from true north", magcomp_compensator_found_declination(c, &declination_deg, &sigma_deg));
+    CHECK(isnan(declination_deg) && isnan(sigma_deg));
+    CHECK(magcomp_compensator_push_heading(c, 1, 90, 5, true_north, NULL) == MAGCOMP_ERROR_NONE);
+    REFUSED(EVENT_DUPLICATE, "same time", magcomp_compensator_push_heading(c, 1, 90, 5, true_north, NULL));
+    CHECK(magcomp_compensator_push_attitude(c, 2, 3, 0, 0, 0, MAGCOMP_NORTH_NONE, NAN) == MAGCOMP_ERROR_NONE);
+    REFUSED(EVENT_LATE, "older", magcomp_compensator_push_attitude(c, 2, 3, 0, 0, 0, MAGCOMP_NORTH_NONE, NAN));
+    magcomp_compensator_free(c);
+
+    const magcomp_calibration rough = {sizeof rough, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}, 49.244};
+    for (int as_attitude = 0; as_attitude < 2; as_attitude++) {
+        c = made(NULL);
+        CHECK(magcomp_compensator_adopt_calibration(c, &rough, 30) == MAGCOMP_ERROR_NONE);
+        magcomp_reading r = {.size = 0};
+        const double half = -15 * 3.141592653589793 / 180;
+        for (int k = 1; k < 3000; k++) {
+            const int64_t t = k * 2 * STEP_NS;
+            CHECK(magcomp_compensator_push_rotation_rate(c, t, 0, 0, 0) == MAGCOMP_ERROR_NONE);
+            CHECK(magcomp_compensator_push_up(c, t, 0, 0, 9.81) == MAGCOMP_ERROR_NONE);
+            if (k % 50 == 0 && as_attitude)
+                CHECK(magcomp_compensator_push_attitude(c, t, cos(half), 0, 0, sin(half), MAGCOMP_NORTH_MAGNETIC, 1) == MAGCOMP_ERROR_NONE);
+            if (k % 50 == 0 && !as_attitude) CHECK(magcomp_compensator_push_heading(c, t, 30, 1, true_north, top) == MAGCOMP_ERROR_NONE);
+            r = pushed(c, t, 0.2 * sin(1.7 * k * k), 20, -45);
+        }
+        const magcomp_error found = magcomp_compensator_found_declination(c, &declination_deg, &sigma_deg);
+        if (as_attitude) {
+            CHECK(magcomp_compensator_heading_aid(c) == MAGCOMP_HEADING_AID_LEADS && fabs(r.heading_deg - 30) < 5);
+            CHECK(found == MAGCOMP_ERROR_NOTHING_YET && isnan(declination_deg));
+        } else {
+            /* from true north: the difference may be the declination */
+            CHECK(magcomp_compensator_heading_aid(c) != MAGCOMP_HEADING_AID_NONE && fabs(r.true_heading_deg - 30) < 5);
+            CHECK(found == MAGCOMP_ERROR_NONE && isfinite(declination_deg) && sigma_deg > 0);
+        }
+        magcomp_compensator_free(c);
+    }
+}
+
 static long allocations;
 
 static void counted(const volatile void *at, size_t size) {
@@ -336,6 +391,7 @@ int main(void) {
     gaps();
     calibrations();
     headings();
+    from_outside();
     memory();
     return 0;
 }

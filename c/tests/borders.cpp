@@ -36,6 +36,11 @@ void borders() {
     check(!first.calibration() && !first.keep(0) && first.status_text().empty(), __LINE__);
     check(first.push(0, 20, 0, 40).status == MAGCOMP_STATUS_COLLECTING, __LINE__);
     check(first.push_up(step_ns, 0, 0, 9.81) && !first.push_up(step_ns, 0, 0, 9.81), __LINE__);
+    check(first.push_heading(step_ns, 90, 5, MAGCOMP_NORTH_TRUE) && !first.push_heading(step_ns, 90, 5, MAGCOMP_NORTH_TRUE, {{0, 1, 0}}), __LINE__);
+    check(first.push_attitude(step_ns, {1, 0, 0, 0}) && !first.push_attitude(step_ns, {0, 0, 0, 0}), __LINE__);
+    refuses(MAGCOMP_ERROR_CONFIG, "NORTH_NONE", __LINE__, [&] { first.push_heading(step_ns, 90, 5, MAGCOMP_NORTH_NONE); });
+    check(first.heading_aid() == MAGCOMP_HEADING_AID_NONE && !first.found_declination(), __LINE__);
+    check(!first.push_up(step_ns, 0, 0, 9.81), __LINE__);
     check(first.last_error().find("same time") != std::string::npos, __LINE__);
     check(first.push_rotation_rate(step_ns, 0, 0, 1) && !first.push_rotation_rate(2 * step_ns, 0, 0, 1e9), __LINE__);
     refuses(MAGCOMP_ERROR_CONFIG, "hidden_s", __LINE__, [&] { first.push_gap(-1); });
