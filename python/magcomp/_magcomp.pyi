@@ -124,6 +124,26 @@ class Compensator:
         """A gyroscope's sample, shape (3,), rad/s. Push it before the magnetic sample of its time. Raises `EventError`."""
     def push_up(self, time_ns: int, up_m_s2: ArrayLike) -> None:
         """An accelerometer's or gravity sample, shape (3,), m/s^2, up at rest. Raises `EventError`."""
+    def push_heading(
+        self, time_ns: int, heading_deg: float, sigma_deg: float, *, north: str = "true", axis: ArrayLike | None = None
+    ) -> None:
+        """A heading from outside: a GNSS course, a landmark; degrees clockwise from ``"true"`` or ``"magnetic"`` north, -360 to 360, and its
+        standard deviation, above 0, up to 180. `axis`, shape (3,), is what points there, device axes: the top edge is ``[0, 1, 0]``; None: a
+        vehicle in which the device lies. It may come up to 5 s late. Without a gyroscope it is not used. Raises `EventError`."""
+    def push_attitude(
+        self, time_ns: int, to_world: ArrayLike, *, north: str | None = None, sigma_deg: float | None = None
+    ) -> None:
+        """An orientation from outside, a camera's pose: the quaternion (w, x, y, z) that takes device axes to a world whose z points up. While
+        the gyroscope is missing its turns stand in for it. Where the world's y axis points north, `north` says to which, `sigma_deg` how
+        well: it is a heading too. Raises `EventError`."""
+    @property
+    def heading_aid(self) -> str | None:
+        """What headings from outside are worth after the latest sample: ``used`` (they agree), ``leads`` (north is what they say),
+        ``disagrees`` (the latest one is ignored); None where none came in the last two minutes."""
+    @property
+    def found_declination_deg(self) -> tuple[float, float] | None:
+        """The declination that headings from true north have shown, deg, east positive, and its standard deviation; None before the first,
+        and while `heading.declination_deg` is set."""
     def push(self, time_ns: int, field_ut: ArrayLike) -> Reading:
         """A raw magnetic sample, shape (3,), uT. One that is refused has the status ``rejected``, and changes nothing."""
     def process(

@@ -1,10 +1,13 @@
 //! `magcomp.Compensator` and `magcomp.Reading`.
 
-use crate::arrays::{times, to_array, to_matrix, to_rows, vector, vectors};
+use crate::arrays::{array, times, to_array, to_matrix, to_rows, vector, vectors};
 use crate::calibration::Calibration;
 use crate::{ConfigError, EventError, KeptError, MagcompError};
-use magcomp::nalgebra::Vector3;
-use magcomp::{KeptCalibration, MagneticSample, RotationRateSample, UpSample};
+use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use magcomp::{
+    AttitudeSample, EventRejection, HeadedAxis, HeadingAid, HeadingSample, KeptCalibration, MagneticSample,
+    NorthReference, RotationRateSample, UpSample, Yaw,
+};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,6 +33,18 @@ fn stream(value: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>, name: &str) -> Py
     let mut stream: Stream = time_ns.into_iter().zip(values).collect();
     stream.sort_by_key(|(time_ns, _)| *time_ns);
     Ok(stream)
+}
+
+fn refused(error: EventRejection) -> PyErr {
+    EventError::new_err(error.to_string())
+}
+
+fn reference(name: &str) -> PyResult<NorthReference> {
+    match name {
+        "true" => Ok(NorthReference::True),
+        "magnetic" => Ok(NorthReference::Magnetic),
+        _ => Err(MagcompError::new_err(format!("north is {name:?}; it must be \"true\" or \"magnetic\""))),
+    }
 }
 
 #[pymethods]
@@ -58,12 +73,67 @@ impl Compensator {
 
     fn push_rotation_rate(&mut self, time_ns: i64, rate_rad_s: &Bound<'_, PyAny>) -> PyResult<()> {
         let sample = RotationRateSample { time_ns, rate_rad_s: vector(rate_rad_s, "rate_rad_s")? };
-        self.0.push_rotation_rate(sample).map_err(|error| EventError::new_err(error.to_string()))
+        self.0.push_rotation_rate(sample).map_err(refused)
     }
 
     fn push_up(&mut self, time_ns: i64, up_m_s2: &Bound<'_, PyAny>) -> PyResult<()> {
         let sample = UpSample { time_ns, up_m_s2: vector(up_m_s2, "up_m_s2")? };
-        self.0.push_up(sample).map_err(|error| EventError::new_err(error.to_string()))
+        self.0.push_up(sample).map_err(refused)
+    }
+
+    #[pyo3(signature = (time_ns, heading_deg, sigma_deg, *, north = "true", axis = None))]
+    fn push_heading(
+        &mut self,
+        time_ns: i64,
+        heading_deg: f64,
+        sigma_deg: f64,
+        north: &str,
+        axis: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let reference = reference(north)?;
+        let axis = axis.map(|axis| vector(axis, "axis")).transpose()?;
+        let axis = axis.map_or(HeadedAxis::Vehicle, HeadedAxis::Device);
+        let sample = HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis };
+        self.0.push_heading(sample).map_err(refused)
+    }
+
+    #[pyo3(signature = (time_ns, to_world, *, north = None, sigma_deg = None))]
+    fn push_attitude(
+        &mut self,
+        time_ns: i64,
+        to_world: &Bound<'_, PyAny>,
+        north: Option<&str>,
+        sigma_deg: Option<f64>,
+    ) -> PyResult<()> {
+        let yaw = match (north, sigma_deg) {
+            (None, None) => Yaw::Relative,
+            (Some(north), Some(sigma_deg)) => Yaw::Absolute { sigma_deg, reference: reference(north)? },
+            _ => return Err(MagcompError::new_err("give both north and sigma_deg, or neither")),
+        };
+        let parts: Vec<f64> = array(to_world, "to_world")?.call_method0("tolist")?.extract().unwrap_or_default();
+        let &[w, x, y, z] = &parts[..] else {
+            return Err(MagcompError::new_err("to_world must be four numbers: w, x, y, z"));
+        };
+        if !parts.iter().all(|it| it.is_finite()) {
+            return Err(refused(EventRejection::NotFinite));
+        }
+        let to_world = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), f64::MIN_POSITIVE);
+        let to_world = to_world.ok_or_else(|| refused(EventRejection::OutOfRange))?;
+        self.0.push_attitude(AttitudeSample { time_ns, to_world, yaw }).map_err(refused)
+    }
+
+    #[getter]
+    fn heading_aid(&self) -> Option<&'static str> {
+        Some(match self.0.heading_aid()? {
+            HeadingAid::Used => "used",
+            HeadingAid::Leads => "leads",
+            HeadingAid::Disagrees => "disagrees",
+        })
+    }
+
+    #[getter]
+    fn found_declination_deg(&self) -> Option<(f64, f64)> {
+        self.0.found_declination_deg()
     }
 
     fn push(&mut self, time_ns: i64, field_ut: &Bound<'_, PyAny>) -> PyResult<Reading> {

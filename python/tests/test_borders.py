@@ -165,3 +165,56 @@ def test_the_earths_field_is_the_models():
     for wrong in ((91, 0, "2025-01-01"), (0, np.nan, "2025-01-01"), (0, 0, "2025-13-01"), (0, 0, "1905-01-01")):
         with pytest.raises(magcomp.PlaceError):
             magcomp.earth_field(*wrong)
+
+
+def test_headings_from_outside_lead_where_the_calibration_is_hardly_known():
+    """A device that lies flat and still, its top edge north by a calibration that is hardly known; an outside world is turned by 30 deg."""
+    rough = magcomp.Compensator(
+        initial={"soft_iron": [1, 0, 0, 0, 1, 0, 0, 0, 1], "hard_iron_ut": [0, 0, 0], "field_strength_ut": 49.244}, initial_sigma_ut=30.0
+    )
+    half = np.deg2rad(-15)
+    for as_attitude in (True, False):
+        compensator = copy.copy(rough)
+        for k in range(1, 3000):
+            time_ns = k * 20_000_000
+            compensator.push_rotation_rate(time_ns, [0, 0, 0])
+            compensator.push_up(time_ns, [0, 0, 9.81])
+            if k % 50 == 0 and as_attitude:
+                compensator.push_attitude(time_ns, [np.cos(half), 0, 0, np.sin(half)], north="magnetic", sigma_deg=1.0)
+            elif k % 50 == 0:
+                compensator.push_heading(time_ns, 30.0, 1.0, axis=[0, 1, 0])
+            reading = compensator.push(time_ns, [0.2 * np.sin(1.7 * k * k), 20, -45])
+        if as_attitude:
+            assert compensator.heading_aid == "leads" and compensator.found_declination_deg is None
+            assert abs(reading.heading_deg - 30) < 5
+        else:
+            # from true north: the difference may be the declination
+            assert compensator.heading_aid in ("used", "leads") and compensator.found_declination_deg[1] > 0
+            assert abs(reading.true_heading_deg - 30) < 5
+
+
+def test_headings_from_outside_that_cannot_be_used_are_refused():
+    compensator = magcomp.Compensator()
+    for call, says in (
+        (lambda: compensator.push_heading(1, np.nan, 5.0), "finite"),
+        (lambda: compensator.push_heading(1, 90.0, 0.0), "range"),
+        (lambda: compensator.push_heading(1, 90.0, 5.0, axis=[0, 0, 0]), "range"),
+        (lambda: compensator.push_attitude(1, [0, 0, 0, 0]), "range"),
+        (lambda: compensator.push_attitude(1, [np.inf, 0, 0, 0]), "finite"),
+    ):
+        with pytest.raises(magcomp.EventError, match=says):
+            call()
+    for call, says in (
+        (lambda: compensator.push_heading(1, 90.0, 5.0, north="grid"), '"true" or "magnetic"'),
+        (lambda: compensator.push_heading(1, 90.0, 5.0, axis=[1, 0]), "must be \\(3,\\)"),
+        (lambda: compensator.push_attitude(1, [1, 0, 0]), "four numbers"),
+        (lambda: compensator.push_attitude(1, np.eye(4)), "four numbers"),
+        (lambda: compensator.push_attitude(1, [1, 0, 0, 0], north="true"), "both north and sigma_deg"),
+    ):
+        with pytest.raises(magcomp.MagcompError, match=says):
+            call()
+    compensator.push_heading(1, 90.0, 5.0)
+    with pytest.raises(magcomp.EventError, match="same time"):
+        compensator.push_heading(1, 90.0, 5.0)
+    compensator.push_attitude(2, [3, 0, 0, 0])
+    assert compensator.heading_aid is None and compensator.found_declination_deg is None
