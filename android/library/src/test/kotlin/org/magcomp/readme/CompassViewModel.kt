@@ -11,7 +11,7 @@ import org.magcomp.Compass
 import org.magcomp.screenRotation
 import org.magcomp.text
 
-// what follows is android/README.md's; ReadmeTest compares them
+// what follows is in android/README.md; ReadmeTest compares them
 class CompassViewModel(app: Application) : AndroidViewModel(app) {
     private val compass = Compass(app)
 

@@ -1,6 +1,7 @@
 package org.magcomp.readme
 
 import android.hardware.Sensor
+import android.hardware.SensorManager
 import kotlinx.coroutines.async
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
@@ -10,8 +11,10 @@ import kotlinx.coroutines.yield
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.Compass
 import org.magcomp.FakeApp
 import org.magcomp.FakeSensorManager
+import org.magcomp.ScreenRotation
 import org.magcomp.SensorSample
 import org.magcomp.STEP_NS
 import org.magcomp.UpSample
@@ -23,19 +26,46 @@ import org.magcomp.tumbling
 class ReadmeTest {
     private val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, hardIron = false)
 
-    @Test
-    fun `the view model of the README is the one that is compiled and run here`() {
-        val file = "android/library/src/test/kotlin/org/magcomp/readme/CompassViewModel.kt"
-        val code = "class CompassViewModel" + repository.resolve(file).readText().substringAfter("class CompassViewModel")
-        assertTrue(code in repository.resolve("android/README.md").readText(), code)
+    private val marked = Regex("""// what follows is in (\S+); ReadmeTest compares them\n""")
+    private val snippets = repository.resolve("android/library/src/test/kotlin/org/magcomp/readme").listFiles()!!.mapNotNull { file ->
+        val text = file.readText()
+        marked.find(text)?.let { it.groupValues[1] to text.substring(it.range.last + 1) }
     }
 
     @Test
-    fun `the first page's snippet is the one that is compiled here, and shows a heading`(): Unit = runBlocking {
-        val file = "android/library/src/test/kotlin/org/magcomp/readme/QuickStart.kt"
-        val code = "fun headings" + repository.resolve(file).readText().substringAfter("fun headings")
-        assertTrue(code in repository.resolve("README.md").readText(), code)
+    fun `every snippet of a document is compiled here, but Gradle's`() {
+        val fenced = Regex("(?s)```kotlin\n(.*?)```")
+        for (document in listOf("README.md", "android/README.md", "android/MIGRATION.md")) {
+            val shown = fenced.findAll(repository.resolve(document).readText()).map { it.groupValues[1] }
+            val compiled = snippets.filter { it.first == document }.map { it.second }
+            assertTrue(compiled.isNotEmpty(), document)
+            for (code in compiled) assertTrue(shown.any { code in it }, "$document lacks $code")
+            for (block in shown) assertTrue("mplementation(\"" in block || compiled.any { it in block }, "$document: $block")
+        }
+    }
 
+    @Test
+    fun `what took Android's angles and rotation vectors takes these`(): Unit = runBlocking {
+        val compass = Compass(FakeApp(sensors))
+        compass.screenRotation = ScreenRotation.DEG90
+        val vector = async { rotationVectors(compass).first { it.last() > 0 } }
+        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
+        events.forEach(sensors::deliver)
+        vector.await()
+        // the latest, as no more comes
+        val (v, angles) = Pair(rotationVectors(compass).first(), orientations(compass).first())
+        val (matrix, turned, expected) = Triple(FloatArray(9), FloatArray(9), FloatArray(3))
+        SensorManager.getRotationMatrixFromVector(matrix, v)
+        SensorManager.remapCoordinateSystem(matrix, SensorManager.AXIS_Y, SensorManager.AXIS_MINUS_X, turned)
+        SensorManager.getOrientation(turned, expected)
+        val found = with(angles) { listOf(azimuthDeg, pitchDeg, rollDeg) }
+        for (k in 0..2) assertEquals(Math.toDegrees(expected[k].toDouble()), found[k], 0.01, "$k")
+        compass.close()
+    }
+
+    @Test
+    fun `the first page's snippet shows a heading`(): Unit = runBlocking {
         val heading = async { headings(FakeApp(sensors)).first { " deg +- " in it } }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
