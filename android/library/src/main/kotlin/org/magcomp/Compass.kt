@@ -120,6 +120,58 @@ public class Compass @JvmOverloads constructor(
     }
 
     /**
+     * Help from outside: the course of a GNSS fix. In a car, or among magnets, it is what tells the Earth's north from the place's. It is
+     * used for the time of the fix. A fix that tells no course is left out: without bearing or speed, below 3 m/s in a vehicle and 0.7 m/s
+     * on foot. Its sigma is `bearingAccuracyDegrees` (where that is not told: 0.5 m/s across the course) with 2 degrees of a vehicle, and 10
+     * on foot for how the phone is held. Any thread may call it.
+     *
+     * @param headed what moves along that course: [HeadedAxis.Vehicle] while the phone lies in a holder, whose angle is learned; [HELD_AHEAD] while
+     *   who walks holds it ahead; another direction of the device where the app knows it. While neither is true, do not call this
+     * @return whether it was taken. If not, it tells no course, came too late, or nobody collects readings; nothing has changed
+     */
+    @Throws(MagcompException::class)
+    public fun aid(place: Location, headed: HeadedAxis): Boolean {
+        val course = courseOf(place, headed) ?: return aiding { false }
+        return aid(course)
+    }
+
+    /**
+     * Help from outside: a heading that the app knows, such as that of a landmark or a corridor.
+     *
+     * @param heading its time by `SystemClock.elapsedRealtimeNanos()`, at most 5 s ago
+     * @return whether it was taken. If not, it came too late or twice, or nobody collects readings; nothing has changed
+     * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun aid(heading: HeadingSample): Boolean {
+        check(heading)
+        return aiding { pushHeading(heading.copy(timeNs = source.eventTimeNs(heading.timeNs))) }
+    }
+
+    /**
+     * Help from outside: how the phone is turned, as a camera sees it ([arCoreAttitude]). Its turns stand in for a gyroscope that is missing;
+     * where its yaw is known it is a heading too.
+     *
+     * @param attitude its time by `SystemClock.elapsedRealtimeNanos()`
+     * @return whether it was taken, as above
+     * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun aid(attitude: AttitudeSample): Boolean {
+        check(attitude)
+        return aiding { pushAttitude(attitude.copy(timeNs = source.eventTimeNs(attitude.timeNs))) }
+    }
+
+    /** The declination that true headings from outside have shown; null before the first, and while [declinationDeg] is set. */
+    @Throws(MagcompException::class)
+    public fun foundDeclination(): FoundDeclination? = kept?.compensator?.foundDeclination()
+
+    private fun aiding(push: Compensator.() -> Boolean): Boolean {
+        if (shared.isClosed) throw MagcompException.Closed()
+        return kept?.aid(push) ?: false
+    }
+
+    /**
      * The phone's sensors that are used, also while none of them delivers anything ([UsedSensor.isSilent]); null before the first
      * collector has come, and where the source knows no sensors.
      */

@@ -28,6 +28,9 @@ public class CompassReading internal constructor(public val details: Compensated
     /** What the compass is doing, and why. */
     public val status: Status get() = details.reading.status
 
+    /** What headings from outside are worth ([Compass.aid]); null where none came of late. */
+    public val headingAid: HeadingAid? get() = details.headingAid
+
     /** The heading as a screen reader says it, in the language of [resources]. */
     public fun spoken(resources: Resources): String = details.reading.heading.spoken(resources)
 

@@ -22,6 +22,8 @@ import kotlinx.coroutines.flow.mapNotNull
  * @property storeError the error that the calibration store threw last, or [MagcompException.KeptDamaged] or
  *   [MagcompException.KeptNewer] for the text that it had kept; null without an error. Readings go on, and the next
  *   save tries again
+ * @property headingAid what headings from outside are worth ([Compass.aid]); null where none came in the last two minutes. Renewed several
+ *   times a second
  */
 public data class CompensatedReading(
     public val reading: Reading,
@@ -30,6 +32,7 @@ public data class CompensatedReading(
     public val droppedBefore: Long = 0,
     public val sensors: SensorsInUse? = null,
     public val storeError: Exception? = null,
+    public val headingAid: HeadingAid? = null,
 )
 
 /**

@@ -80,6 +80,35 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         check(FastPath.pushUp(handle, timeNs, xMS2, yMS2, zMS2)) == 0
 
     /**
+     * A heading that something else than the magnetometer knows: a GNSS course, a landmark. North is carried by the gyroscope from one to the
+     * next; without a gyroscope they are not used. One that contradicts what is known is ignored, unless others say the same for a minute.
+     * The filtered field, heading and attitude go by it; the calibration and the corrected field do not.
+     *
+     * @return whether it was taken; if not, it came more than 5 s late, a second time, or from another clock, and nothing has changed
+     * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun pushHeading(sample: HeadingSample): Boolean = taken { native.pushHeading(sample) }
+
+    /**
+     * An orientation that something else knows: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's
+     * y axis points north it is a heading too, as of [pushHeading].
+     *
+     * @return whether it was taken, as of [pushHeading]
+     * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
+     */
+    @Throws(MagcompException::class)
+    public fun pushAttitude(sample: AttitudeSample): Boolean = taken { native.pushAttitude(sample) }
+
+    /** What headings from outside are worth after the latest sample; null where none came in the last two minutes. */
+    @Throws(MagcompException::class)
+    public fun headingAid(): HeadingAid? = unlessClosed { native.headingAid() }
+
+    /** The declination that true headings from outside have shown; null before the first, and while a declination is set. */
+    @Throws(MagcompException::class)
+    public fun foundDeclination(): FoundDeclination? = unlessClosed { native.foundDeclination() }
+
+    /**
      * Many events in the order they happened, for recordings; the answers to the magnetic ones. The operating system's own
      * hard iron is not looked at.
      */
@@ -223,6 +252,14 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
             return
         }
         native.close()
+    }
+
+    private inline fun taken(push: () -> Unit): Boolean = try {
+        unlessClosed(push)
+        true
+    } catch (e: MagcompException.EventRejected) {
+        if (e.reason == EventRejection.NOT_FINITE || e.reason == EventRejection.OUT_OF_RANGE) throw e
+        false
     }
 
     private fun check(code: Int): Int = when {

@@ -36,6 +36,11 @@ internal class Estimation(
     private var latestNs: Long? = null
     private var begun = false
 
+    /** Whether help from outside ever came, which few apps have: what it is worth is asked over the slow path. */
+    @Volatile
+    private var isAided = false
+    private var headingAid: HeadingAid? = null
+
     @Volatile
     private var storeError: Exception? = null
 
@@ -69,6 +74,9 @@ internal class Estimation(
         return null
     }
 
+    /** Help from outside, from any thread; whether it was taken. */
+    fun aid(push: Compensator.() -> Boolean): Boolean = compensator.push().also { if (it) isAided = true }
+
     private fun adopt(kept: String) {
         compensator.adoptKept(kept, unixTimeS())
         text = kept
@@ -82,6 +90,7 @@ internal class Estimation(
         currentFrame = configFrame
         kept?.let(::adopt)
         lookedNs = null
+        headingAid = null
     }
 
     /** The phone slept, and the events' times do not show it. */
@@ -113,7 +122,7 @@ internal class Estimation(
             if (reading.status == Status.Tracking) unconfirmed = false
             nowAndThen(sample.timeNs, reading.status)
         }
-        return CompensatedReading(reading, sample, unseen, sensors = source?.sensors?.value, storeError = storeError)
+        return CompensatedReading(reading, sample, unseen, sensors = source?.sensors?.value, storeError = storeError, headingAid = headingAid)
     }
 
     /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */
@@ -133,6 +142,7 @@ internal class Estimation(
         if (looked == null || apart(timeNs, looked) >= LOOK_EVERY_NS) {
             lookedNs = timeNs
             unseen = unseenNow()
+            if (isAided) headingAid = compensator.headingAid()
             if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && save()) savedNs = timeNs
         }
     }

@@ -22,4 +22,7 @@ public interface MagneticFieldSource {
      * with every magnetometer sample; what it grew by goes to [Compensator.pushGap].
      */
     public val hiddenS: Double get() = 0.0
+
+    /** The time that this source's events have when `SystemClock.elapsedRealtimeNanos()` is [elapsedRealtimeNs], for [Compass.aid]. */
+    public fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs
 }

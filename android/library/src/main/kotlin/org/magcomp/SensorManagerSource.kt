@@ -90,6 +90,9 @@ public class SensorManagerSource internal constructor(
     /** Android's times count sleep on most phones; on those whose sensors count without it, it is seen beside `elapsedRealtimeNanos`. */
     override val hiddenS: Double get() = sleep.hiddenS
 
+    /** The same for most phones. */
+    override fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs - sleep.behindNs
+
     override fun samples(): Flow<SensorSample> = callbackFlow {
         val magnetometer = magnetometer()
             ?: throw SensorException.Missing("magnetometer", "hide the compass")

@@ -42,7 +42,10 @@ internal class SharedReadings(
     private val scope = CoroutineScope(dispatcher + SupervisorJob())
     private val oneAtATime = Mutex()
     private var current: Run? = null
-    private var isClosed = false
+
+    @Volatile
+    var isClosed = false
+        private set
 
     private class Message(val number: Long, val answer: CompensatedReading?, val error: Throwable? = null)
 

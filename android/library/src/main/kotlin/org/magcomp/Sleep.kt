@@ -20,6 +20,10 @@ internal class Sleep {
     private var otherSinceNs = 0L
     private var latestNs = 0L
 
+    /** How far the sensor's clock is behind the one that never stops, ns; 0 where they differ by no more than events are late. */
+    @get:Synchronized
+    val behindNs: Long get() = leastS?.takeIf { abs(it) > LEAST_S }?.let { (it * 1e9).toLong() } ?: 0
+
     /** An event of this time was delivered now. */
     @Synchronized
     fun see(timeNs: Long, nowNs: Long) {

@@ -18,6 +18,15 @@ public fun Event.text(resources: Resources): String = text(resources::getString)
 /** What the user can do for a better heading, in the language of [resources]; null: nothing. */
 public fun Status.guidance(resources: Resources): String? = guidance()?.let(resources::getString)
 
+/** One sentence an app may show of what headings from outside are worth, in the language of [resources]. */
+public fun HeadingAid.text(resources: Resources): String = resources.getString(
+    when (this) {
+        HeadingAid.USED -> R.string.magcomp_aid_used
+        HeadingAid.LEADS -> R.string.magcomp_aid_leads
+        HeadingAid.DISAGREES -> R.string.magcomp_aid_disagrees
+    },
+)
+
 /** The heading as a screen reader says it, in whole degrees, in the language of [resources]; null: that there is none. */
 public fun Heading?.spoken(resources: Resources): String = spoken(resources::getString)
 

@@ -34,6 +34,7 @@ class TextsTest {
             kind
         }
         assertEquals(EventKind.entries, asked)
+        for (aid in HeadingAid.entries) assertEquals(aid.text(), aid.text(resources))
     }
 
     @Test

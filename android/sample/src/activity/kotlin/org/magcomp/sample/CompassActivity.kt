@@ -1,25 +1,36 @@
 package org.magcomp.sample
 
+import android.Manifest
+import android.annotation.SuppressLint
 import android.hardware.SensorManager
+import android.location.LocationManager
 import android.os.Bundle
+import android.os.Looper
 import androidx.activity.ComponentActivity
 import androidx.activity.compose.setContent
 import androidx.activity.enableEdgeToEdge
+import androidx.activity.result.contract.ActivityResultContracts
 import androidx.compose.foundation.layout.safeDrawingPadding
 import androidx.compose.runtime.getValue
 import androidx.compose.runtime.mutableStateOf
 import androidx.compose.runtime.setValue
+import androidx.compose.runtime.snapshotFlow
 import androidx.compose.ui.Modifier
 import androidx.compose.ui.res.stringResource
 import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.lifecycleScope
 import androidx.lifecycle.repeatOnLifecycle
+import kotlinx.coroutines.awaitCancellation
+import kotlinx.coroutines.flow.collectLatest
 import kotlinx.coroutines.launch
+import org.magcomp.Compass
 import org.magcomp.screenRotation
 
 /** Glue alone: what the screen says is [ScreenModel]'s. */
 class CompassActivity : ComponentActivity() {
     private var state by mutableStateOf(ScreenState())
+    private var isHelped by mutableStateOf(false)
+    private val asked = registerForActivityResult(ActivityResultContracts.RequestPermission()) { isGranted -> isHelped = isGranted }
 
     override fun onCreate(saved: Bundle?) {
         super.onCreate(saved)
@@ -29,7 +40,13 @@ class CompassActivity : ComponentActivity() {
         val model = ScreenModel(resources)
         setContent {
             val letters = listOf(R.string.north, R.string.east, R.string.south, R.string.west).map { stringResource(it) }
-            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding())
+            val course = CourseSwitch(isHelped, stringResource(if (isHelped) R.string.course_on else R.string.course_off)) { isWanted ->
+                if (isWanted) asked.launch(Manifest.permission.ACCESS_FINE_LOCATION) else isHelped = false
+            }
+            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding(), course = course)
+        }
+        lifecycleScope.launch {
+            repeatOnLifecycle(Lifecycle.State.STARTED) { snapshotFlow { isHelped }.collectLatest { if (it) help(compass) } }
         }
         lifecycleScope.launch {
             repeatOnLifecycle(Lifecycle.State.STARTED) {
@@ -47,6 +64,19 @@ class CompassActivity : ComponentActivity() {
                     system.stop()
                 }
             }
+        }
+    }
+
+    @SuppressLint("MissingPermission") // the switch asked for it
+    private suspend fun help(compass: Compass) {
+        val locations = getSystemService(LOCATION_SERVICE) as LocationManager
+        if (LocationManager.GPS_PROVIDER !in locations.allProviders) return
+        val listener = CourseHelp(compass)
+        locations.requestLocationUpdates(LocationManager.GPS_PROVIDER, 1000L, 0f, listener, Looper.getMainLooper())
+        try {
+            awaitCancellation()
+        } finally {
+            locations.removeUpdates(listener)
         }
     }
 }

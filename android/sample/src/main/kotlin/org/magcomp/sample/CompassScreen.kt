@@ -4,6 +4,7 @@ import androidx.compose.foundation.Canvas
 import androidx.compose.foundation.background
 import androidx.compose.foundation.isSystemInDarkTheme
 import androidx.compose.foundation.rememberScrollState
+import androidx.compose.foundation.selection.toggleable
 import androidx.compose.foundation.verticalScroll
 import androidx.compose.foundation.layout.Arrangement
 import androidx.compose.foundation.layout.Box
@@ -21,6 +22,7 @@ import androidx.compose.ui.draw.rotate
 import androidx.compose.ui.geometry.Offset
 import androidx.compose.ui.graphics.Color
 import androidx.compose.ui.graphics.drawscope.Stroke
+import androidx.compose.ui.semantics.Role
 import androidx.compose.ui.semantics.clearAndSetSemantics
 import androidx.compose.ui.semantics.contentDescription
 import androidx.compose.ui.text.TextStyle
@@ -39,9 +41,18 @@ private class Ink(isDark: Boolean) {
     val banner = if (isDark) Color(0xff6b4300) else Color(0xffffe0a8)
 }
 
+/** Whether a GNSS course helps, in words, and what sets it. */
+class CourseSwitch(val isOn: Boolean, val text: String, val onChange: (Boolean) -> Unit)
+
 /** The screen of a state; [letters] are those of north, east, south and west, [insets] keep clear of the system's bars. It decides nothing. */
 @Composable
-fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = isSystemInDarkTheme(), insets: Modifier = Modifier) {
+fun CompassScreen(
+    state: ScreenState,
+    letters: List<String>,
+    isDark: Boolean = isSystemInDarkTheme(),
+    insets: Modifier = Modifier,
+    course: CourseSwitch? = null,
+) {
     val ink = Ink(isDark)
     Column(
         Modifier.fillMaxSize().background(ink.paper).then(insets).verticalScroll(rememberScrollState()).padding(24.dp),
@@ -51,8 +62,9 @@ fun CompassScreen(state: ScreenState, letters: List<String>, isDark: Boolean = i
         state.banner?.let { Words(it, ink, modifier = Modifier.fillMaxWidth().background(ink.banner, RoundedCornerShape(8.dp)).padding(12.dp)) }
         Rose(state, letters, ink)
         Words(state.heading, ink, size = 36.sp)
-        listOfNotNull(state.trueHeading, state.systemHeading, state.field, state.status, state.event, state.seen, state.guidance)
+        listOfNotNull(state.trueHeading, state.systemHeading, state.field, state.status, state.help, state.event, state.seen, state.guidance)
             .forEach { Words(it, ink) }
+        course?.let { Words(it.text, ink, modifier = Modifier.toggleable(it.isOn, role = Role.Switch, onValueChange = it.onChange).padding(12.dp)) }
         if (state.unseen.isNotEmpty()) Sphere(state, ink)
     }
 }

@@ -39,6 +39,8 @@ data class ScreenState(
     /** What to do for a better heading. */
     val guidance: String? = null,
     val seen: String = "",
+    /** What headings from outside are worth. */
+    val help: String? = null,
     /** Where the field has not pointed yet, where it points now, and which of the former is nearest: unit vectors, x to the right of the screen. */
     val unseen: List<Vector3> = emptyList(),
     val pointing: Vector3? = null,
@@ -87,6 +89,7 @@ class ScreenModel(private val resources: Resources) {
             event = reading.event?.text(resources),
             guidance = guidance?.takeIf { !isDisturbed }?.let { if (next == null) it else say(R.string.next, it) },
             seen = say(R.string.seen, 100 * reading.coverage),
+            help = answer.headingAid?.text(resources),
             unseen = unseen,
             pointing = pointing,
             next = next,

@@ -4,8 +4,10 @@ import android.content.res.Resources
 import android.view.Surface
 import androidx.compose.ui.ImageComposeScene
 import androidx.compose.ui.test.ExperimentalTestApi
+import androidx.compose.ui.test.assertIsOff
 import androidx.compose.ui.test.onNodeWithContentDescription
 import androidx.compose.ui.test.onNodeWithText
+import androidx.compose.ui.test.performClick
 import androidx.compose.ui.test.runDesktopComposeUiTest
 import androidx.compose.ui.unit.Density
 import androidx.compose.ui.use
@@ -34,6 +36,7 @@ import org.magcomp.CompensatedReading
 import org.magcomp.Event
 import org.magcomp.EventKind
 import org.magcomp.Heading
+import org.magcomp.HeadingAid
 import org.magcomp.HoldReason
 import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
@@ -268,6 +271,17 @@ class ScreenTest {
         // its letters would be heard one by one
         for (letter in letters) onNodeWithText(letter).assertDoesNotExist()
         for (text in listOf(state.heading, state.trueHeading!!, state.systemHeading!!, state.status, state.guidance!!)) onNodeWithText(text).assertExists()
+    }
+
+    @OptIn(ExperimentalTestApi::class)
+    @Test
+    fun `a switch says whether a course helps, and sets it`() = runDesktopComposeUiTest(720, 1480) {
+        val wanted = mutableListOf<Boolean>()
+        val state = ScreenModel(resources).show(answer(Status.Tracking).copy(headingAid = HeadingAid.DISAGREES), systemDeg = null)
+        setContent { CompassScreen(state, letters, isDark = false, course = CourseSwitch(isOn = false, own.getValue("course_off")) { wanted += it }) }
+        onNodeWithText("the heading from outside disagrees, and is ignored").assertExists()
+        onNodeWithText("course of the GNSS: does not help").assertIsOff().performClick()
+        assertEquals(listOf(true), wanted)
     }
 
     /** The picture of android/README.md is one of these. */
