@@ -2,9 +2,13 @@
 //! elapsedRealtimeNanos, x, y, z`, and for an uncalibrated sensor the system's estimate of the bias. From LOGGING_FORMAT.md
 //! (github.com/google/gps-measurement-tools).
 //!
+//! A fix is `Fix,Provider,LatitudeDegrees,LongitudeDegrees,AltitudeMeters,SpeedMps,AccuracyMeters,BearingDegrees,UnixTimeMillis,
+//! SpeedAccuracyMps,BearingAccuracyDegrees,elapsedRealtimeNanos,...`.
+//!
 //! The system's calibrated field is `Mag` where it was recorded, else `UncalMag` less its bias.
 
 use super::document::Document;
+use super::fix::course;
 use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::LabError;
@@ -14,7 +18,12 @@ const UNIX_MS: usize = 1;
 const TIME: usize = 2;
 const VALUE: [usize; 3] = [3, 4, 5];
 const BIAS: [usize; 3] = [6, 7, 8];
-/// Rows that are read.
+/// Columns of a fix: m/s, degrees, degrees, the time of the sensors' clock.
+const FIX_SPEED: usize = 5;
+const FIX_BEARING: usize = 7;
+const FIX_ACCURACY: usize = 10;
+const FIX_TIME: usize = 11;
+/// Rows of sensors that are read.
 const KINDS: [&str; 6] = ["UncalMag", "Mag", "UncalGyro", "Gyro", "UncalAccel", "Accel"];
 
 /// Whether some row of the first few hundred kilobytes is of this form.
@@ -33,6 +42,15 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
         for cells in sheet.lines() {
             let cells = cells?;
             let kind = cells.text(0);
+            if kind == "Fix" {
+                let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
+                let found = course(known(FIX_BEARING), known(FIX_ACCURACY), known(FIX_SPEED));
+                // an older log has no time of the sensors' clock in its fixes
+                if let (Some(course), Ok(time_ns)) = (found, cells.time_ns(FIX_TIME, 1)) {
+                    session.course.add(time_ns, course, || [cells.place(FIX_TIME), cells.place(FIX_BEARING)])?;
+                }
+                continue;
+            }
             if !KINDS.contains(&kind.as_str()) {
                 continue;
             }

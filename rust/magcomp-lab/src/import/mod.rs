@@ -9,6 +9,7 @@ mod arrow_lengths;
 #[cfg_attr(not(feature = "columnar"), path = "columnar_missing.rs")]
 mod columnar;
 mod document;
+mod fix;
 mod forms;
 mod gnss_logger;
 mod guard;

@@ -20,6 +20,8 @@ pub(super) const BETWEEN_G_AND_M_S2: f64 = 2.8;
 const LOW: f64 = 0.2;
 /// The share of accelerations out of the back of the phone from which on a wrong sign is likely.
 const DOWN: f64 = 0.9;
+/// Fewer accelerations say nothing of how a phone is held.
+const FEWEST_DOWN: u32 = 50;
 /// A median acceleration beyond these, m/s^2, is lively.
 const LIVELY_M_S2: (f64, f64) = (5.0, 20.0);
 
@@ -91,7 +93,7 @@ fn check_sign(stream: &Stream<Vector3<f64>>) -> Option<String> {
         all += 1;
         down += u32::from(up.z < -BETWEEN_G_AND_M_S2);
     }
-    (f64::from(down) > DOWN * f64::from(all)).then(|| {
+    (all >= FEWEST_DOWN && f64::from(down) > DOWN * f64::from(all)).then(|| {
         let why = "the screen faced down nearly all the time; if it did not, the acceleration is of Apple's sign: --units a=-m/s2";
         format!("{}: {why}", place.path.display())
     })

@@ -4,14 +4,16 @@
 //!
 //! Of the accelerometer: AccelerometerUncalibrated is in g with Apple's sign on iOS, in m/s^2 on Android and where the setting
 //! "Standardise Units & Frames" is on; its size tells which. TotalAcceleration is Android's alone. Gravity is in m/s^2 with the
-//! sign of the platform, which Metadata.csv names. Accelerometer lacks gravity and is not used.
+//! sign of the platform, which Metadata.csv names. Accelerometer lacks gravity and is not used. Location has bearings from true north, with their accuracy.
 
 use super::document::Document;
+use super::fix::course;
 use super::plausible::{BETWEEN_G_AND_M_S2, low_size};
 use super::session::{Session, Stream};
 use super::sheet::Sheet;
 use super::units::{GRAVITY_M_S2, Units};
 use crate::error::LabError;
+use crate::recording::Course;
 use magcomp::nalgebra::Vector3;
 
 pub(super) fn is_header(header: &[String]) -> bool {
@@ -63,7 +65,32 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
         ),
         None => {}
     }
+    if let Some(location) = find("location") {
+        match courses(location) {
+            Ok(course) => session.course = course,
+            Err(why) => session.leave_out("location", why),
+        }
+    }
     Ok(session)
+}
+
+/// The courses of a Location.csv; none where it has no bearing or no speed.
+fn courses(document: &Document) -> Result<Stream<Course>, LabError> {
+    let (sheet, mut courses) = (Sheet::new(document), Stream::default());
+    let (Some(time), Some(bearing), Some(speed)) =
+        (sheet.column("time"), sheet.column("bearing"), sheet.column("speed"))
+    else {
+        return Ok(courses);
+    };
+    let accuracy = sheet.column("bearingAccuracy");
+    for cells in sheet.rows() {
+        let cells = cells?;
+        let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
+        if let Some(course) = course(known(bearing), accuracy.map_or(f64::NAN, known), known(speed)) {
+            courses.add(cells.time_ns(time, 1)?, course, || [cells.place(time), cells.place(bearing)])?;
+        }
+    }
+    Ok(courses)
 }
 
 fn stream(document: &Document) -> Result<Stream<Vector3<f64>>, LabError> {

@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::units::Frame;
 use crate::error::{LabError, Place};
+use crate::recording::Course;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use std::fmt::Display;
@@ -16,12 +17,19 @@ const EXACT_NS: i64 = 4_000_000_000_000_000;
 const MOST_EVENTS: usize = 1 << 23;
 
 /// One sensor's events.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stream<T> {
     /// Time, ns, and value; in the order of time once the session is sorted.
     pub events: Vec<(i64, T)>,
     /// The cells of time and value of its first event.
     pub first: Option<[Place; 2]>,
+}
+
+// not derived, which would ask for a default of the values
+impl<T> Default for Stream<T> {
+    fn default() -> Self {
+        Self { events: Vec::new(), first: None }
+    }
 }
 
 impl<T> Stream<T> {
@@ -71,6 +79,8 @@ pub(super) struct Session {
     pub rate: Stream<Vector3<f64>>,
     pub system: Stream<Vector3<f64>>,
     pub attitude: Stream<UnitQuaternion<f64>>,
+    /// Courses of fixes, from true north.
+    pub course: Stream<Course>,
     /// Notes for the user.
     pub notes: Vec<String>,
     /// Parts that were left out, or may be wrong.
@@ -124,6 +134,7 @@ impl Session {
         self.rate.append(more.rate);
         self.system.append(more.system);
         self.attitude.append(more.attitude);
+        self.course.append(more.course);
     }
 
     /// When it began, ns since 1970, if that is known.
@@ -149,6 +160,7 @@ impl Session {
             }
         }
         self.attitude.sort();
+        self.course.sort();
     }
 
     /// Number, rate and longest pause of each sensor's events.
@@ -158,17 +170,18 @@ impl Session {
         let mut sensors: Vec<Sensor> =
             names.into_iter().zip(streams).map(|(name, s)| sensor(name, &s.events)).collect();
         sensors.push(sensor("reference", &self.attitude.events));
+        sensors.push(sensor("course", &self.course.events));
         sensors.retain(|sensor| sensor.events > 0);
         sensors
     }
 
     /// Writes it as a recording. Returns whether times were counted from the first event.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<bool> {
-        let mut next = [0; 5];
-        let heads = |next: &[usize; 5]| {
+        let mut next = [0; 6];
+        let heads = |next: &[usize; 6]| {
             let streams = [&self.raw, &self.up, &self.rate, &self.system];
             let heads = streams.into_iter().zip(next).filter_map(|(stream, next)| stream.next_ns(*next));
-            heads.chain(self.attitude.next_ns(next[4])).min()
+            heads.chain(self.attitude.next_ns(next[4])).chain(self.course.next_ns(next[5])).min()
         };
         let first_ns = heads(&next).unwrap_or(0);
         let last_ns = [&self.raw, &self.up, &self.rate, &self.system]
@@ -179,10 +192,11 @@ impl Session {
         let start_ns = if counted { first_ns } else { 0 };
         write!(out, "t_s,mx,my,mz,ax,ay,az,gx,gy,gz")?;
         write!(out, "{}", if self.system.events.is_empty() { "" } else { ",sys_mx,sys_my,sys_mz" })?;
-        writeln!(out, "{}", if self.attitude.events.is_empty() { "" } else { ",qw,qx,qy,qz" })?;
+        write!(out, "{}", if self.attitude.events.is_empty() { "" } else { ",qw,qx,qy,qz" })?;
+        writeln!(out, "{}", if self.course.events.is_empty() { "" } else { ",course_deg,course_sigma_deg" })?;
         while let Some(time_ns) = heads(&next) {
             write_time(out, time_ns - start_ns)?;
-            let [raw, up, rate, system, attitude] = &mut next;
+            let [raw, up, rate, system, attitude, course] = &mut next;
             vector(out, self.raw.take(raw, time_ns))?;
             vector(out, self.up.take(up, time_ns))?;
             vector(out, self.rate.take(rate, time_ns))?;
@@ -193,6 +207,12 @@ impl Session {
                 match self.attitude.take(attitude, time_ns) {
                     Some(q) => write!(out, ",{},{},{},{}", q.w, q.i, q.j, q.k)?,
                     None => write!(out, ",,,,")?,
+                }
+            }
+            if !self.course.events.is_empty() {
+                match self.course.take(course, time_ns) {
+                    Some(Course { heading_deg, sigma_deg }) => write!(out, ",{heading_deg},{sigma_deg}")?,
+                    None => write!(out, ",,")?,
                 }
             }
             writeln!(out)?;

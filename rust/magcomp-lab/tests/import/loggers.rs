@@ -48,6 +48,25 @@ fn sensor_logger_from_a_folder_and_from_a_zip() {
     assert_eq!(error, format!("magcomp: {place}: expected a number, found 'thirty'\n"));
 }
 
+/// Only while it moves, and with the accuracy that the phone tells.
+#[test]
+fn courses_of_fixes_become_columns() {
+    let location = "time,seconds_elapsed,bearingAccuracy,speed,bearing,latitude\n1700000000005000000,0.005,4.5,12,271.5,52\n\
+                    1700000000006000000,0.006,4.5,0.2,90,52\n1700000000007000000,0.007,-1,12,-1,52\n";
+    let folder = folder(&[("MagnetometerUncalibrated.csv", RAW), ("Location.csv", location)]);
+    let expected = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz,course_deg,course_sigma_deg\n0.000000000,200,30,-400,,,,,,,,\n\
+                    0.005000000,,,,,,,,,,271.5,4.5\n0.010000100,201,31,-401,,,,,,,,\n";
+    assert_eq!(imported(&[folder.path()], &[]), expected);
+
+    let log = "# Fix,Provider,LatitudeDegrees,...\nUncalMag,1700000000000,1000000,200,30,-400,0,0,0\n\
+               Fix,GPS,52.5,13.4,40,12.0,3.0,271.5,1700000000001,0.3,4.5,1500000,2.0,0\n\
+               Fix,NLP,52.5,13.4,40,,20.0,,1700000000001,,,1600000,,0\nUncalMag,1700000000001,2000000,201,31,-401,0,0,0\n";
+    let folder = self::folder(&[("gnss_log.txt", log)]);
+    let text = imported(&[folder.path()], &[]);
+    assert!(text.lines().any(|line| line.starts_with("0.001500000,,,") && line.ends_with(",271.5,4.5")), "{text}");
+    assert_eq!(text.lines().count(), 4, "{text}");
+}
+
 #[test]
 fn the_sign_of_gravity_is_the_platforms() {
     let gravity = format!("{HEADER}1700000000004000000,0.004,9.8,0,0.5\n");
