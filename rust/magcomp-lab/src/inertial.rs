@@ -28,6 +28,8 @@ pub struct InertialSensor {
     pub skew: Matrix3<f64>,
     /// How much later than its truth an event is stamped, s; may be negative.
     pub delay_s: f64,
+    /// It says nothing for the second so many seconds of each first so many.
+    pub silent_s: Option<(f64, f64)>,
 }
 
 impl InertialSensor {
@@ -42,6 +44,7 @@ impl InertialSensor {
             scale: Vector3::repeat(1.0),
             skew: Matrix3::zeros(),
             delay_s: 0.0,
+            silent_s: None,
         }
     }
 
@@ -60,14 +63,16 @@ impl InertialSensor {
     ) -> impl Iterator<Item = (i64, Vector3<f64>)> {
         let count = (duration_s * self.rate_hz).ceil() as usize + 1;
         let (mut bias, walk) = (self.bias, self.bias_walk / self.rate_hz.sqrt());
-        (0..count).map(move |k| {
+        (0..count).filter_map(move |k| {
             let time_s = k as f64 / self.rate_hz;
             let truth = truth(time_s - self.delay_s);
             let read = truth.component_mul(&self.scale) + self.skew * truth;
             if walk > 0.0 {
                 bias += random.normal3() * walk;
             }
-            (time_ns(time_s), read + bias + random.normal3() * self.noise)
+            let event = (time_ns(time_s), read + bias + random.normal3() * self.noise);
+            let is_silent = self.silent_s.is_some_and(|(every_s, for_s)| time_s % every_s > every_s - for_s);
+            (!is_silent).then_some(event)
         })
     }
 

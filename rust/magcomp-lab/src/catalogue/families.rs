@@ -18,7 +18,7 @@ const PUT_ON_S: f64 = 0.2;
 const SOFT: f64 = 0.02;
 
 pub(super) fn variants() -> Vec<Variant> {
-    [latitudes(), steps(), motions(), places(), sensors(), vec![half_hour()]].concat()
+    [latitudes(), steps(), motions(), places(), sensors(), faults(), vec![half_hour()]].concat()
 }
 
 fn carried(group: Group, name: &str, about: &str, motion: Motion, duration_s: f64, happens: Vec<Happening>) -> Variant {
@@ -200,6 +200,36 @@ fn sensors() -> Vec<Variant> {
         let (name, about) = (format!("sensors.{kind}-{way}"), format!("{way}, {about}"));
         let happens = vec![change(CHANGE_S, 20.0, SOFT)];
         Variant { sensors, ..carried(Group::Sensors, &name, &about, motion, DURATION_S, happens) }
+    };
+    kinds.into_iter().flat_map(|kind| BOTH.map(|way| one(kind, way))).collect()
+}
+
+fn faults() -> Vec<Variant> {
+    let usual = Sensors::carried();
+    // 0.1 rad/s
+    let biased_deg_s = 0.1_f64.to_degrees();
+    let clipped = Sensors {
+        magnetometer: crate::simulate::Magnetometer { full_scale_ut: Some(60.0), ..usual.magnetometer },
+        ..usual
+    };
+    let kinds = [
+        ("gyroflipped", "an axis of the gyroscope flipped", Sensors { gyro_axes: [1.0, -1.0, 1.0], ..usual }),
+        ("gyrodead", "an axis of the gyroscope dead", Sensors { gyro_axes: [1.0, 1.0, 0.0], ..usual }),
+        (
+            "gyrobias",
+            "gyroscope biased by 0.1 rad/s",
+            Sensors { gyro_bias_deg_s: (biased_deg_s, biased_deg_s), ..usual },
+        ),
+        ("gyrolate200", "gyroscope 200 ms late", Sensors { gyro_late_s: 0.2, ..usual }),
+        ("gyrostutter", "gyroscope silent for 0.3 s of each 2", Sensors { gyro_silent_s: Some((2.0, 0.3)), ..usual }),
+        ("accelbias", "accelerometer biased by 0.5 m/s^2", Sensors { accel_bias: 0.5, ..usual }),
+        ("clipped", "axes cut off at 60 uT, which is not told", clipped),
+    ];
+    let one = |(kind, about, sensors): (&str, &str, Sensors), (motion, way): (Motion, &str)| {
+        let (name, about) = (format!("faults.{kind}-{way}"), format!("{way}, {about}"));
+        let happens = vec![change(CHANGE_S, 20.0, SOFT)];
+        let device = if kind == "clipped" { DeviceKind::Carried(10.0, 30.0) } else { DeviceKind::Carried(10.0, 250.0) };
+        Variant { sensors, device, ..carried(Group::Faults, &name, &about, motion, DURATION_S, happens) }
     };
     kinds.into_iter().flat_map(|kind| BOTH.map(|way| one(kind, way))).collect()
 }

@@ -23,6 +23,8 @@ pub enum Group {
     Places,
     /// Carried phones: rates, delays, noise and errors of the sensors
     Sensors,
+    /// Carried phones: sensors at fault, an app that reads them wrongly
+    Faults,
     /// Carried phones: half an hour
     Long,
     /// Even orientations and the magnetometer alone, as in the paper's simulation
@@ -43,6 +45,7 @@ impl Group {
             Self::Motion => "Carried phones: motions",
             Self::Places => "Carried phones: places",
             Self::Sensors => "Carried phones: sensors",
+            Self::Faults => "Carried phones: sensors at fault",
             Self::Long => "Carried phones: half an hour",
             Self::Paper => "The paper's simulation, magnetometer alone",
         }

@@ -22,6 +22,10 @@ pub struct Sensors {
     pub gyro_bias_deg_s: (f64, f64),
     /// How fast the bias walks, deg/s a root second.
     pub gyro_walk_deg_s: f64,
+    /// What each axis reads of what it should, 1: one that an app has flipped reads -1, a dead one 0.
+    pub gyro_axes: [f64; 3],
+    /// It says nothing for the second so many seconds of each first so many.
+    pub gyro_silent_s: Option<(f64, f64)>,
     /// Error of its scale on all axes, a share ...
     pub gyro_scale: f64,
     /// ... and on each axis at most, a share.
@@ -52,6 +56,8 @@ impl Sensors {
             gyro_hz: 100.0,
             gyro_bias_deg_s: (0.0, 0.0),
             gyro_walk_deg_s: 0.0,
+            gyro_axes: [1.0; 3],
+            gyro_silent_s: None,
             gyro_scale: 0.0,
             gyro_axis_scale: 0.0,
             gyro_lean_deg: 0.0,
@@ -113,9 +119,11 @@ impl Sensors {
             noise: self.gyro_noise,
             bias,
             bias_walk: self.gyro_walk_deg_s.to_radians(),
-            scale: Vector3::repeat(1.0 + self.gyro_scale),
-            skew,
+            scale: Vector3::from(self.gyro_axes) * (1.0 + self.gyro_scale),
+            // a dead axis reads nothing of the others either
+            skew: Matrix3::from_diagonal(&Vector3::from(self.gyro_axes)) * skew,
             delay_s: self.gyro_late_s,
+            silent_s: self.gyro_silent_s,
         };
         let accelerometer = InertialSensor {
             rate_hz: self.accel_hz,

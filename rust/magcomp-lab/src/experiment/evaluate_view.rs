@@ -10,8 +10,12 @@ const MOST_LIE_S: f64 = 1.0;
 /// ... or when there are more false device steps an hour than this.
 const MOST_FALSE_PER_H: f64 = 10.0;
 
+/// Seeds from here on judge: nobody runs them while developing.
+const LEAST_JUDGED: u64 = 10_000;
+
 /// What the columns mean.
 const NOTES: &str = "\
+* Seeds above 10 000 judge: nobody runs them while developing, and this page is made with them once a release, whatever it says.
 * Each run has its own device, motion and noise, and a cold start; each sample is answered before the next is seen. The config is the default, with
   headings of the automatic axis. Phones have 60 s at 100 Hz, a field of 50 uT with a dip of 60 degrees, white noise of 0.5 uT, and what happens,
   happens at 30 s. Carried phones have 80 s and more, the errors and delays that sensors of phones have, and accelerations of the motion; their device
@@ -67,8 +71,9 @@ impl EvaluateResult {
                 format!("{} of {} changes missed, {:.0} false steps an hour", line.missed, line.due, line.false_per_h)
             })
         });
+        let option = if first >= LEAST_JUDGED { "--judge".to_owned() } else { format!("--seeds {first}-{last}") };
         format!(
-            "# Evaluation\n\nMade by `magcomp evaluate --seeds {first}-{last} --markdown` ({} runs a line); do not edit.\n\n{NOTES}\n\
+            "# Evaluation\n\nMade by `magcomp evaluate {option} --markdown` ({} runs a line); do not edit.\n\n{NOTES}\n\
              {tables}## Where it is bad\n\n\
              A lie lasts more than {MOST_LIE_S} s, worst run:\n\n{lies}\n\
              Less than {:.0} % of the errors lie within two sigmas:\n\n{narrow}\n\
