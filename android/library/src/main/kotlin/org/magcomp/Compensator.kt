@@ -179,8 +179,11 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * @param unixTimeS now, seconds since 1970
      */
     @Throws(MagcompException::class)
-    public fun keep(unixTimeS: Long): String? {
-        var text = ByteArray(USUAL_LENGTH)
+    public fun keep(unixTimeS: Long): String? = keep(unixTimeS, roomFor = USUAL_LENGTH)
+
+    /** A text that is longer than [roomFor] bytes is asked for twice. */
+    internal fun keep(unixTimeS: Long, roomFor: Int): String? {
+        var text = ByteArray(roomFor)
         while (true) {
             val length = check(FastPath.keep(handle, unixTimeS, text))
             if (length <= text.size) return if (length == 0) null else String(text, 0, length, Charsets.US_ASCII)
@@ -273,7 +276,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     private companion object {
         val NOT_REPORTED = Vector3(Double.NaN, Double.NaN, Double.NaN)
 
-        /** A kept text is about half as long; a longer one is asked for twice. */
+        /** A kept text is about half as long. */
         const val USUAL_LENGTH = 4096
     }
 }

@@ -46,6 +46,13 @@ class EventQueueTest {
         for (timeNs in times) for (kind in 0L..2) queue.push(event(kind, timeNs)) { out += it }
         queue.flush { out += it }
         assertEquals(18, out.size)
+        // further apart than 64 bits can say: another clock, before which nothing waits
+        for ((one, other) in listOf(Long.MAX_VALUE - 5 to Long.MIN_VALUE + 5, Long.MIN_VALUE + 5 to Long.MAX_VALUE - 5)) {
+            val gone = mutableListOf<Long>()
+            for (timeNs in listOf(one, other)) queue.push(event(2, timeNs)) { gone += it.timeNs }
+            assertEquals(listOf(one), gone)
+            queue.flush { }
+        }
         for (holdS in listOf(-0.01, 0.26, Double.NaN)) assertThrows(IllegalArgumentException::class.java) { EventQueue(holdS) }
         assertThrows(IllegalArgumentException::class.java) { SensorOptions(holdS = 0.26) }
         assertEquals(0.15, SensorOptions(maxReportLatencyUs = 100_000).holdS, 1e-12)

@@ -13,6 +13,8 @@ import android.os.HandlerThread
 import android.os.MemoryFile
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.withTimeout
+import kotlinx.coroutines.yield
 
 /** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
 class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt: Float = 0f) : SensorManager() {
@@ -40,6 +42,9 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
     internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, silenceMs: Long = 3_600_000) =
         SensorManagerSource(this, options, { continuousNs }, silenceMs) { permitted }
+
+    /** Waits until so many are registered. */
+    suspend fun registered(count: Int) = withTimeout(20_000) { while (registrations.size < count) yield() }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {

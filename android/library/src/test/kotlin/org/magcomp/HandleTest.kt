@@ -125,6 +125,7 @@ class HandleTest {
                 assertTrue(compensator.coverage().unseenDirections.size in 1..47, "${compensator.coverage()}")
                 assertEquals(native.calibration()!!, compensator.calibration())
                 assertEquals(native.keep(NOW_S)!!, compensator.keep(NOW_S))
+                assertEquals(native.keep(NOW_S)!!, compensator.keep(NOW_S, roomFor = 1), "longer than it was thought to be")
             }
             // too short: as long as it would be, and nothing written
             val (short, text) = Pair(ByteArray(10), native.keep(NOW_S)!!)

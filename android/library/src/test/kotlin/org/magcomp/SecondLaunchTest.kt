@@ -9,7 +9,9 @@ import kotlin.math.cos
 import kotlin.math.sin
 import kotlin.math.sqrt
 import kotlinx.coroutines.cancelAndJoin
+import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
@@ -140,15 +142,26 @@ class SecondLaunchTest {
 
         val turned = Phone(6)
         val moving = (1..3000).flatMap { turned.advance(still = false) }
+        // the second sample waits until the first reading was seen: a collector that is slow loses none of it
+        var isSeen = CompletableDeferred<Unit>()
         val played = object : MagneticFieldSource {
-            override fun samples() = flow { moving.forEach { emit(it) } }
+            override fun samples() = flow {
+                moving.forEachIndexed { k, event ->
+                    if (k == 3) isSeen.await()
+                    emit(event)
+                }
+            }
         }
         val other = Compass(played, graceMs = 0).apply { unixTimeS = { nowS } }
+        suspend fun first(): Reading {
+            isSeen = CompletableDeferred()
+            return other.readings().onEach { isSeen.complete(Unit) }.toList().first().reading
+        }
         runBlocking {
-            other.readings().toList()
-            val soon = other.readings().toList().first().reading
+            first()
+            val soon = first()
             nowS += 7 * 86_400
-            val late = other.readings().toList().first().reading
+            val late = first()
             assertTrue(soon.fieldSigmaUt!! < 6.0, "${soon.fieldSigmaUt}")
             assertTrue((late.fieldSigmaUt ?: 1e9) > 2 * soon.fieldSigmaUt!!, "${late.fieldSigmaUt} after a week, ${soon.fieldSigmaUt} at once")
         }

@@ -123,7 +123,7 @@ class SensorManagerSourceTest {
         val sensors = FakeSensorManager(*all)
         val source = sensors.source()
         val others = List(FakeSensorManager.LISTENER_LIMIT - 1) { launch { source.samples().collect { } } }
-        registered(sensors, 3 * others.size)
+        sensors.registered(3 * others.size)
         // the last that Android lets in gets its magnetometer, then no gravity
         val error = assertThrows(SensorException.Refused::class.java) { runBlocking { source.samples().first() } }
         assertEquals("gravity sensor", error.sensor)
@@ -138,7 +138,7 @@ class SensorManagerSourceTest {
         // and as the message says
         others.first().cancelAndJoin()
         val again = launch { source.samples().collect { } }
-        registered(sensors, 3 * others.size)
+        sensors.registered(3 * others.size)
         (others + again).forEach { it.cancelAndJoin() }
         assertEquals(0, sensors.registrations.size)
     }
@@ -150,7 +150,7 @@ class SensorManagerSourceTest {
         assertThrows(OfTheApp::class.java) {
             runBlocking {
                 launch {
-                    registered(sensors, 3)
+                    sensors.registered(3)
                     sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, 2f, 3f)
                 }
                 sensors.source().samples().compensated().collect { throw OfTheApp() }
@@ -166,7 +166,7 @@ class SensorManagerSourceTest {
         val source = sensors.source()
         val first = launch(Dispatchers.Default) { source.samples().collect { } }
         val second = launch(Dispatchers.Default) { source.samples().collect { } }
-        registered(sensors, 6)
+        sensors.registered(6)
         first.cancelAndJoin()
         assertEquals(3, sensors.registrations.size)
         second.cancelAndJoin()
@@ -226,7 +226,7 @@ class SensorManagerSourceTest {
         val compass = Compass(sensors.source(), graceMs = 0)
         val readings = mutableListOf<CompensatedReading>()
         val job = launch { compass.readings().take(3).toList(readings) }
-        registered(sensors, 3)
+        sensors.registered(3)
         suspend fun read(timeNs: Long) {
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, timeNs, 1f, 2f, 3f + timeNs, 0f, 0f, 0f)
             withTimeout(20_000) { while (readings.size < timeNs) yield() }
@@ -275,7 +275,7 @@ class SensorManagerSourceTest {
         suspend fun status(fullScaleUt: Float, config: Config = Config()): Status {
             val sensors = FakeSensorManager(*all, fullScaleUt = fullScaleUt)
             val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().first().reading }
-            registered(sensors, 3)
+            sensors.registered(3)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, -1200.5f, 3f)
             return reading.await().status
         }
@@ -297,7 +297,7 @@ class SensorManagerSourceTest {
         val phone = Phone(1)
         val readings = CopyOnWriteArrayList<CompensatedReading>()
         val app = launch { compass.readings().collect { readings += it } }
-        registered(sensors, 3)
+        sensors.registered(3)
         var sleptS = 0.0
         suspend fun pass(samples: Int, still: Boolean, lateS: (Int) -> Double = { 0.0 }): Reading {
             repeat(samples) { k ->
@@ -335,7 +335,7 @@ class SensorManagerSourceTest {
         val sensors = FakeSensorManager(*all)
         val source = sensors.source()
         val collecting = launch { source.samples().collect { } }
-        registered(sensors, 3)
+        sensors.registered(3)
         val expected = listOf(
             SensorManager.SENSOR_STATUS_NO_CONTACT to SensorAccuracy.NO_CONTACT,
             SensorManager.SENSOR_STATUS_UNRELIABLE to SensorAccuracy.UNRELIABLE,
@@ -358,7 +358,7 @@ class SensorManagerSourceTest {
             val sensors = FakeSensorManager(*types)
             val source = sensors.source(SensorOptions(up = false, gyroscope = false, holdS = 0.0))
             val collecting = launch { source.samples().collect { } }
-            registered(sensors, 1)
+            sensors.registered(1)
             assertEquals(listOf(types[0]), sensors.registrations.map { it.sensor.type })
             assertEquals(null, source.sensors.value!!.up)
             collecting.cancelAndJoin()
@@ -382,80 +382,6 @@ class SensorManagerSourceTest {
         assertEquals(expected, samples)
     }
 
-    /** Delivers of these types again and again, until [until]. */
-    private suspend fun playUntil(sensors: FakeSensorManager, vararg types: Int, until: () -> Boolean) = withTimeout(20_000) {
-        while (!until()) {
-            for (type in types) sensors.deliver(type, 1, 1f, 2f, 3f)
-            delay(1)
-        }
-    }
-
-    @Test
-    fun `a sensor that is registered but silent is told, and when it speaks`() = runBlocking {
-        val sensors = FakeSensorManager(*all)
-        val source = sensors.source(silenceMs = 100)
-        val compass = Compass(source, graceMs = 0)
-        val collecting = launch { compass.readings().collect { } }
-        fun silent() = compass.sensors.value?.run { listOf(magnetometer.isSilent, up!!.isSilent, gyroscope!!.isSilent) }
-        registered(sensors, 3)
-        assertEquals(listOf(false, false, false), silent(), "not at once")
-        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE) { silent() == listOf(true, false, false) }
-        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { silent() == listOf(false, false, true) }
-        // none at all, as in the background: gravity stays
-        withTimeout(20_000) { while (silent() != listOf(true, true, true)) delay(1) }
-        delay(200)
-        assertEquals(Sensor.TYPE_GRAVITY, compass.sensors.value!!.up!!.type)
-        playUntil(sensors, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { silent() == listOf(false, false, false) }
-        collecting.cancelAndJoin()
-        assertEquals(0, sensors.registrations.size)
-    }
-
-    @Test
-    fun `of latency and rate a sensor may be silent as long`() = runBlocking {
-        val sensors = FakeSensorManager(*all)
-        val source = sensors.source(SensorOptions(rateHz = 1, maxReportLatencyUs = 2_000_000_000, holdS = 0.0), silenceMs = 4)
-        val collecting = launch { source.samples().collect { } }
-        registered(sensors, 3)
-        delay(100)
-        assertEquals(false, source.sensors.value!!.magnetometer.isSilent)
-        collecting.cancelAndJoin()
-    }
-
-    @Test
-    fun `the accelerometer takes the place of a gravity that alone is silent, also one that sends nonsense`() = runBlocking {
-        val sensors = FakeSensorManager(*all)
-        val source = sensors.source(silenceMs = 100)
-        val ups = CopyOnWriteArrayList<SensorSample>()
-        val collecting = launch(Dispatchers.Default) { source.samples().collect { if (it is SensorSample.Up) ups += it } }
-        registered(sensors, 3)
-        playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) {
-            sensors.deliver(Sensor.TYPE_GRAVITY, FloatArray(1))
-            source.sensors.value!!.up!!.type == Sensor.TYPE_ACCELEROMETER
-        }
-        val types = setOf(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_ACCELEROMETER, Sensor.TYPE_GYROSCOPE)
-        withTimeout(20_000) { while (sensors.registrations.map { it.sensor.type }.toSet() != types) delay(1) }
-        playUntil(sensors, Sensor.TYPE_ACCELEROMETER) { ups.isNotEmpty() }
-        assertEquals(false, source.sensors.value!!.up!!.isSilent)
-        collecting.cancelAndJoin()
-        assertEquals(0, sensors.registrations.size)
-    }
-
-    @Test
-    fun `gravity stays where no accelerometer is, or the system refuses it`() = runBlocking {
-        for (refuse in listOf(null, Sensor.TYPE_ACCELEROMETER)) {
-            val types = if (refuse == null) all.filter { it != Sensor.TYPE_ACCELEROMETER }.toIntArray() else all
-            val sensors = FakeSensorManager(*types).apply { this.refuse = refuse }
-            val source = sensors.source(silenceMs = 40)
-            val collecting = launch { source.samples().collect { } }
-            registered(sensors, 3)
-            playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { source.sensors.value!!.up!!.isSilent }
-            repeat(50) { playUntil(sensors, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED) { true }; delay(2) }
-            assertEquals(Sensor.TYPE_GRAVITY, source.sensors.value!!.up!!.type)
-            assertEquals(3, sensors.registrations.size)
-            collecting.cancelAndJoin()
-        }
-    }
-
     /** The first [count] samples while [play] runs, once the sensors are registered. */
     private suspend fun collectWhile(
         sensors: FakeSensorManager,
@@ -465,12 +391,9 @@ class SensorManagerSourceTest {
     ): List<SensorSample> = kotlinx.coroutines.coroutineScope {
         val samples = mutableListOf<SensorSample>()
         val job = launch { source.samples().take(count).toList(samples) }
-        registered(sensors, 1)
+        sensors.registered(1)
         play()
         withTimeout(20_000) { job.join() }
         samples
     }
-
-    private suspend fun registered(sensors: FakeSensorManager, count: Int) =
-        withTimeout(20_000) { while (sensors.registrations.size < count) yield() }
 }

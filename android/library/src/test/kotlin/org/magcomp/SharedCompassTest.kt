@@ -252,8 +252,19 @@ class SharedCompassTest {
             }
         }
         val compass = Compass(broken)
-        val ends = List(3) { async { runCatching { compass.readings().toList() }.exceptionOrNull() } }
-        for (end in ends) assertTrue(withTimeout(20_000) { end.await() } is StackOverflowError)
+        // on a phone, what nobody catches ends the app
+        val uncaught = CopyOnWriteArrayList<Throwable>()
+        val before = Thread.getDefaultUncaughtExceptionHandler()
+        Thread.setDefaultUncaughtExceptionHandler { _, error -> uncaught += error }
+        try {
+            val ends = List(3) { async { runCatching { compass.readings().toList() }.exceptionOrNull() } }
+            for (end in ends) assertTrue(withTimeout(20_000) { end.await() } is StackOverflowError)
+            compass.close()
+            withTimeout(20_000) { while (compass.kept != null) yield() }
+        } finally {
+            Thread.setDefaultUncaughtExceptionHandler(before)
+        }
+        assertEquals(emptyList<Throwable>(), uncaught.toList())
     }
 
     @Test

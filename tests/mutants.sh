@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Breaks the sources on purpose, one small patch at a time in a copy, and expects the tests to fail. Run by name before a release; no part of
+# tests/run.sh. `tests/mutants.sh kotlin` applies tests/mutants/kotlin/patches.txt; with a WORD (a regular expression) those that have it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. tests/need.sh
+
+kotlin() { # [WORD]
+    need mutants "${rust_tools[@]}" "${java_tools[@]}" '/usr/lib/*/libGL.so.1:libgl1' '/usr/lib/*/libX11.so.6:libx11-6' \
+        '/usr/lib/*/libfontconfig.so.1:libfontconfig1' '/usr/lib/jvm/*/lib/libjawt.so:default-jre'
+    . tests/native.sh
+    expected "$target/kotlin/expected.txt"
+    rm -rf android/{bindings,library,sample}/target/{classes,test-classes}
+    mvn=(mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn --file android/pom.xml)
+    "${mvn[@]}" test-compile org.apache.maven.plugins:maven-dependency-plugin:3.8.1:build-classpath -Dmdep.outputFile=target/classpath.txt \
+        -Dlibrary.kdoc.skip=true -Dnative.dir="$native" -pl bindings,library,sample
+    local repository kotlin platform compiler="" name
+    repository=$(grep -o '[^:]*/org/junit/platform/junit-platform-engine/' android/library/target/classpath.txt | head -n 1)
+    repository=${repository%/org/junit/*}
+    kotlin=$(sed -n 's#.*<kotlin.version>\(.*\)</kotlin.version>.*#\1#p' android/pom.xml)
+    platform=$(grep -o 'junit-platform-engine-[0-9.]*[0-9]' android/library/target/classpath.txt | head -n 1)
+    platform=${platform##*-}
+    # what Maven's plugin for tests brought, on machines where it has run
+    [ -f "$repository/org/junit/platform/junit-platform-launcher/$platform/junit-platform-launcher-$platform.jar" ] ||
+        "${mvn[@]}" --quiet -N dependency:get -Dartifact="org.junit.platform:junit-platform-launcher:$platform"
+    local launcher=$repository/org/junit/platform/junit-platform-launcher/$platform/junit-platform-launcher-$platform.jar
+    for name in kotlin-compiler-embeddable kotlin-stdlib kotlin-script-runtime kotlin-daemon-embeddable kotlin-reflect; do
+        compiler+=:$(ls "$repository/org/jetbrains/kotlin/$name"/*/"$name"-[0-9]*.jar | grep -v sources | sort -V | tail -n 1)
+    done
+    work=$(mktemp -d)
+    trap 'rm -rf "$work"' EXIT
+    local tests
+    tests=$(cat android/library/target/classpath.txt)
+    javac -d "$work" -cp "$compiler:$launcher:$tests" tests/mutants/kotlin/Mutants.java
+    java -Xmx1g -Dkotlin.environment.keepalive=true -Drepository.root="$PWD" -Dwork="$work" -Dpatches=tests/mutants/kotlin/patches.txt \
+        -Drunner.path="$work:$launcher" -Drust.expected="$target/kotlin/expected.txt" -Djava.library.path="$native" -Djna.library.path="$native" \
+        -Dcompose.plugin="$repository/org/jetbrains/kotlin/kotlin-compose-compiler-plugin-embeddable/$kotlin/kotlin-compose-compiler-plugin-embeddable-$kotlin.jar" \
+        -cp "$work$compiler:$launcher:$tests" Mutants "$@"
+}
+
+case "${1-}" in
+    kotlin) "$@" ;;
+    *) echo "tests/mutants.sh kotlin [WORD]" >&2; exit 2 ;;
+esac
