@@ -21,6 +21,15 @@ must 'interfaces of objects', $text =~ s/^public (?=interface Native)/internal /
 must 'objects', $text =~ s/^(?=open class Native)/internal /mg;
 must 'the reader of errors', $text =~ s/^( +)(?=companion object ErrorHandler)/$1internal /mg;
 
+# documents: `field_ut` is fieldUt, but for a path as an error says it; a value that is missing is null
+$text =~ s{(/\*\*.*?\*/)}{
+    my $document = $1;
+    $document =~ s/`(?![a-z]\w*\.)([^`]*)`/my $name = $1; $name =~ s,(?<=[a-z0-9])_([a-z0-9]),\u$1,g; "`$name`"/ge;
+    $document =~ s/\bNone(?=[\s*]+(?:where|while|before|without|when|until|for)\b|: (?:not known|no true))/Null/g;
+    $document =~ s/\bDefault none\b/Default null/g;
+    $document
+}gsex;
+
 # every call asks for the library first: Java would tell a class that fails to load twice, in two ways, neither of them ours
 must 'calls', $text =~ s/^(private inline fun <U, E: kotlin\.Exception> uniffiRustCallWithError\(.*\{\n)/$1    NativeLibrary.check()\n/m;
 

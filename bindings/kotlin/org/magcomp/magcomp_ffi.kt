@@ -1491,7 +1491,7 @@ internal interface NativeCompensatorInterface {
 
     /**
      * From now on this calibration is in force, until something better is learned. The stream goes on.
-     * `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * `hardIronSigmaUt` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
      * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
@@ -1499,8 +1499,8 @@ internal interface NativeCompensatorInterface {
 
     /**
      * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
-     * heading frame stay. It is as sure as it was, less what its age by `unix_time_s` costs: now, seconds since 1970, by the clock
-     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * heading frame stay. It is as sure as it was, less what its age by `unixTimeS` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. Null: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
      * are judged by: what disagrees widens or replaces it. Fails with `KeptDamaged` or `KeptNewer`; nothing has changed then.
      */
     fun `adoptKept`(`text`: kotlin.String, `unixTimeS`: kotlin.Long?)
@@ -1527,18 +1527,18 @@ internal interface NativeCompensatorInterface {
     fun `fastHandle`(): kotlin.Long
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
+     * The latest ellipsoid fit that was accepted, with its covariance. Null for the aided and the adaptive method, which make none.
      */
     fun `fit`(): Fit?
 
     /**
-     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `push_gap`.
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `pushGap`.
      */
     fun `gaps`(): kotlin.Long
 
     /**
-     * The calibration in force with what is known of it, as JSON, for `adopt_kept` at the next launch; `unix_time_s` is now, seconds
-     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     * The calibration in force with what is known of it, as JSON, for `adoptKept` at the next launch; `unixTimeS` is now, seconds
+     * since 1970. Null while nothing was learned from live samples: what was adopted is kept where it came from.
      */
     fun `keep`(`unixTimeS`: kotlin.Long): kotlin.String?
 
@@ -1552,7 +1552,7 @@ internal interface NativeCompensatorInterface {
     /**
      * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
      * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
-     * Fails with `Config` when `hidden_s` is out of range; nothing has changed then.
+     * Fails with `Config` when `hiddenS` is out of range; nothing has changed then.
      */
     fun `pushGap`(`hiddenS`: kotlin.Double)
 
@@ -1584,12 +1584,12 @@ internal interface NativeCompensatorInterface {
     fun `shutDown`()
 
     /**
-     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     * The declination that true headings from outside have shown. Null before the first, and while a declination is set.
      */
     fun `foundDeclination`(): FoundDeclination?
 
     /**
-     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     * What headings from outside are worth after the latest sample. Null where none came in the last two minutes.
      */
     fun `headingAid`(): HeadingAid?
 
@@ -1729,7 +1729,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
     /**
      * From now on this calibration is in force, until something better is learned. The stream goes on.
-     * `hard_iron_sigma_ut` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
+     * `hardIronSigmaUt` is one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the
      * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
@@ -1750,8 +1750,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
     /**
      * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
-     * heading frame stay. It is as sure as it was, less what its age by `unix_time_s` costs: now, seconds since 1970, by the clock
-     * that `keep` was told. None: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
+     * heading frame stay. It is as sure as it was, less what its age by `unixTimeS` costs: now, seconds since 1970, by the clock
+     * that `keep` was told. Null: not known, so as good as nothing is believed beforehand of one that was learned. The first live samples
      * are judged by: what disagrees widens or replaces it. Fails with `KeptDamaged` or `KeptNewer`; nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `adoptKept`(`text`: kotlin.String, `unixTimeS`: kotlin.Long?)
@@ -1838,7 +1838,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * The latest ellipsoid fit that was accepted, with its covariance. None for the aided and the adaptive method, which make none.
+     * The latest ellipsoid fit that was accepted, with its covariance. Null for the aided and the adaptive method, which make none.
      */
     @Throws(MagcompException::class)override fun `fit`(): Fit? {
             return FfiConverterOptionalTypeFit.lift(
@@ -1855,7 +1855,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `push_gap`.
+     * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `pushGap`.
      */
     @Throws(MagcompException::class)override fun `gaps`(): kotlin.Long {
             return FfiConverterLong.lift(
@@ -1872,8 +1872,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * The calibration in force with what is known of it, as JSON, for `adopt_kept` at the next launch; `unix_time_s` is now, seconds
-     * since 1970. None while nothing was learned from live samples: what was adopted is kept where it came from.
+     * The calibration in force with what is known of it, as JSON, for `adoptKept` at the next launch; `unixTimeS` is now, seconds
+     * since 1970. Null while nothing was learned from live samples: what was adopted is kept where it came from.
      */
     @Throws(MagcompException::class)override fun `keep`(`unixTimeS`: kotlin.Long): kotlin.String? {
             return FfiConverterOptionalString.lift(
@@ -1913,7 +1913,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
      * as unsure from here on as one that was kept for so long, and where the field points is found anew. The samples' time goes on.
-     * Fails with `Config` when `hidden_s` is out of range; nothing has changed then.
+     * Fails with `Config` when `hiddenS` is out of range; nothing has changed then.
      */
     @Throws(MagcompException::class)override fun `pushGap`(`hiddenS`: kotlin.Double)
         =
@@ -2014,7 +2014,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * The declination that true headings from outside have shown. None before the first, and while a declination is set.
+     * The declination that true headings from outside have shown. Null before the first, and while a declination is set.
      */
     @Throws(MagcompException::class)override fun `foundDeclination`(): FoundDeclination? {
             return FfiConverterOptionalTypeFoundDeclination.lift(
@@ -2031,7 +2031,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
 
 
     /**
-     * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
+     * What headings from outside are worth after the latest sample. Null where none came in the last two minutes.
      */
     @Throws(MagcompException::class)override fun `headingAid`(): HeadingAid? {
             return FfiConverterOptionalTypeHeadingAid.lift(
@@ -2285,7 +2285,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
         this.cleanable = null
     }
     /**
-     * A session that averages `samples_per_orientation` samples in a row (at least 1) into one orientation. Above 1
+     * A session that averages `samplesPerOrientation` samples in a row (at least 1) into one orientation. Above 1
      * the device must be held still meanwhile; 1 is for a device that is turned about.
      */
     constructor(`samplesPerOrientation`: kotlin.Int) :
@@ -2724,7 +2724,7 @@ internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration>
 
 
 /**
- * All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
+ * All settings of a compensator. A setting left out has the library's default; `defaultConfig()` shows them all.
  */
 data class Config (
     /**
@@ -2733,7 +2733,7 @@ data class Config (
     val `method`: Method? = null
     ,
     /**
-     * A calibration to begin with, from elsewhere; that of the last launch is for `adopt_kept`. Default none.
+     * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default null.
      */
     val `initial`: Calibration? = null
     ,
@@ -2758,13 +2758,13 @@ data class Config (
     ,
     /**
      * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default none: not known.
+     * as saturated. 1 to 100 000. Default null: not known.
      */
     val `railUt`: kotlin.Double? = null
     ,
     /**
      * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+     * carries the sensor's scale. Every method listens to it. Default null: found by the method.
      */
     val `fieldStrengthUt`: kotlin.Double? = null
     ,
@@ -3040,7 +3040,7 @@ data class FitOptions (
     ,
     /**
      * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+     * carries the sensor's scale. Every method listens to it. Default null: found by the method.
      */
     val `fieldStrengthUt`: kotlin.Double? = null
     ,
@@ -3201,7 +3201,7 @@ data class GeomagneticField (
     val `inclinationDeg`: kotlin.Double
     ,
     /**
-     * Strength, microtesla: what `Config.field_strength_ut` takes.
+     * Strength, microtesla: what `Config.fieldStrengthUt` takes.
      */
     val `totalFieldUt`: kotlin.Double
 
@@ -3254,12 +3254,12 @@ data class Heading (
     val `headingDeg`: kotlin.Double
     ,
     /**
-     * One standard deviation of `heading_deg`, degrees; none when the calibration's own uncertainty is not known.
+     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
      */
     val `headingSigmaDeg`: kotlin.Double?
     ,
     /**
-     * Clockwise from true north, 0 to 360 degrees. None without a declination.
+     * Clockwise from true north, 0 to 360 degrees. Null without a declination.
      */
     val `trueHeadingDeg`: kotlin.Double?
     ,
@@ -3322,12 +3322,12 @@ data class HeadingConfig (
     val `screenRotation`: ScreenRotation? = null
     ,
     /**
-     * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
+     * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default null.
      */
     val `declinationDeg`: kotlin.Double? = null
     ,
     /**
-     * Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
+     * Standard deviation of `up` at rest, degrees, 0 to 90, for `headingSigmaDeg`; what motion adds to gravity comes on top. Default 0.5.
      */
     val `tiltSigmaDeg`: kotlin.Double? = null
 
@@ -3385,7 +3385,7 @@ data class HeadingFrame (
     val `screenRotation`: ScreenRotation
     ,
     /**
-     * Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. None: no true heading.
+     * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Null: no true heading.
      */
     val `declinationDeg`: kotlin.Double? = null
 
@@ -3513,7 +3513,7 @@ data class MagneticSample (
     ,
     /**
      * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `Reading.reported_hard_iron_jump_ut`; `Config.use_reported_hard_iron` makes it
+     * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
      * the first calibration.
      */
     val `reportedHardIronUt`: Vector3? = null
@@ -3564,12 +3564,12 @@ data class Reading (
     val `timeNs`: kotlin.Long
     ,
     /**
-     * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
+     * The corrected sample, microtesla, device frame. Null until there is a calibration, and for a rejected sample.
      */
     val `fieldUt`: Vector3?
     ,
     /**
-     * One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
+     * One standard deviation of `fieldUt` per axis, microtesla. Null when it is not known.
      */
     val `fieldSigmaUt`: kotlin.Double?
     ,
@@ -3579,17 +3579,17 @@ data class Reading (
     val `filteredFieldUt`: Vector3?
     ,
     /**
-     * Length of `field_ut`, microtesla.
+     * Length of `fieldUt`, microtesla.
      */
     val `totalFieldUt`: kotlin.Double?
     ,
     /**
-     * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
+     * Heading and inclination. Null without a calibration, without a recent `up`, or where the axis is vertical.
      */
     val `heading`: Heading?
     ,
     /**
-     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
+     * How the device lies in the world, also where the heading's axis is vertical. Null without a calibration, without a recent
      * `up`, or where the field is vertical.
      */
     val `attitude`: Attitude?
@@ -3610,14 +3610,14 @@ data class Reading (
     val `coverage`: kotlin.Double
     ,
     /**
-     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. Null when it
      * is not known.
      */
     val `directionSigmaDeg`: kotlin.Double?
     ,
     /**
      * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
-     * seen do not determine the parameters, also where `sigma_t` does not show that. Adaptive method only.
+     * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
      */
     val `worstSigmaDeg`: kotlin.Double?
     ,
@@ -3627,7 +3627,7 @@ data class Reading (
     val `modelOrder`: ModelOrder?
     ,
     /**
-     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
+     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. Null when it did
      * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
      * changed.
      */
@@ -3639,7 +3639,7 @@ data class Reading (
     val `mode`: SensorMode
     ,
     /**
-     * The latest change that was decided, kept until the next. None before the first.
+     * The latest change that was decided, kept until the next. Null before the first.
      */
     val `event`: Event?
     ,
@@ -7166,7 +7166,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
         /**
          * The attitude from a corrected field (microtesla) and `up` (any length), both in the device frame.
          *
-         * None when the field is vertical, or anything is not finite or zero. It has no sigma.
+         * Null when the field is vertical, or anything is not finite or zero. It has no sigma.
          */
     @Throws(MagcompException::class) fun `attitude`(`fieldUt`: Vector3, `up`: Vector3): Attitude? {
             return FfiConverterOptionalTypeAttitude.lift(
@@ -7202,7 +7202,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
         /**
          * The heading in a frame, from a corrected field (microtesla) and `up` (any length), both in the device frame.
          *
-         * None when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
+         * Null when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
          */
     @Throws(MagcompException::class) fun `heading`(`fieldUt`: Vector3, `up`: Vector3, `frame`: HeadingFrame): Heading? {
             return FfiConverterOptionalTypeHeading.lift(
