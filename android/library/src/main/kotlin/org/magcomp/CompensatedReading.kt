@@ -2,12 +2,13 @@ package org.magcomp
 
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.currentCoroutineContext
+import kotlinx.coroutines.ensureActive
 import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.FlowCollector
 import kotlinx.coroutines.flow.StateFlow
-import kotlinx.coroutines.flow.cancellable
 import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
-import kotlinx.coroutines.flow.mapNotNull
 
 /**
  * The answer to one magnetometer sample, as collectors get it.
@@ -67,8 +68,16 @@ public fun Flow<SensorSample>.compensated(
 /** One run of an estimation that goes on after it. */
 internal fun Flow<SensorSample>.compensated(estimation: Estimation): Flow<CompensatedReading> = flow {
     estimation.begin()
+    val readings = this
     try {
-        emitAll(cancellable().mapNotNull(estimation::push))
+        // by hand: every operator between would cost an object an event
+        collect(object : FlowCollector<SensorSample> {
+            override suspend fun emit(value: SensorSample) {
+                currentCoroutineContext().ensureActive()
+                val reading = estimation.push(value) ?: return
+                return readings.emit(reading)
+            }
+        })
     } finally {
         estimation.end()
     }

@@ -33,7 +33,7 @@ internal class Estimation(
     private val coverage = DoubleArray(FastPath.COVERAGE)
     private var unseen = emptyList<Vector3>()
     private var lookedNs: Long? = null
-    private var latestNs: Long? = null
+    private var latestNs = Long.MIN_VALUE
     private var begun = false
 
     /** Whether help from outside ever came, which few apps have: what it is worth is asked over the slow path. */
@@ -64,7 +64,7 @@ internal class Estimation(
     fun push(event: SensorSample): CompensatedReading? {
         if (begun) {
             begun = false
-            if (event.timeNs < (latestNs ?: Long.MIN_VALUE)) renew()
+            if (event.timeNs < latestNs) renew()
         }
         when (event) {
             is SensorSample.Magnetic -> return push(event.sample)
