@@ -65,7 +65,7 @@ pub enum LabError {
         source: io::Error,
     },
     /// The command was built without the importer of a form.
-    #[error("{}: this build does not read {form}; build it with cargo's feature {feature}, which is on by default", path.display())]
+    #[error("{}: this build does not read {form}; the command magcomp does, built with cargo's feature {feature}, which is on by default", path.display())]
     Feature {
         /// The file.
         path: PathBuf,

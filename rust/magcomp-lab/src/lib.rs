@@ -3,14 +3,17 @@
 //!
 //! The arrows point one way: `random`, `parameters`, `course`, `motion`, `surroundings`, `inertial` make up `simulate`, whose
 //! streams `catalogue` names and `score` judges; these and `crb` feed `experiment`; `import` makes loggers' sessions into a `recording`,
-//! which feeds `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results.
+//! which feeds `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results. In a browser (`web/`) only what
+//! `import` and `replay` need is there.
 
 pub mod baseline;
 pub mod catalogue;
+#[cfg(not(target_family = "wasm"))]
 pub mod command;
 pub mod course;
 pub mod crb;
 pub mod error;
+#[cfg(not(target_family = "wasm"))]
 pub mod experiment;
 pub mod import;
 pub mod inertial;
@@ -19,14 +22,17 @@ pub mod parallel;
 pub mod parameters;
 pub mod place;
 pub mod plot;
+#[cfg(not(target_family = "wasm"))]
 pub mod progress;
 pub mod random;
 pub mod recording;
 pub mod replay;
 pub mod report;
+#[cfg(not(target_family = "wasm"))]
 pub mod score;
 pub mod simulate;
 pub mod surroundings;
 pub mod table;
 pub mod time;
+#[cfg(not(target_family = "wasm"))]
 pub mod trials;

@@ -1,4 +1,4 @@
-//! A report: SVG files in a folder and one HTML page that shows them, with the command that made it.
+//! A report: SVG files in a folder and one HTML page that shows them, with the command that made it; or one page with all in it.
 
 use crate::error::LabError;
 use crate::recording::write_atomically;
@@ -11,13 +11,66 @@ use std::path::{Path, PathBuf};
 pub struct Report {
     title: String,
     lead: String,
-    body: String,
+    body: Vec<Part>,
     /// Headings of the sections so far: the page's contents.
     sections: Vec<String>,
     /// Tables so far.
     tables: usize,
-    /// Files beside the page: name and content.
-    figures: Vec<(String, String)>,
+}
+
+#[derive(Clone, Debug)]
+enum Part {
+    Html(String),
+    Picture { name: String, svg: String, caption: String },
+    Page { name: String, html: String, title: String },
+}
+
+impl Part {
+    /// The name of the file beside the page, and its content.
+    fn file(&self) -> Option<(String, &str)> {
+        match self {
+            Self::Html(_) => None,
+            Self::Picture { name, svg, .. } => Some((format!("{name}.svg"), svg)),
+            Self::Page { name, html, .. } => Some((format!("{name}.html"), html)),
+        }
+    }
+
+    /// As HTML that shows the files beside it.
+    fn with_files(&self) -> String {
+        match self {
+            Self::Html(html) => html.clone(),
+            Self::Picture { name, caption, .. } => format!(
+                "<figure><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a><figcaption>{caption}</figcaption></figure>\n"
+            ),
+            Self::Page { name, title, .. } => format!(
+                "<figure><iframe src=\"{name}.html\" title=\"{title}\" loading=\"lazy\"></iframe>\
+                 <figcaption><a href=\"{name}.html\">{title}</a>, as a page of its own: one file that needs no network.</figcaption></figure>\n"
+            ),
+        }
+    }
+
+    /// As HTML that has all in it.
+    fn alone(&self) -> String {
+        match self {
+            Self::Html(html) => html.clone(),
+            Self::Picture { svg, caption, .. } => {
+                let svg = svg.chars().fold(String::with_capacity(svg.len()), |mut out, c| {
+                    match c {
+                        '%' | '#' | '"' | '&' | '\n' | '\t' => _ = write!(out, "%{:02X}", c as u32),
+                        c => out.push(c),
+                    }
+                    out
+                });
+                format!(
+                    "<figure><img src=\"data:image/svg+xml,{svg}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
+                )
+            }
+            Self::Page { html, title, .. } => format!(
+                "<figure><iframe srcdoc=\"{}\" title=\"{title}\"></iframe><figcaption>{title}.</figcaption></figure>\n",
+                escape(html)
+            ),
+        }
+    }
 }
 
 /// Fewest sections of a page that has its contents at the top.
@@ -28,26 +81,19 @@ impl Report {
     /// A page with a title and a first paragraph.
     #[must_use]
     pub fn new(title: &str, lead: &str) -> Self {
-        Self {
-            title: title.to_owned(),
-            lead: lead.to_owned(),
-            body: String::new(),
-            sections: Vec::new(),
-            tables: 0,
-            figures: Vec::new(),
-        }
+        Self { title: title.to_owned(), lead: lead.to_owned(), body: Vec::new(), sections: Vec::new(), tables: 0 }
     }
 
     /// Begins a section.
     pub fn section(&mut self, heading: &str, text: &str) {
         self.sections.push(heading.to_owned());
         let (number, heading, text) = (self.sections.len(), escape(heading), escape(text));
-        let _ = write!(self.body, "<h2 id=\"section{number}\">{heading}</h2>\n<p>{text}</p>\n");
+        self.html(format!("<h2 id=\"section{number}\">{heading}</h2>\n<p>{text}</p>\n"));
     }
 
     /// Adds a paragraph.
     pub fn text(&mut self, text: &str) {
-        let _ = writeln!(self.body, "<p>{}</p>", escape(text));
+        self.html(format!("<p>{}</p>\n", escape(text)));
     }
 
     /// Folds what `add` adds under one line that opens it.
@@ -55,10 +101,14 @@ impl Report {
     /// # Errors
     /// Those of `add`.
     pub fn folded<E>(&mut self, line: &str, add: impl FnOnce(&mut Self) -> Result<(), E>) -> Result<(), E> {
-        let _ = writeln!(self.body, "<details><summary>{}</summary>", escape(line));
+        self.html(format!("<details><summary>{}</summary>\n", escape(line)));
         let added = add(self);
-        self.body.push_str("</details>\n");
+        self.html("</details>\n".to_owned());
         added
+    }
+
+    fn html(&mut self, html: String) {
+        self.body.push(Part::Html(html));
     }
 
     /// Links to the sections, where there are enough of them to lose the way.
@@ -79,8 +129,7 @@ impl Report {
         let cells = |tag: &str, cells: &[String]| -> String {
             cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
         };
-        let _ = write!(
-            self.body,
+        let mut html = format!(
             "<figure class=\"table\"><p class=\"title\" id=\"table{number}\">{}</p>\n{}\
              <div class=\"{}\"><table aria-labelledby=\"table{number}\">\n<thead><tr>{}</tr></thead>\n<tbody>\n",
             escape(&table.title),
@@ -89,31 +138,21 @@ impl Report {
             cells("th", &table.columns)
         );
         for row in &table.rows {
-            let _ = writeln!(self.body, "<tr>{}</tr>", cells("td", row));
+            let _ = writeln!(html, "<tr>{}</tr>", cells("td", row));
         }
         let notes: String = table.notes.iter().map(|note| format!("<p>{}</p>", escape(note))).collect();
-        let _ = writeln!(self.body, "</tbody></table></div><figcaption>{notes}</figcaption></figure>");
+        let _ = writeln!(html, "</tbody></table></div><figcaption>{notes}</figcaption></figure>");
+        self.html(html);
     }
 
     /// Adds a picture, written as `name`.svg beside the page.
     pub fn figure(&mut self, name: &str, svg: String, caption: &str) {
-        let caption = escape(caption);
-        let _ = writeln!(
-            self.body,
-            "<figure><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a><figcaption>{caption}</figcaption></figure>"
-        );
-        self.figures.push((format!("{name}.svg"), svg));
+        self.body.push(Part::Picture { name: name.to_owned(), svg, caption: escape(caption) });
     }
 
     /// Adds a page of its own, written as `name`.html beside this one and shown in it.
     pub fn page(&mut self, name: &str, html: String, title: &str) {
-        let title = escape(title);
-        let _ = writeln!(
-            self.body,
-            "<figure><iframe src=\"{name}.html\" title=\"{title}\" loading=\"lazy\"></iframe>\
-             <figcaption><a href=\"{name}.html\">{title}</a>, as a page of its own: one file that needs no network.</figcaption></figure>"
-        );
-        self.figures.push((format!("{name}.html"), html));
+        self.body.push(Part::Page { name: name.to_owned(), html, title: escape(title) });
     }
 
     /// Writes the pictures and `index.html` into `folder`, which is made where it is missing. Returns the page's path.
@@ -122,22 +161,31 @@ impl Report {
     /// [`LabError::Write`].
     pub fn write(&self, folder: &Path) -> Result<PathBuf, LabError> {
         std::fs::create_dir_all(folder).map_err(LabError::write(folder))?;
-        for (name, svg) in &self.figures {
-            write_atomically(&folder.join(name), |out| out.write_all(svg.as_bytes()))?;
+        for (name, content) in self.body.iter().filter_map(Part::file) {
+            write_atomically(&folder.join(name), |out| out.write_all(content.as_bytes()))?;
         }
         let page = folder.join("index.html");
-        let (title, lead, command) = (escape(&self.title), escape(&self.lead), escape(&command_line()));
-        let html = format!(
+        let html = self.whole(Part::with_files, &command_line());
+        write_atomically(&page, |out| out.write_all(html.as_bytes()))?;
+        Ok(page)
+    }
+
+    /// One page that needs no other file; `command` is what makes it.
+    #[must_use]
+    pub fn alone(&self, command: &str) -> String {
+        self.whole(Part::alone, command)
+    }
+
+    fn whole(&self, shown: fn(&Part) -> String, command: &str) -> String {
+        let (title, lead, command) = (escape(&self.title), escape(&self.lead), escape(command));
+        let (contents, body) = (self.contents(), self.body.iter().map(shown).collect::<String>());
+        format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n<p class=\"lead\">{lead}</p>\n\
-             {}{}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
-            self.contents(),
-            self.body,
+             {contents}{body}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
             env!("CARGO_PKG_VERSION")
-        );
-        write_atomically(&page, |out| out.write_all(html.as_bytes()))?;
-        Ok(page)
+        )
     }
 }
 
@@ -159,7 +207,13 @@ fn setting(table: &Table) -> &'static str {
 
 /// The command as it was typed, the program by its name alone.
 fn command_line() -> String {
-    let arguments = std::env::args().skip(1).map(|argument| {
+    quoted(std::env::args().skip(1))
+}
+
+/// The command with these arguments, as one types it into a shell.
+#[must_use]
+pub fn quoted(arguments: impl Iterator<Item = String>) -> String {
+    let arguments = arguments.map(|argument| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {
             argument
@@ -194,7 +248,15 @@ mod tests {
             })
             .unwrap();
         report.table(&Table::new("table", &["a", "b"]));
-        report.figure("picture", "<svg></svg>".to_owned(), "what it shows");
+        report.figure("picture", "<svg a=\"#1%\">\n&amp;</svg>".to_owned(), "what it shows");
+        report.page("turned", "<p class=\"a\">&amp;</p>".to_owned(), "turn it");
+        let alone = report.alone("magcomp <1>");
+        assert!(alone.contains("data:image/svg+xml,<svg a=%22%231%25%22>%0A%26amp;</svg>\""), "{alone}");
+        assert!(
+            alone.contains("srcdoc=\"&lt;p class=&quot;a&quot;&gt;&amp;amp;&lt;/p&gt;\"")
+                && alone.contains("magcomp &lt;1&gt;")
+        );
+        assert!(!alone.contains("picture.svg") && !alone.contains("turned.html"));
         let page = report.write(&folder.path().join("deep/er")).unwrap();
         let html = std::fs::read_to_string(&page).unwrap();
         let mut wide = Table::new("wide", &["column"; 12]);
@@ -207,6 +269,10 @@ mod tests {
                 && html.contains("<h2 id=\"section4\">")
         );
         assert!(html.contains("<h1>A &amp; B</h1>") && html.contains("picture.svg") && html.contains("what it shows"));
-        assert_eq!(std::fs::read_to_string(page.with_file_name("picture.svg")).unwrap(), "<svg></svg>");
+        assert_eq!(
+            std::fs::read_to_string(page.with_file_name("picture.svg")).unwrap(),
+            "<svg a=\"#1%\">\n&amp;</svg>"
+        );
+        assert!(html.contains("src=\"turned.html\"") && page.with_file_name("turned.html").exists());
     }
 }

@@ -8,11 +8,8 @@ use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, name_of};
 use crate::replay::{
-    Bearing, Bearings, ExplainOutput, Figures, Ignore, Judge, Judgement, Legs, Mark, Output, Player, read_waypoints,
-    table as summary, usual_part, write_calibration,
+    Bearing, ExplainOutput, Gathering, Ignore, Mark, Output, Player, read_waypoints, usual_part, write_calibration,
 };
-use crate::report::Report;
-use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
@@ -207,11 +204,9 @@ impl Replay {
         // where they are written or drawn
         let is_explained = explained.is_some() || self.common.report.is_some();
         let mut explanations = Vec::new();
-        let mut judge = Judge::new(&extent, part, axis);
-        let mut legs = Legs::new(&waypoints.unwrap_or_default());
-        let mut bearings = Bearings::new(&self.bearing, extent.start_s);
-        let mut figures = self.common.report.is_some().then(|| Figures::new(&extent).with(&self.mark));
-        let mut last = None;
+        let is_drawn = self.common.report.is_some();
+        let gathering = Gathering::new(&extent, part, axis, &waypoints.unwrap_or_default(), is_drawn);
+        let mut gathering = gathering.noted(&self.mark, &self.bearing);
         let bar = progress::bar(extent.rows, "replay");
         let mut rows = source.rows()?.peekable();
         while rows.peek().is_some() {
@@ -231,10 +226,7 @@ impl Replay {
             }
             for (k, (row, step)) in chunk.iter().zip(&steps).enumerate() {
                 output.iter_mut().try_for_each(|output| output.add(row, step))?;
-                judge.add(row, step);
-                legs.add(row, step);
-                bearings.add(row, step);
-                figures.iter_mut().for_each(|figures| figures.add(row, step, explanations.get(k)));
+                gathering.add(row, step, explanations.get(k));
             }
             if let Some(explained) = &mut explained {
                 for ((row, step), explanation) in chunk.iter().zip(&steps).zip(&explanations) {
@@ -242,7 +234,6 @@ impl Replay {
                 }
             }
             explanations.clear();
-            last = steps.pop();
             bar.inc(chunk.len() as u64);
         }
         bar.finish_and_clear();
@@ -252,27 +243,10 @@ impl Replay {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let judged = judge.finish();
-        let marks = self.mark.iter().map(|mark| mark.told(&judged.events)).collect();
-        let judgement = Judgement { legs: legs.finish(), marks, bearings: bearings.finish(), earth, ..judged };
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let recording = name_of(source.path());
-        let mut table = summary(&recording, &name, &judgement);
-        if let Some(last) = last.filter(|_| judgement.answered == 0.0) {
-            table.note(&format!("No row was answered. The last one says: {}.", last.reading.status));
-        }
-        // the summary first: it says what all of it comes to
-        let tables: Vec<Table> = std::iter::once(table).chain(session.iter().map(Summary::table)).collect();
-        self.common.finish(&tables, &judgement, || {
-            let rule =
-                "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
-            let mut report =
-                Report::new(&format!("{recording} replayed"), &format!("{} {rule}", tables[0].lead.join(" ")));
-            figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &recording))?;
-            // the page began with the lead
-            report.table(&Table { lead: Vec::new(), ..tables[0].clone() });
-            tables[1..].iter().for_each(|table| report.table(table));
-            Ok(report)
-        })
+        let session = session.as_ref().map(Summary::table);
+        let outcome = gathering.finish(&name_of(source.path()), &name, earth, session);
+        let (tables, judgement) = (outcome.tables.clone(), outcome.judgement.clone());
+        self.common.finish(&tables, &judgement, || outcome.report())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::input::Input;
 use crate::error::LabError;
-use crate::recording::files_of;
+use crate::recording::{Content, files_of};
 use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
@@ -31,14 +31,14 @@ pub(super) fn is_packed(start: &[u8]) -> bool {
 }
 
 /// The mcap files that `inputs` name, or that lie in a folder of `inputs`; none where there are none.
-pub(super) fn bags(inputs: &[Input]) -> Result<Vec<(PathBuf, File)>, LabError> {
+pub(super) fn bags(inputs: &[Input]) -> Result<Vec<(PathBuf, Content)>, LabError> {
     let mut found = Vec::new();
     for input in inputs {
         if input.is_dir {
             let is_bag = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "mcap");
             for path in files_of(&input.path)?.into_iter().filter(is_bag) {
                 let file = File::open(&path).map_err(LabError::read(&path))?;
-                found.push((path, file));
+                found.push((path, file.into()));
             }
         } else {
             let mut start = Vec::new();

@@ -1,8 +1,9 @@
 //! One input that the user named, and how much of it is taken into memory.
 
 use crate::error::LabError;
+use crate::recording::Content;
 use std::fs::File;
-use std::io::{self, Read, Seek};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Bytes of text of a session and of a pipe, at most: it lies in memory while it is read. At 100 Hz ten sensors' CSV files are four hours.
@@ -11,11 +12,11 @@ pub(super) const MOST_BYTES: u64 = 1 << 30;
 const MOST_TIMES: u64 = 100;
 const SMALL_BYTES: u64 = 64 << 20;
 
-/// A file, a folder, or what a pipe gave, which can be read only once.
+/// A file, a folder, or what can be read only once: what a pipe gave, or memory.
 pub(super) struct Input {
     pub path: PathBuf,
-    /// Content of a pipe.
-    copy: Option<File>,
+    /// Content of a pipe, or of a file that is in memory.
+    copy: Option<Content>,
     pub is_dir: bool,
 }
 
@@ -27,9 +28,19 @@ impl Input {
             None
         } else {
             let pipe = File::open(path).map_err(LabError::read(path))?;
-            Some(copied(pipe).map_err(LabError::read(path))?)
+            Some(copied(pipe).map_err(LabError::read(path))?.into())
         };
         Ok(Self { path: path.to_owned(), copy, is_dir: kind.is_dir() })
+    }
+
+    /// A file of this name, whose content is in memory.
+    pub fn of_bytes(name: &str, bytes: Vec<u8>) -> Self {
+        Self { path: PathBuf::from(name), copy: Some(bytes.into()), is_dir: false }
+    }
+
+    /// Whether its content is in memory.
+    pub fn is_in_memory(&self) -> bool {
+        matches!(self.copy, Some(Content::Memory(_)))
     }
 
     pub fn all(paths: &[PathBuf]) -> Result<Vec<Self>, LabError> {
@@ -37,16 +48,12 @@ impl Input {
     }
 
     /// Its content from the first byte on. The file of an earlier call must not be read any further.
-    pub fn open(&self) -> Result<File, LabError> {
-        let open = || match &self.copy {
-            None => File::open(&self.path),
-            Some(copy) => {
-                let mut copy = copy.try_clone()?;
-                copy.rewind()?;
-                Ok(copy)
-            }
+    pub fn open(&self) -> Result<Content, LabError> {
+        let content = match &self.copy {
+            None => File::open(&self.path).map(Content::from),
+            Some(copy) => copy.again(),
         };
-        open().map_err(LabError::read(&self.path))
+        content.map_err(LabError::read(&self.path))
     }
 }
 

@@ -1,10 +1,10 @@
 //! The records of an mcap file that a bag of ROS 2 needs: schemas, channels, messages (mcap.dev, "MCAP format specification").
 
+use crate::recording::Content;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::rc::Rc;
 
@@ -28,25 +28,25 @@ pub(super) struct Message {
 /// The three kinds of records that it takes are read here: the crate's own reader allocates whatever length a string in a record
 /// states, and reads the summary too, which nothing here needs.
 pub(super) struct Messages<'a> {
-    file: BufReader<&'a File>,
+    content: BufReader<&'a mut Content>,
     records: LinearReader,
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Rc<Channel>>,
 }
 
 impl<'a> Messages<'a> {
-    pub fn new(file: &'a File, most_bytes: u64) -> Self {
+    pub fn new(content: &'a mut Content, most_bytes: u64) -> Self {
         let most_bytes = usize::try_from(most_bytes).unwrap_or(usize::MAX);
         let records =
             LinearReader::new_with_options(LinearReaderOptions::default().with_record_length_limit(most_bytes));
-        Self { file: BufReader::new(file), records, schemas: BTreeMap::new(), channels: BTreeMap::new() }
+        Self { content: BufReader::new(content), records, schemas: BTreeMap::new(), channels: BTreeMap::new() }
     }
 
     pub fn next(&mut self) -> Result<Option<Message>, Box<dyn Error + Send + Sync>> {
         while let Some(event) = self.records.next_event() {
             match event? {
                 LinearReadEvent::ReadRequest(bytes) => {
-                    let count = self.file.read(self.records.insert(bytes))?;
+                    let count = self.content.read(self.records.insert(bytes))?;
                     self.records.notify_read(count);
                 }
                 LinearReadEvent::Record { opcode: op::SCHEMA, data } => {

@@ -34,7 +34,7 @@ mod summary;
 mod units;
 
 pub use make::import;
-pub use open::{Opened, open};
+pub use open::{Opened, open, open_bytes};
 pub use options::ImportOptions;
 pub use plain::ColumnNames;
 pub use session::Sensor;

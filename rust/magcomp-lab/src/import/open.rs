@@ -11,7 +11,7 @@ use super::sheet::Sheet;
 use super::summary::Summary;
 use crate::error::LabError;
 use crate::place::Day;
-use crate::recording::{Source, unzipped};
+use crate::recording::{Content, Source, unzipped};
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -39,8 +39,20 @@ pub struct Opened {
 /// # Errors
 /// Those of [`crate::import::import`] and of [`Source::of`].
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabError> {
-    let found = Input::all(inputs)?;
-    if let [input] = &found[..]
+    open_found(&Input::all(inputs)?, options)
+}
+
+/// As [`open`], of files that are in memory: name and content of each. Nothing is written anywhere.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn open_bytes(files: Vec<(String, Vec<u8>)>, options: &ImportOptions) -> Result<Opened, LabError> {
+    let found: Vec<Input> = files.into_iter().map(|(name, bytes)| Input::of_bytes(&name, bytes)).collect();
+    open_found(&found, options)
+}
+
+fn open_found(found: &[Input], options: &ImportOptions) -> Result<Opened, LabError> {
+    if let [input] = found
         && !is_session(input, options)?
     {
         let mut source = Source::of(&input.path, input.open()?)?;
@@ -48,14 +60,21 @@ pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, LabEr
         let day = Day::of_unix_ns(source.extent().start_ns);
         return Ok(Opened { source, session: None, warnings, day });
     }
-    let file = tempfile::tempfile().map_err(LabError::write(Path::new("a temporary file")))?;
     let failed = || LabError::write(Path::new("a temporary file"));
-    let copy = file.try_clone().map_err(failed())?;
-    let mut out = BufWriter::new(file);
-    let summary = import_found(&found, options, |write| write(&mut out).map_err(failed()))?;
-    out.flush().map_err(failed())?;
+    let (summary, content) = if found.iter().all(Input::is_in_memory) {
+        let mut out = Vec::new();
+        let summary = import_found(found, options, |write| write(&mut out).map_err(failed()))?;
+        (summary, Content::from(out))
+    } else {
+        let file = tempfile::tempfile().map_err(failed())?;
+        let copy = file.try_clone().map_err(failed())?;
+        let mut out = BufWriter::new(file);
+        let summary = import_found(found, options, |write| write(&mut out).map_err(failed()))?;
+        out.flush().map_err(failed())?;
+        (summary, Content::from(copy))
+    };
     let (warnings, day) = (summary.warnings.clone(), summary.day);
-    Ok(Opened { source: Source::of(&inputs[0], copy)?, session: Some(summary), warnings, day })
+    Ok(Opened { source: Source::of(&found[0].path, content)?, session: Some(summary), warnings, day })
 }
 
 /// The first rows of a recording, to look at its units; none of a recording that is too short to tell.

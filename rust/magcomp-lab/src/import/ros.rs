@@ -7,10 +7,10 @@ use super::mcap_records::Messages;
 use super::session::Session;
 use super::units::Units;
 use crate::error::{LabError, Place};
+use crate::recording::Content;
 use crate::time::MOST_NS;
 use magcomp::nalgebra::Vector3;
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 
@@ -24,15 +24,19 @@ const VECTOR: usize = 3 + 9;
 /// Reads bags as one session; of `topics` alone where some are named.
 ///
 /// A bag that is cut off, as one of a robot that was switched off, or damaged gives what is before that place, with a warning.
-pub(super) fn read_bags(bags: Vec<(PathBuf, File)>, topics: &[String], units: &Units) -> Result<Session, LabError> {
+pub(super) fn read_bags(
+    mut bags: Vec<(PathBuf, Content)>,
+    topics: &[String],
+    units: &Units,
+) -> Result<Session, LabError> {
     let first = bags[0].0.clone();
     let mut bag = Bag::default();
     let field = units.field.unwrap_or(MICROTESLA);
     let (rate, acceleration) = (units.rate.unwrap_or(1.0), units.acceleration.unwrap_or(1.0));
-    for (path, file) in &bags {
+    for (path, content) in &mut bags {
         // a length beyond the file's end is damage; records in packed chunks may be longer than a small file
-        let most_bytes = file.metadata().map_err(LabError::read(path))?.len().max(UNPACKED_BYTES);
-        let mut messages = Messages::new(file, most_bytes);
+        let most_bytes = content.bytes().map_err(LabError::read(path))?.max(UNPACKED_BYTES);
+        let mut messages = Messages::new(content, most_bytes);
         for number in 1.. {
             let next = guarded(AssertUnwindSafe(|| messages.next())).unwrap_or_else(|damaged| Err(damaged.into()));
             let message = match next {

@@ -3,10 +3,14 @@
 use super::session::Session;
 use super::units::Units;
 use crate::error::LabError;
-use std::fs::File;
+use crate::recording::Content;
 use std::path::PathBuf;
 
 /// Refuses bags, of which there is one at least.
-pub(super) fn read_bags(bags: Vec<(PathBuf, File)>, _topics: &[String], _units: &Units) -> Result<Session, LabError> {
+pub(super) fn read_bags(
+    bags: Vec<(PathBuf, Content)>,
+    _topics: &[String],
+    _units: &Units,
+) -> Result<Session, LabError> {
     Err(LabError::Feature { path: bags[0].0.clone(), form: "a bag of ROS 2 (mcap)", feature: "mcap" })
 }

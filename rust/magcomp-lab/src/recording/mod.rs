@@ -7,6 +7,7 @@
 mod atomic;
 mod beside;
 mod columns;
+mod content;
 mod read;
 mod rows;
 mod source;
@@ -14,6 +15,7 @@ mod write;
 
 pub use atomic::{AtomicFile, remove_unfinished_on_signals, write_atomically};
 pub use beside::{files_of, read_table};
+pub use content::Content;
 pub use read::Rows;
 pub use rows::{Course, Extent, Inertial, Recording, Row, name_of};
 pub(crate) use source::GZIP;

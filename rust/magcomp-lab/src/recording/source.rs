@@ -1,32 +1,33 @@
-//! A recording on disk, checked once, read as often as it is wanted.
+//! A recording on disk or in memory, checked once, read as often as it is wanted.
 
+use super::content::Content;
 use super::read::Rows;
 use super::rows::{Extent, Recording};
 use crate::error::LabError;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a gzip file.
 pub(crate) const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// A recording on disk, gzipped or not. It was read once, so every row is known to be good; its rows are not in memory.
+/// A recording, gzipped or not. It was read once, so every row is known to be good; its rows are not in memory.
 #[derive(Debug)]
 pub struct Source {
     path: PathBuf,
-    file: File,
+    content: Content,
     extent: Extent,
 }
 
 impl Source {
-    /// The recording in `file`, under the name it came from. Every row is checked.
+    /// The recording in `content`, under the name it came from. Every row is checked.
     ///
     /// # Errors
     /// [`LabError::Recording`] for a file of another form, [`LabError::Empty`] for one without rows, [`LabError::Read`] when
     /// it cannot be read.
-    pub fn of(path: &Path, file: File) -> Result<Self, LabError> {
-        let mut source = Self { path: path.to_owned(), file, extent: Extent::default() };
+    pub fn of(path: &Path, content: Content) -> Result<Self, LabError> {
+        let mut source = Self { path: path.to_owned(), content, extent: Extent::default() };
         for row in source.rows()? {
             source.extent.add(&row?);
         }
@@ -53,9 +54,8 @@ impl Source {
     /// # Errors
     /// As of [`Source::of`].
     pub fn rows(&mut self) -> Result<Rows, LabError> {
-        self.file.rewind().map_err(LabError::read(&self.path))?;
-        let file = self.file.try_clone().map_err(LabError::read(&self.path))?;
-        Rows::new(&self.path, unzipped(file).map_err(LabError::read(&self.path))?)
+        let content = self.content.again().and_then(unzipped).map_err(LabError::read(&self.path))?;
+        Rows::new(&self.path, content)
     }
 }
 

@@ -6,18 +6,25 @@ use magcomp::Compensator;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Writes the calibration in force to `path`: an object with `soft_iron` (the nine elements of M), `hard_iron_ut` (b) and
-/// `field_strength_ut` as `Calibration` reads and writes them. Beside them stand `covariance` (nine rows in the order of
-/// `covariance_order`; null where it is not known), `format`, `time_s` and `recording`, which `Calibration` passes over.
+/// Writes the calibration in force to `path`, as [`calibration_json`].
 ///
 /// # Errors
 /// [`LabError::Experiment`] when there is no calibration; [`LabError::Write`].
 pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str, time_s: f64) -> Result<(), LabError> {
-    let calibration = compensator.calibration().ok_or_else(|| {
+    let text = calibration_json(compensator, recording, time_s).ok_or_else(|| {
         LabError::Experiment(
             "--calibration: no calibration was found, so none was written; turn the device about more axes".to_owned(),
         )
     })?;
+    write_atomically(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// The calibration in force, none where there is none: an object with `soft_iron` (the nine elements of M), `hard_iron_ut` (b) and
+/// `field_strength_ut` as `Calibration` reads and writes them. Beside them stand `covariance` (nine rows in the order of
+/// `covariance_order`; null where it is not known), `format`, `time_s` and `recording`, which `Calibration` passes over.
+#[must_use]
+pub fn calibration_json(compensator: &Compensator, recording: &str, time_s: f64) -> Option<String> {
+    let calibration = compensator.calibration()?;
     let parts = serde_json::to_value(calibration).expect("a calibration is JSON");
     let mut object = Map::new();
     object.insert("format".to_owned(), json!("magcomp calibration 1"));
@@ -35,8 +42,5 @@ pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str
         "covariance_order".to_owned(),
         json!(["b_x", "b_y", "b_z", "m_xx", "m_yy", "m_zz", "m_xy", "m_xz", "m_yz"]),
     );
-    write_atomically(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, &object)?;
-        writeln!(out)
-    })
+    Some(serde_json::to_string_pretty(&object).expect("numbers under names") + "\n")
 }

@@ -25,7 +25,7 @@ impl Output {
     /// [`LabError::Write`]; a file that was at `path` before is untouched then.
     pub fn create(path: &Path, true_heading: bool) -> Result<Self, LabError> {
         let mut file = AtomicFile::create(path)?;
-        file.write(|out| writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" }))?;
+        file.write(|out| write_header(out, true_heading))?;
         Ok(Self { file, true_heading })
     }
 
@@ -34,14 +34,7 @@ impl Output {
     /// # Errors
     /// As of [`Output::create`].
     pub fn add(&mut self, row: &Row, step: &Step) -> Result<(), LabError> {
-        self.file.write(|out| {
-            write!(out, "{}", row.time_s)?;
-            line(out, step)?;
-            if self.true_heading {
-                cell(out, step.reading.heading.and_then(|heading| heading.true_heading_deg), 4)?;
-            }
-            writeln!(out)
-        })
+        self.file.write(|out| write_row(out, row, step, self.true_heading))
     }
 
     /// Moves it into place.
@@ -51,6 +44,27 @@ impl Output {
     pub fn finish(self) -> Result<(), LabError> {
         self.file.finish()
     }
+}
+
+/// The names of the columns, as a line.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_header(out: &mut dyn Write, true_heading: bool) -> io::Result<()> {
+    writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" })
+}
+
+/// The line of a row and the compensator's step for it.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_row(out: &mut dyn Write, row: &Row, step: &Step, true_heading: bool) -> io::Result<()> {
+    write!(out, "{}", row.time_s)?;
+    line(out, step)?;
+    if true_heading {
+        cell(out, step.reading.heading.and_then(|heading| heading.true_heading_deg), 4)?;
+    }
+    writeln!(out)
 }
 
 fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {

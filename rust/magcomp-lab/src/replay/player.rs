@@ -26,7 +26,7 @@ pub struct Step {
     pub calibration: Option<Calibration>,
     /// Its standard deviations in the order of `Compensator::covariance`: b (uT), M_xx M_yy M_zz M_xy M_xz M_yz.
     pub sigma: Option<[f64; 9]>,
-    /// Time spent in `push`, nanoseconds.
+    /// Time spent in `push`, nanoseconds; 0 where there is no clock, in a browser.
     pub push_ns: u64,
 }
 
@@ -79,9 +79,9 @@ impl Player {
             }
         }
         let (compensator, time_ns) = (&mut self.compensator, row.time_ns);
-        let started = Instant::now();
+        let started = (!cfg!(target_family = "wasm")).then(Instant::now);
         let reading = compensator.push(MagneticSample { time_ns, field_ut: row.field_ut });
-        let push_ns = started.elapsed().as_nanos() as u64;
+        let push_ns = started.map_or(0, |started| started.elapsed().as_nanos() as u64);
         let sigma =
             compensator.covariance().map(|covariance| std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()));
         Step { reading, calibration: compensator.calibration(), sigma, push_ns }

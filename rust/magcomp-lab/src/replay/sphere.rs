@@ -128,7 +128,7 @@ impl Sphere {
 
     /// The interactive page; `recording` is the recording's name.
     pub(super) fn page(&self, recording: &str) -> String {
-        PAGE.replace(DATA, &self.data(recording).replace("</", "<\\/"))
+        PAGE.replace(DATA, &self.data(recording).replace('<', "\\u003c"))
     }
 
     fn data(&self, recording: &str) -> String {

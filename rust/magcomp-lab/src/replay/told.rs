@@ -114,6 +114,12 @@ impl Bearings {
         Self { start_s, all: bearings.iter().map(|bearing| (*bearing, [0.0; 3])).collect() }
     }
 
+    /// The same with these.
+    #[must_use]
+    pub fn with(self, bearings: &[Bearing]) -> Self {
+        Self::new(bearings, self.start_s)
+    }
+
     /// The next row and the compensator's step for it.
     pub fn add(&mut self, row: &Row, step: &Step) {
         let after_s = row.time_s - self.start_s;

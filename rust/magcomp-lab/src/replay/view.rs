@@ -111,6 +111,9 @@ fn add_rest(lines: &mut Lines, judgement: &Judgement) {
     for (status, count) in &judgement.status {
         lines.add_ours(&format!("status {status}, rows"), count.to_string());
     }
+    if judgement.max_push_ns == 0 {
+        return; // there was no clock
+    }
     lines.add_ours("push, mean ns", number(Some(judgement.mean_push_ns), 0));
     lines.add_ours("push, 99.9 % below ns", judgement.p999_push_ns.to_string());
     lines.add_ours("push, longest ns", judgement.max_push_ns.to_string());

@@ -1,0 +1,98 @@
+//! What a replay comes to, for whoever plays it: the command, the page in a browser.
+
+use super::figures::Figures;
+use super::judge::Judge;
+use super::judgement::Judgement;
+use super::legs::{Legs, Waypoint};
+use super::player::Step;
+use super::told::{Bearing, Bearings, Mark};
+use super::view::table;
+use crate::error::LabError;
+use crate::place::EarthField;
+use crate::recording::{Extent, Row};
+use crate::report::Report;
+use crate::table::Table;
+use magcomp::{Explanation, ReferenceAxis, Status};
+use std::ops::Range;
+
+/// Judgement and pictures of a replay in the making.
+pub struct Gathering {
+    judge: Judge,
+    legs: Legs,
+    marks: Vec<Mark>,
+    bearings: Bearings,
+    figures: Option<Figures>,
+    last: Option<Status>,
+}
+
+impl Gathering {
+    /// Before the first row; `part` and `axis` are those of [`Judge::new`].
+    #[must_use]
+    pub fn new(extent: &Extent, part: Range<f64>, axis: ReferenceAxis, waypoints: &[Waypoint], is_drawn: bool) -> Self {
+        let judge = Judge::new(extent, part, axis);
+        let figures = is_drawn.then(|| Figures::new(extent));
+        let bearings = Bearings::new(&[], extent.start_s);
+        Self { judge, legs: Legs::new(waypoints), marks: Vec::new(), bearings, figures, last: None }
+    }
+
+    /// The same with what a tester noted.
+    #[must_use]
+    pub fn noted(self, marks: &[Mark], bearings: &[Bearing]) -> Self {
+        let figures = self.figures.map(|figures| figures.with(marks));
+        Self { marks: marks.to_vec(), bearings: self.bearings.with(bearings), figures, ..self }
+    }
+
+    /// The next row and the compensator's step for it; the explanation is drawn.
+    pub fn add(&mut self, row: &Row, step: &Step, explanation: Option<&Explanation>) {
+        self.judge.add(row, step);
+        self.legs.add(row, step);
+        self.bearings.add(row, step);
+        self.figures.iter_mut().for_each(|figures| figures.add(row, step, explanation));
+        self.last = Some(step.reading.status);
+    }
+
+    /// After the last row, under the recording's and the method's names. `session` is the content of the logger's session that
+    /// the recording was made from.
+    #[must_use]
+    pub fn finish(self, recording: &str, method: &str, earth: Option<EarthField>, session: Option<Table>) -> Outcome {
+        let judged = self.judge.finish();
+        let marks = self.marks.iter().map(|mark| mark.told(&judged.events)).collect();
+        let judgement =
+            Judgement { legs: self.legs.finish(), marks, bearings: self.bearings.finish(), earth, ..judged };
+        let mut summary = table(recording, method, &judgement);
+        if let Some(last) = self.last.filter(|_| judgement.answered == 0.0) {
+            summary.note(&format!("No row was answered. The last one says: {last}."));
+        }
+        // the summary first: it says what all of it comes to
+        let tables = std::iter::once(summary).chain(session).collect();
+        Outcome { judgement, tables, recording: recording.to_owned(), figures: self.figures }
+    }
+}
+
+/// What a replay came to.
+pub struct Outcome {
+    /// In numbers.
+    pub judgement: Judgement,
+    /// In tables: the summary, and the session's content where there was one.
+    pub tables: Vec<Table>,
+    recording: String,
+    figures: Option<Figures>,
+}
+
+impl Outcome {
+    /// As a page, with the pictures where they were drawn.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn report(self) -> Result<Report, LabError> {
+        let rule =
+            "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
+        let lead = self.tables[0].lead.join(" ");
+        let mut report = Report::new(&format!("{} replayed", self.recording), &format!("{lead} {rule}"));
+        self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
+        // the page began with the lead
+        report.table(&Table { lead: Vec::new(), ..self.tables[0].clone() });
+        self.tables[1..].iter().for_each(|table| report.table(table));
+        Ok(report)
+    }
+}

@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+"""Makes one file of the page: `web/assemble.py MODULE.wasm PAGE.html`. What may run is named by its hash in the page's policy."""
+
+import base64
+import gzip
+import hashlib
+import pathlib
+import re
+import sys
+
+here = pathlib.Path(__file__).parent
+lab = here.parent / "rust/magcomp-lab/src"
+module, page = map(pathlib.Path, sys.argv[1:])
+
+
+def hash_of(script):
+    return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"
+
+
+parts = {name: (here / "page" / name).read_text() for name in ("page.css", "page.js", "worker.js")}
+parts["report.css"] = (lab / "report.css").read_text()
+parts["wasm"] = base64.b64encode(gzip.compress(module.read_bytes(), 9, mtime=0)).decode()
+# the report shows the sphere, whose script is the same for every recording
+[sphere] = re.findall(r"<script>(.*?)</script>", (lab / "replay/sphere.html").read_text(), re.DOTALL)
+parts["policy"] = "; ".join(
+    [
+        "default-src 'none'",
+        f"script-src 'wasm-unsafe-eval' {hash_of(parts['page.js'])} {hash_of(sphere)}",
+        "worker-src blob:",
+        "style-src 'unsafe-inline'",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]
+)
+html = (here / "page/page.html").read_text()
+page.parent.mkdir(parents=True, exist_ok=True)
+page.write_text(re.sub(r"\{\{([a-z.]+)\}\}", lambda found: parts[found[1]], html))
+whole = len(gzip.compress(page.read_bytes(), 9))
+print(f"{page}: {page.stat().st_size} bytes, {whole} gzipped; the module {module.stat().st_size}, {len(gzip.compress(module.read_bytes(), 9))} gzipped")

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Builds the page: one file, web/dist/magcomp.html, or the file that is named. `web/build.sh [PAGE.html]`.
+# Where cargo's Rust has the target wasm32-unknown-unknown (`rustup target add wasm32-unknown-unknown`), that builds it. Else Debian's Rust
+# builds the target's standard library from its source; as root that is installed (tests/need.sh).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. tests/need.sh
+page=$(realpath -m "${1:-web/dist/magcomp.html}")
+need web "${rust_tools[@]}" python3:python3
+triple=wasm32-unknown-unknown
+build=(--quiet --locked --release --manifest-path web/Cargo.toml --target $triple)
+CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")/web
+export CARGO_TARGET_DIR
+if libraries=$(rustc --print target-libdir --target $triple 2>/dev/null) && [ -d "$libraries" ]; then
+    cargo build "${build[@]}"
+else
+    need_llvm web wasm-ld:lld
+    # a folder of its own, since the compiler differs
+    CARGO_TARGET_DIR+=-debian
+    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld$llvm
+    unset RUSTUP_TOOLCHAIN RUSTFLAGS
+    cargo build "${build[@]}" -Zbuild-std=std,panic_abort
+fi
+web/assemble.py "$CARGO_TARGET_DIR/$triple/release/magcomp_web.wasm" "$page"

@@ -1,0 +1,140 @@
+//! One replay, a chunk of rows at a time, so that the page can show how far it is.
+
+use magcomp::{Config, HeadingConfig, ReferenceAxis};
+use magcomp_lab::error::LabError;
+use magcomp_lab::import::{ImportOptions, Opened, open_bytes};
+use magcomp_lab::place::{Day, EarthField, GeoPoint, earth_field};
+use magcomp_lab::recording::{Rows, Source, name_of};
+use magcomp_lab::replay::{Gathering, Ignore, Player, calibration_json, usual_part, write_header, write_row};
+use magcomp_lab::report::quoted;
+use magcomp_lab::table::Table;
+use serde::{Deserialize, Serialize};
+
+/// Rows of a chunk: some tens of milliseconds.
+const CHUNK: usize = 4096;
+
+/// What the page asks for; empty: not said.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// top, camera or auto.
+    axis: String,
+    /// LAT,LON[,HEIGHT_M].
+    place: String,
+    /// YYYY-MM-DD.
+    date: String,
+}
+
+/// What was opened.
+#[derive(Serialize)]
+struct Told<'a> {
+    rows: usize,
+    duration_s: f64,
+    warnings: &'a [String],
+}
+
+/// A replay under way.
+pub struct Run {
+    source: Source,
+    rows: Rows,
+    session: Option<Table>,
+    warnings: Vec<String>,
+    earth: Option<EarthField>,
+    player: Player,
+    gathering: Gathering,
+    /// As one types it.
+    command: String,
+    has_begun: bool,
+}
+
+fn words(error: LabError) -> String {
+    error.to_string()
+}
+
+impl Run {
+    /// Opens a recording or a session: names and contents.
+    pub fn open(files: Vec<(String, Vec<u8>)>, settings: Settings) -> Result<Self, String> {
+        let mut command: Vec<String> = std::iter::once("replay".to_owned()).collect();
+        command.extend(files.iter().map(|(name, _)| name.clone()));
+        let axis = match settings.axis.as_str() {
+            "top" => ReferenceAxis::TopEdge,
+            "camera" => ReferenceAxis::Camera,
+            "auto" => ReferenceAxis::Auto,
+            other => return Err(format!("axis is {other:?}; it must be top, camera or auto")),
+        };
+        for (name, value, usual) in
+            [("--axis", &settings.axis, "top"), ("--place", &settings.place, ""), ("--date", &settings.date, "")]
+        {
+            if value != usual {
+                command.extend([name.to_owned(), value.clone()]);
+            }
+        }
+        command.extend(["--report".to_owned(), "magcomp-report".to_owned()]);
+        let place: Option<GeoPoint> = (!settings.place.is_empty())
+            .then(|| settings.place.parse())
+            .transpose()
+            .map_err(|why| format!("place: {why}"))?;
+        let date: Option<Day> = (!settings.date.is_empty())
+            .then(|| settings.date.parse())
+            .transpose()
+            .map_err(|why| format!("date: {why}"))?;
+
+        let Opened { mut source, session, warnings, day } =
+            open_bytes(files, &ImportOptions::default()).map_err(words)?;
+        let earth = match (place, date.or(day)) {
+            (Some(place), Some(day)) => Some(earth_field(place, day).map_err(words)?),
+            (Some(_), None) => {
+                return Err("the recording's times do not say the date that the place needs; give the date".to_owned());
+            }
+            (None, _) => None,
+        };
+        let declination_deg = earth.map(|earth| earth.declination_deg);
+        let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
+        let config = Config { heading, ..Config::default() };
+        let player = Player::new(&config, Ignore::default()).map_err(words)?;
+        let extent = *source.extent();
+        let gathering = Gathering::new(&extent, usual_part(&extent), axis, &[], true);
+        let rows = source.rows().map_err(words)?;
+        let session = session.as_ref().map(|session| session.table());
+        let command = quoted(command.into_iter());
+        Ok(Self { source, rows, session, warnings, earth, player, gathering, command, has_begun: false })
+    }
+
+    /// What was opened, as JSON.
+    pub fn opened(&self) -> Vec<u8> {
+        let extent = self.source.extent();
+        let told = Told { rows: extent.rows, duration_s: extent.duration_s(), warnings: &self.warnings };
+        serde_json::to_vec(&told).expect("numbers and texts")
+    }
+
+    /// Plays the next rows: how many, and their lines of CSV.
+    pub fn play(&mut self) -> Result<(i32, Vec<u8>), String> {
+        let (mut lines, mut played) = (Vec::new(), 0);
+        let has_true_heading = self.earth.is_some();
+        let unwritten = |error: std::io::Error| error.to_string();
+        if !std::mem::replace(&mut self.has_begun, true) {
+            write_header(&mut lines, has_true_heading).map_err(unwritten)?;
+        }
+        for row in self.rows.by_ref().take(CHUNK) {
+            let row = row.map_err(words)?;
+            let step = self.player.play(&row);
+            let explanation = self.player.compensator().explain();
+            write_row(&mut lines, &row, &step, has_true_heading).map_err(unwritten)?;
+            self.gathering.add(&row, &step, Some(&explanation));
+            played += 1;
+        }
+        Ok((played, lines))
+    }
+
+    /// The calibration in force, as JSON; empty where there is none.
+    pub fn calibration(&self) -> String {
+        let end_s = self.source.extent().end_s;
+        calibration_json(self.player.compensator(), &name_of(self.source.path()), end_s).unwrap_or_default()
+    }
+
+    /// The report as one page.
+    pub fn report(self) -> Result<String, String> {
+        let outcome = self.gathering.finish(&name_of(self.source.path()), "auto", self.earth, self.session);
+        Ok(outcome.report().map_err(words)?.alone(&self.command))
+    }
+}
