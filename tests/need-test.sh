@@ -117,8 +117,8 @@ stand_in swift 'echo "Apple Swift version 6.1.2"'
 swift env PATH="$work/bin" && grep -q 'on PATH: yes' "$work/out" || fail "does not see Swift 6"
 
 # every tool of a package that is not always there is asked for by the script that calls it
-tools='[a-z0-9.]+(-[a-z]+)*-19|readelf|nm|ar|unzip|zip|git|python3|mvn|javac|valgrind|debootstrap|cmake|pkg-config'
-for script in tests/*.sh bindings/*.sh ios/*.sh; do
+tools='[a-z0-9.]+(-[a-z]+)*-19|readelf|nm|ar|unzip|zip|git|python3|mvn|javac|valgrind|debootstrap|cmake|pkg-config|chromium'
+for script in tests/*.sh bindings/*.sh ios/*.sh web/*.sh; do
     case "$script" in tests/need*.sh) continue ;; esac
     called=$(sed -E 's/^ *#.*//; s/(^| )need .*//' "$script" | grep -oE "(^|[ ({])($tools) " | tr -d ' ({' | sort -u || true)
     for tool in $called; do
@@ -148,7 +148,7 @@ mkdir -p "$root"/{usr/{bin,sbin,lib,lib64},tmp,dev,project,given}
 for folder in bin sbin lib lib64; do ln -s "usr/$folder" "$root/$folder"; done
 touch "$root/dev/null"
 copy true bash sh env dirname basename realpath id sed grep tr mkdir rm rmdir mktemp cat sort tail uname chroot mount unshare
-cp -r --parents tests/*.sh bindings/*.sh ios/*.sh "$root/project/"
+cp -r --parents tests/*.sh bindings/*.sh ios/*.sh web/*.sh "$root/project/"
 ln -sf /bin/true "$root/project/tests/need-test.sh" # not this script in itself
 within() { # COMMAND...: in that root
     chroot "$root" env -i HOME=/root PATH=/given:/usr/bin:/usr/sbin "$@" >"$work/out" 2>&1
@@ -190,7 +190,7 @@ asked() { # the pairs that the last run named as missing
 }
 tried=0
 for call in 'tests/run.sh rust' bindings/generate.sh tests/kotlin.sh tests/swift.sh tests/c.sh tests/mobile.sh tests/aar.sh tests/xcframework.sh \
-    ios/build-xcframework.sh 'ios/build-xcframework.sh --pack URL' tests/instructions.sh; do
+    ios/build-xcframework.sh 'ios/build-xcframework.sh --pack URL' tests/instructions.sh web/build.sh; do
     rm -rf "$root"/{given,usr/include,usr/share,usr/lib/{rustlib,jvm,any}} "$root"/usr/bin/{cargo,rustc}
     give unshare # mounts are not what is tried here
     pairs=()

@@ -4,7 +4,7 @@
 # architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all with the argument `all`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust bindings kotlin swift python c mobile aar xcframework)
+parts=(rust bindings kotlin swift python c web mobile aar xcframework)
 
 rust() {
     tests/need-test.sh
@@ -31,6 +31,7 @@ kotlin() { tests/kotlin.sh; }
 swift() { tests/swift.sh; }
 python() { tests/python.sh; }
 c() { tests/c.sh; }
+web() { tests/web.sh; }
 mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }
 xcframework() { tests/xcframework.sh; }

@@ -21,7 +21,7 @@ mapfile -t found < <(sed -n 's:.*<artifactId>magcomp-host</artifactId><version>\
 differs $outsider "${found[@]}"
 mapfile -t found < <(grep -oE 'magcomp[:-][0-9]+\.[0-9]+\.[0-9]+' android/README.md | sed 's/.*[:-]//')
 differs android/README.md "${found[@]}"
-for manifest in python/Cargo.toml c/Cargo.toml; do
+for manifest in python/Cargo.toml c/Cargo.toml web/Cargo.toml; do
     mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' $manifest)
     differs $manifest "${found[@]}"
 done

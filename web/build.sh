@@ -6,12 +6,13 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
 page=$(realpath -m "${1:-web/dist/magcomp.html}")
-need web "${rust_tools[@]}" python3:python3
+need web python3:python3
 triple=wasm32-unknown-unknown
 build=(--quiet --locked --release --manifest-path web/Cargo.toml --target $triple)
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")/web
 export CARGO_TARGET_DIR
 if libraries=$(rustc --print target-libdir --target $triple 2>/dev/null) && [ -d "$libraries" ]; then
+    need web "${rust_tools[@]}"
     cargo build "${build[@]}"
 else
     need_llvm web wasm-ld:lld

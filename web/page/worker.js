@@ -62,7 +62,8 @@ async function replay({ wasm, files, settings }) {
     played = checked(module.play());
     lines.push(out().slice());
     rows += played;
-    postMessage({ doing: `Replaying: ${rows.toLocaleString("en")} of ${opened.rows.toLocaleString("en")} samples`, share: 0.1 + 0.88 * (rows / opened.rows) });
+    const doing = `Replaying: ${rows.toLocaleString("en")} of ${opened.rows.toLocaleString("en")} samples`;
+    postMessage({ doing, share: 0.1 + 0.88 * (rows / opened.rows) });
   }
   postMessage({ doing: "Drawing", share: 0.99 });
   checked(module.calibration());
@@ -74,7 +75,8 @@ async function replay({ wasm, files, settings }) {
 onmessage = ({ data }) => replay(data).catch((error) => {
   if (error instanceof Refused) return postMessage({ refused: error.message });
   let why = "The reader stopped within these files: they are damaged, or need more memory than a page has. The command magcomp tells which.";
-  if (module !== null && module.panicked_bytes() > 0) why = `This is a fault of magcomp, please report it: ${textOf(view(module.panicked(), module.panicked_bytes()))}`;
-  else if (!(error instanceof WebAssembly.RuntimeError)) why = `This browser cannot run the replay: ${error.message}`;
+  if (module !== null && module.panicked_bytes() > 0) {
+    why = `This is a fault of magcomp, please report it: ${textOf(view(module.panicked(), module.panicked_bytes()))}`;
+  } else if (!(error instanceof WebAssembly.RuntimeError)) why = `This browser cannot run the replay: ${error.message}`;
   postMessage({ refused: why });
 });
