@@ -1,5 +1,5 @@
-"""Headings of a recording with a magnet on the sensor: the orientation filter VQF on raw samples, VQF on samples that magcomp corrected, and
-magcomp's own. Needs `pip install vqf`. Run it as `python compare.py RECORDING.csv.gz`; without one it takes that of the tests.
+"""Headings of a recording with a magnet on the sensor: the orientation filters VQF and Madgwick's (of the package ahrs), each on raw samples
+and on samples that magcomp corrected, and magcomp's own. Needs `pip install vqf ahrs`. Run it as `python compare.py RECORDING.csv.gz`; without one it takes that of the tests.
 
 Errors are against the optical reference of the recording, up to the constant angle between both frames, in degrees rms.
 """
@@ -9,6 +9,7 @@ import gzip
 import sys
 from pathlib import Path
 
+import ahrs
 import numpy as np
 import vqf
 
@@ -41,15 +42,21 @@ def compare(path):
     reference = heading_deg(rows)
     period_s = np.median(np.diff(session["time_ns"])) * 1e-9
 
-    def filtered(magnetic):
-        # all sensors of this recording share their rows
-        arrays = [np.ascontiguousarray(values) for values in (session["rotation_rate"][1], session["up"][1], magnetic)]
-        return heading_deg(vqf.VQF(period_s).updateBatch(*arrays)["quat9D"])
+    # all sensors of this recording share their rows
+    rate, up = (np.ascontiguousarray(session[name][1]) for name in ("rotation_rate", "up"))
 
-    corrected = np.where(np.isfinite(answers["field_ut"]), answers["field_ut"], 0.0)  # zeros: VQF goes on without
+    def by_vqf(magnetic):
+        return heading_deg(vqf.VQF(period_s).updateBatch(rate, up, np.ascontiguousarray(magnetic))["quat9D"])
+
+    def by_madgwick(magnetic):
+        return heading_deg(ahrs.filters.Madgwick(gyr=rate, acc=up, mag=magnetic, frequency=1 / period_s).Q)
+
+    have = np.isfinite(answers["field_ut"])
     found = {
-        "VQF, raw": filtered(session["field_ut"]),
-        "VQF, corrected by magcomp": filtered(corrected),
+        "VQF, raw": by_vqf(session["field_ut"]),
+        "VQF, corrected by magcomp": by_vqf(np.where(have, answers["field_ut"], 0.0)),  # zeros: it goes on without
+        "Madgwick, raw": by_madgwick(session["field_ut"]),
+        "Madgwick, corrected by magcomp": by_madgwick(np.where(have, answers["field_ut"], session["field_ut"])),
         "magcomp": answers["heading_deg"],
     }
     # where magcomp has an answer
@@ -59,4 +66,4 @@ def compare(path):
 
 if __name__ == "__main__":
     for name, (error, count) in compare(Path(sys.argv[1]) if sys.argv[1:] else RECORDING).items():
-        print(f"{name:26} {error:6.2f} deg rms, {count} headings")
+        print(f"{name:30} {error:6.2f} deg rms, {count} headings")

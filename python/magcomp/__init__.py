@@ -20,6 +20,7 @@ Axes are the phone's: x right, y up along the screen, z out of the screen. Field
 as an accelerometer reads it at rest (up, not down), times in whole nanoseconds of one clock.
 """
 
+from ._frames import from_frame, to_frame
 from ._magcomp import (
     Calibration,
     CalibrationError,
@@ -55,5 +56,7 @@ __all__ = [
     "__version__",
     "earth_field",
     "fit_ellipsoid",
+    "from_frame",
     "read_session",
+    "to_frame",
 ]
