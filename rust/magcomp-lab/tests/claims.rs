@@ -209,14 +209,13 @@ fn magcomp(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-/// The median of a few runs agrees with that of all, and the worst of a few is no worse than the worst of all, which they are among.
-fn agree(what: &str, few: (f64, f64), all: (f64, f64), least: f64) {
-    let near = few.0 == all.0 || (few.0 <= 2.0 * all.0 + least && all.0 <= 2.0 * few.0 + least);
-    assert!(near, "{what}: README says {}, three runs have {}", all.0, few.0);
-    assert!(few.1 <= all.1 + 0.06, "{what}: README says {} at the worst, three runs have {}", all.1, few.1);
+/// The median of a few runs agrees with that of more.
+fn agree(what: &str, few: f64, all: f64, least: f64) {
+    let near = few == all || (few <= 2.0 * all + least && all <= 2.0 * few + least);
+    assert!(near, "{what}: README says {all}, three runs have {few}");
 }
 
-/// README's table of situations has the figures of docs/EVALUATION.md, and three of its ten runs agree with them.
+/// README's table of situations has the figures of docs/EVALUATION.md, which are of seeds that judge; the medians of three others agree.
 #[test]
 fn the_readmes_situations_are_those_of_the_command() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/EVALUATION.md");
@@ -237,9 +236,9 @@ fn the_readmes_situations_are_those_of_the_command() {
             let whole = lines.lines().find(|whole| whole.starts_with(&format!("| {} |", line.about))).expect("a line");
             let whole: Vec<&str> = whole.split('|').map(str::trim).collect();
             assert_eq!(row[1..], [whole[3], whole[4], whole[5], whole[6], whole[8]], "{}", line.name);
-            let few = |runs: Runs| (runs.median.unwrap_or(f64::INFINITY), runs.worst.unwrap_or(f64::INFINITY));
-            agree(&line.name, few(line.line.settled_s), (figure(&row[1]), figure(&row[2])), 1.0);
-            agree(&line.name, few(line.line.heading_deg), (figure(&row[3]), figure(&row[4])), 0.2);
+            let median = |runs: Runs| runs.median.unwrap_or(f64::INFINITY);
+            agree(&line.name, median(line.line.settled_s), figure(&row[1]), 1.0);
+            agree(&line.name, median(line.line.heading_deg), figure(&row[3]), 0.2);
             let [_, two] = line.line.within.expect("headings");
             assert!((100.0 * two - figure(&row[5])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
         }
@@ -257,8 +256,11 @@ fn the_readmes_steps_are_those_of_the_command() {
         for (name, at) in [("windowed, c", 1), ("aided, c", 3)] {
             let answers = result["answers"].as_array().expect("answers");
             let seconds = &answers.iter().find(|answer| answer["name"] == name).expect("the answer")["below_2_deg"];
-            let few = (printed(&seconds["median"]), printed(&seconds["worst"]));
-            agree(&format!("{command}, {name}"), few, (figure(&row[at]), figure(&row[at + 1])), 0.0);
+            let (median, worst) = (printed(&seconds["median"]), printed(&seconds["worst"]));
+            agree(&format!("{command}, {name}"), median, figure(&row[at]), 0.0);
+            // the three runs are among README's twenty
+            let most = figure(&row[at + 1]);
+            assert!(worst <= most + 0.06, "{command}: README says {most} at the worst, three runs have {worst}");
         }
     }
     assert_eq!(rows.len(), 2);

@@ -127,7 +127,7 @@ fn the_page_of_situations_has_the_lines_of_the_command() {
         rows.map(|line| line.split(" | ").next().unwrap().to_owned()).collect::<Vec<_>>()
     };
     let expected: Vec<String> = magcomp_lab::catalogue::all().iter().map(|one| format!("| {}", one.about)).collect();
-    let hint = "run `cargo run --release -- evaluate --markdown > docs/EVALUATION.md`";
+    let hint = "run `cargo run --release -- evaluate --judge --markdown > docs/EVALUATION.md`";
     assert_eq!(expected, lines(&page), "{hint}");
     let part = ["evaluate", "--variant", "phone-walk,pause.*", "--seeds", "1"];
     let (code, printed, error) = run(&[&part[..], &["--markdown"]].concat());
