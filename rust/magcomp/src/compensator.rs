@@ -24,7 +24,8 @@ use crate::north::North;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
-use crate::sensing::pairing::{EventRejection, InertialPairing};
+use crate::sensing::axes::Axes;
+use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
 use belief::Belief;
@@ -66,6 +67,7 @@ pub struct Compensator {
     stream: Stream,
     pairing: InertialPairing,
     presence: Presence,
+    axes: Axes,
     tilt: Tilt,
     belief: Belief,
     estimator: Box<Estimator>,
@@ -96,6 +98,7 @@ impl Compensator {
             stream: Stream::default(),
             pairing: InertialPairing::default(),
             presence: Presence::default(),
+            axes: Axes::default(),
             tilt: Tilt::default(),
             belief: Belief::default(),
             estimator: Box::new(estimator(&config, tunings)),
@@ -115,6 +118,7 @@ impl Compensator {
         self.stream = Stream::default();
         self.pairing = InertialPairing::default();
         self.presence = Presence::default();
+        self.axes = Axes::default();
         self.tilt = Tilt::default();
         self.belief = Belief::default();
         self.estimator.restart();
@@ -172,6 +176,7 @@ impl Compensator {
         let previous_ns = self.stream.accept(sample);
         let mut paired = self.pairing.pair(sample.time_ns);
         self.presence.see(sample.time_ns, previous_ns, paired.rotation.is_some());
+        self.look_at_axes(sample.time_ns, previous_ns, &paired);
         if let Some(up) = paired.up_m_s2 {
             self.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
@@ -210,12 +215,22 @@ impl Compensator {
         others && is_usable
     }
 
+    /// What the turn of a sample says of the gyroscope's axes, beside gravity.
+    fn look_at_axes(&mut self, time_ns: i64, previous_ns: Option<i64>, paired: &PairedInertial) {
+        match (paired.rotation, previous_ns, paired.up_m_s2) {
+            (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
+                self.axes.see(&rotation.increment_rad, (time_ns - previous_ns) as f64 * 1e-9, &up_m_s2);
+            }
+            _ => self.axes.pause(),
+        }
+    }
+
     /// What an answer tells the other parts.
     fn note(&mut self, sample: &MagneticSample, answer: &Answer) {
         self.guidance.see(&sample.field_ut, answer.counted.through.as_ref(), answer.counted.samples);
         if let Some(gyroscope) = self.estimator.gyroscope() {
             self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
-            self.presence.judge(gyroscope.is_useless);
+            self.presence.judge(gyroscope.is_useless || self.axes.is_flipped());
         }
         self.mode = answer.mode;
         self.event = answer.event.or(self.event);

@@ -37,6 +37,17 @@ pub struct PlaceDiffered {
     pub to_s: f64,
 }
 
+/// Something that the compensator declared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Declared {
+    /// The kind of the event.
+    pub kind: String,
+    /// When it began, s after the first row.
+    pub since_s: f64,
+    /// When it was decided, s after the first row.
+    pub decided_s: f64,
+}
+
 /// A device event, and the hard irons before and after it, uT.
 #[derive(Clone, Copy, Debug)]
 struct Change {

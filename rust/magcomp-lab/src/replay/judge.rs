@@ -15,10 +15,10 @@
 //! calibration is right.
 
 use super::absolute::Absolute;
-use super::changes::Changes;
+use super::changes::{Changes, Declared};
 use super::circle::{Circle, FEWEST, off_deg};
 use super::directions::Directions;
-use super::judgement::{Declared, Disturbance, Judgement};
+use super::judgement::{Disturbance, Judgement};
 use super::kinds::Kinds;
 use super::level::Level;
 use super::player::Step;

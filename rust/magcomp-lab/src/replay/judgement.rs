@@ -1,7 +1,7 @@
 //! The figures of one replay.
 
 use super::absolute::AbsoluteHeading;
-use super::changes::{DeviceChange, PlaceDiffered};
+use super::changes::{Declared, DeviceChange, PlaceDiffered};
 use super::circle::HeadingError;
 use super::kinds::Kinds;
 use super::legs::LegJudgement;
@@ -21,17 +21,6 @@ pub struct Disturbance {
     pub precision: Option<f64>,
     /// Share of the rows in which it is that were called disturbed; none when there are none.
     pub recall: Option<f64>,
-}
-
-/// Something that the compensator declared.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Declared {
-    /// The kind of the event.
-    pub kind: String,
-    /// When it began, s after the first row.
-    pub since_s: f64,
-    /// When it was decided, s after the first row.
-    pub decided_s: f64,
 }
 
 /// The figures of one replay.

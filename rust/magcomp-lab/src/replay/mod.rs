@@ -30,13 +30,13 @@ mod vectors;
 mod view;
 
 pub use absolute::AbsoluteHeading;
-pub use changes::{DeviceChange, PlaceDiffered};
+pub use changes::{Declared, DeviceChange, PlaceDiffered};
 pub use circle::HeadingError;
 pub use explain::ExplainOutput;
 pub use export::{calibration_json, write_calibration};
 pub use figures::{Figures, figures};
 pub use judge::{Judge, judge, usual_part};
-pub use judgement::{Declared, Disturbance, Judgement};
+pub use judgement::{Disturbance, Judgement};
 pub use kinds::Kinds;
 pub use legs::{LegJudgement, Legs, Waypoint, read_waypoints};
 pub use offset_view::offset_picture;

@@ -1,7 +1,7 @@
 //! What a tester noted: when something was done to the device, and where it pointed. Each is set beside what the compensator said.
 
+use super::changes::Declared;
 use super::circle::off_deg;
-use super::judgement::Declared;
 use super::player::Step;
 use crate::recording::Row;
 use serde::Serialize;

@@ -1,7 +1,8 @@
 //! Events of the sensors on their way to an estimator: put in the order of their times (`order`), brought together
 //! by time (`pairing`), how far gravity is to be trusted while the device moves (`tilt`), and a camera's turns where
-//! the gyroscope is missing (`stand_in`).
+//! the gyroscope is missing (`stand_in`), and whether the gyroscope turns as gravity does (`axes`).
 
+pub(crate) mod axes;
 pub(crate) mod order;
 pub(crate) mod pairing;
 pub(crate) mod stand_in;
