@@ -5,6 +5,7 @@ import SwiftUI
 struct CompassView: View {
     let model: CompassModel
     let source: CoreMotionSource?
+    @State private var help: CourseHelp?
 
     var body: some View {
         VStack(spacing: 12) {
@@ -14,6 +15,12 @@ struct CompassView: View {
             CompassAdvice(
                 status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
             ProgressView("directions seen", value: model.coverage)
+            Picker("Help by the course", selection: headed) {
+                Text("none").tag(HeadedAxis?.none)
+                Text("in a holder in a car").tag(HeadedAxis?.some(.vehicle))
+                Text("walking, held ahead").tag(HeadedAxis?.some(.heldAhead))
+            }
+            if let aid = model.reading?.headingAid { Text(aid.localizedText).font(.footnote) }
             if let system = model.systemField {
                 Text("iOS: \(microtesla(length(system.fieldUt))), accuracy \(String(describing: system.accuracy))")
                     .font(.footnote)
@@ -24,6 +31,16 @@ struct CompassView: View {
         .padding()
         .background(WindowOrientation { if let rotation = ScreenRotation($0) { model.compass.screenRotation = rotation } })
         .task { await model.run() }
+    }
+
+    private var headed: Binding<HeadedAxis?> {
+        Binding {
+            help?.headed
+        } set: { headed in
+            let helping = help ?? CourseHelp(model.compass)
+            helping.headed = headed
+            help = helping
+        }
     }
 
     private var heading: String {

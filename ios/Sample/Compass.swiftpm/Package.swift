@@ -15,7 +15,10 @@ let package = Package(
             bundleVersion: "1",
             supportedDeviceFamilies: [.phone],
             supportedInterfaceOrientations: [.portrait, .landscapeLeft, .landscapeRight, .portraitUpsideDown],
-            capabilities: [.motion(purposeString: "The compass uses the motion sensors to find north.")]
+            capabilities: [
+                .motion(purposeString: "The compass uses the motion sensors to find north."),
+                .locationWhenInUse(purposeString: "A course helps the compass where magnets disturb it."),
+            ]
         )
     ],
     dependencies: [.package(name: "magcomp", path: "../../..")],

@@ -125,6 +125,12 @@ public final class Compass: Sendable {
     /// Forgets the learned calibration, in the store too; iterations go on with a first calibration.
     public func reset() { estimation.reset() }
 
+    /// The declination that true headings from outside have shown; nil before the first, and while ``declinationDeg`` is set.
+    public func foundDeclination() throws -> FoundDeclination? { try estimation.foundDeclination() }
+
+    /// Tells the estimator what something else knows; false where there is none, or it came too late or too early.
+    func aid(_ push: (Compensator) throws -> Void) throws -> Bool { try estimation.aid(push) }
+
     /// Waits until the store has done all that it was told.
     func settled() async { await estimation.settled() }
 

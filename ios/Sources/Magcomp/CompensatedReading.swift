@@ -14,16 +14,20 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// `MagcompError.keptDamaged` or `MagcompError.keptNewer` for the text that the calibration store gave, until something was
     /// learned and saved; else nil.
     public var storeError: MagcompError?
+    /// What help from outside is worth now (``Compass/aid(_:)-(HeadingSample)``); nil where none came in the last two minutes.
+    public var headingAid: HeadingAid?
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore: Int
 
     /// For previews and tests: an app gets its readings by iterating.
     public init(
         reading: Reading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
-        unseenDirections: [Vector3] = [], storeError: MagcompError? = nil, droppedBefore: Int = 0
+        unseenDirections: [Vector3] = [], storeError: MagcompError? = nil, headingAid: HeadingAid? = nil,
+        droppedBefore: Int = 0
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
         (self.unseenDirections, self.storeError, self.droppedBefore) = (unseenDirections, storeError, droppedBefore)
+        self.headingAid = headingAid
     }
 
     /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`. Core Motion counts its times from the

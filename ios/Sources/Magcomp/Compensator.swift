@@ -62,6 +62,24 @@ public final class Compensator: Sendable {
         return nil
     }
 
+    /// A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s
+    /// late. Headings go by it, the calibration does not.
+    ///
+    /// - Throws: `MagcompError.eventRejected`, which says why it was not taken; nothing has changed then
+    public func pushHeading(_ sample: HeadingSample) throws { try native.pushHeading(sample: sample) }
+
+    /// An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; one whose yaw is known is a
+    /// heading too.
+    ///
+    /// - Throws: `MagcompError.eventRejected`, which says why it was not taken; nothing has changed then
+    public func pushAttitude(_ sample: AttitudeSample) throws { try native.pushAttitude(sample: sample) }
+
+    /// What headings from outside are worth after the latest sample; nil where none came in the last two minutes.
+    public func headingAid() throws -> HeadingAid? { try native.headingAid() }
+
+    /// The declination that true headings from outside have shown; nil before the first, and while a declination is set.
+    public func foundDeclination() throws -> FoundDeclination? { try native.foundDeclination() }
+
     /// From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
     ///
     /// - Throws: `MagcompError.config` when the declination is out of range

@@ -50,6 +50,8 @@ final class Estimation: @unchecked Sendable {
     private var savedNs: Int64?
     private var unseen: [Vector3] = []
     private var lookedNs: Int64?
+    /// Whether anything else was told of where north is: asking what it is worth costs a call.
+    private var isAided = false
     /// Whether the store was told something that no run has waited for.
     private var isTold = false
 
@@ -99,6 +101,22 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
+    /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
+    func aid(_ push: (Compensator) throws -> Void) throws -> Bool {
+        try lock.withLock {
+            guard let compensator else { return false }
+            do {
+                try push(compensator)
+                isAided = true
+                return true
+            } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
+                return false
+            }
+        }
+    }
+
+    func foundDeclination() throws -> FoundDeclination? { try lock.withLock { try compensator?.foundDeclination() } }
+
     /// Saves what the store does not keep already, without waiting: neither for the store nor for a sample that is being worked on.
     func save() {
         queue.async(group: calls) { [self] in lock.withLock { _ = saveChanged() } }
@@ -147,7 +165,7 @@ final class Estimation: @unchecked Sendable {
     private func forget() {
         (currentFrame, latestNs, saved, savedNs, lookedNs) = (nil, nil, nil, nil, nil)
         (unseen, wantsSystems, isInForce) = ([], true, false)
-        (text, storeError, lookedS) = (nil, nil, nil)
+        (text, storeError, lookedS, isAided) = (nil, nil, nil, false)
     }
 
     private func adopt(_ kept: String, _ compensator: Compensator) throws {
@@ -186,7 +204,7 @@ final class Estimation: @unchecked Sendable {
         }
         return CompensatedReading(
             reading: reading, sample: sample, systemField: systemField, unseenDirections: unseen,
-            storeError: storeError)
+            storeError: storeError, headingAid: isAided ? try compensator.headingAid() : nil)
     }
 
     private func see(_ sample: SystemFieldSample) {
