@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Breaks the sources on purpose, one small patch at a time in a copy, and expects the tests to fail. Run by name before a release; no part of
-# tests/run.sh. `tests/mutants.sh kotlin` applies tests/mutants/kotlin/patches.txt; with a WORD (a regular expression) those that have it.
+# tests/run.sh. `tests/mutants.sh kotlin` applies tests/mutants/kotlin/patches.txt, `tests/mutants.sh swift`
+# tests/mutants/swift/patches.txt; with a WORD (a regular expression) those that have it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
 
-kotlin() { # [WORD]
+of_kotlin() { # [WORD]
     need mutants "${rust_tools[@]}" "${java_tools[@]}" '/usr/lib/*/libGL.so.1:libgl1' '/usr/lib/*/libX11.so.6:libx11-6' \
         '/usr/lib/*/libfontconfig.so.1:libfontconfig1' '/usr/lib/jvm/*/lib/libjawt.so:default-jre'
     . tests/native.sh
@@ -38,7 +39,27 @@ kotlin() { # [WORD]
         -cp "$work$compiler:$launcher:$tests" Mutants "$@"
 }
 
+of_swift() { # [WORD]
+    need mutants "${rust_tools[@]}" python3:python3
+    . tests/swift-toolchain.sh
+    . tests/native.sh
+    expected "$target/swift/expected.txt"
+    gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"
+    gzip -dc tests/recordings/broad_01_slow_rotation_A.csv.gz >"$target/swift/slow_rotation.csv"
+    local copy=$target/mutants/swift
+    rm -rf "$copy"
+    mkdir -p "$copy"
+    git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors | xargs -0 cp --parents -t "$copy"
+    export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
+    # the tests run within the toolchain's root: the script that breaks stays outside
+    export -f swift_tool
+    export swift_on_path swift_root target
+    python3 tests/mutants/swift/run.py "$copy" tests/mutants/swift/patches.txt "${1:-.}" -- \
+        bash -euc 'swift_tool swift test --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
+}
+
 case "${1-}" in
-    kotlin) "$@" ;;
-    *) echo "tests/mutants.sh kotlin [WORD]" >&2; exit 2 ;;
+    # not named as the tools that they call
+    kotlin | swift) "of_$1" "${@:2}" ;;
+    *) echo "tests/mutants.sh kotlin|swift [WORD]" >&2; exit 2 ;;
 esac

@@ -21,7 +21,9 @@ fn an_importer_that_was_left_out_names_its_feature() {
             let mut command = Command::cargo_bin("magcomp").unwrap();
             let run = command.arg(verb[0]).arg(sessions.join(name)).arg(verb[1]).arg(&output).output().unwrap();
             let error = String::from_utf8(run.stderr).unwrap();
-            let expected = format!("{name}: this build does not read {form}; build it with cargo's feature {feature}");
+            let expected = format!(
+                "{name}: this build does not read {form}; the command magcomp does, built with cargo's feature {feature}"
+            );
             assert!(error.contains(&expected) && error.lines().count() == 1, "{error}");
             assert_eq!(run.status.code(), Some(1), "{error}");
             assert!(!output.exists(), "{name}");

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Breaks a copy of the Swift package by one patch at a time and expects the tests that the patch names to fail.
+
+`run.py FOLDER PATCHES WORD -- TEST...`: FOLDER is the copy, TEST... the command that builds and tests, which `--filter SUITES` is appended to. A patch that
+does not apply or does not compile is an error of the list, no kill.
+"""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+folder, patches, word = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
+command = sys.argv[sys.argv.index("--") + 1 :]
+
+
+def read(text):
+    """(file, suites, what breaks, what is there, what comes in its place) of each patch."""
+    for part in re.split(r"^@ ", text, flags=re.M)[1:]:
+        head, *lines = part.rstrip().split("\n")
+        named, what = head.split(": ", 1)
+        file, *suites = named.split()
+        sides = {sign: "\n".join(line[2:] for line in lines if line[:1] == sign) for sign in "-+"}
+        yield file, suites, what, sides["-"], sides["+"]
+
+
+def run(suites):
+    """Whether it built, and whether the tests passed."""
+    found = subprocess.run([*command, "--filter", "|".join(suites)], cwd=folder, capture_output=True, text=True, timeout=600)
+    out = found.stdout + found.stderr
+    return "Build complete!" in out, found.returncode == 0, out
+
+
+all_patches = [patch for patch in read(patches.read_text()) if re.search(word, " ".join([patch[0], *patch[1], patch[2]]))]
+built, passed, out = run(sorted({suite for patch in all_patches for suite in patch[1]}))
+if not (built and passed):
+    sys.exit(out[-3000:] + "\nmutants: the tests fail before anything is broken")
+wrong = 0
+for file, suites, what, there, instead in all_patches:
+    path = folder / f"ios/Sources/Magcomp/{file}.swift"
+    whole = path.read_text()
+    if whole.count(there) != 1:
+        print(f"ERROR     {file}: {what}: what is taken out is there {whole.count(there)} times")
+        wrong += 1
+        continue
+    path.write_text(whole.replace(there, instead))
+    try:
+        built, passed, out = run(suites)
+        result = "ERROR" if not built else "SURVIVED" if passed else "killed"
+    except subprocess.TimeoutExpired:
+        result = "killed"  # the tests hang, which a run of all tests would end
+    path.write_text(whole)
+    wrong += result != "killed"
+    print(f"{result:9} {file}: {what}", flush=True)
+    if result == "ERROR":
+        print("\n".join(line for line in out.splitlines() if "error:" in line)[:500])
+print(f"mutants: {len(all_patches) - wrong} of {len(all_patches)} killed")
+sys.exit(wrong > 0)
