@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Packs the AAR with its POM, opens it again and checks every part. Uses the Android libraries of tests/mobile.sh: a structure
-# check, not for shipping. `tests/aar.sh` packs arm64-v8a alone; `tests/aar.sh ABI...` others, `tests/aar.sh all` all four.
+# check, not for shipping. Then stages it (tests/staging.sh). `tests/aar.sh` packs arm64-v8a alone; `tests/aar.sh ABI...` others,
+# `tests/aar.sh all` all four.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -19,3 +20,4 @@ mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel
     -Dlibrary.test.skip=true -Dlibrary.kdoc.skip=true
 echo "aar: $(cd android/aar/target && ls *.aar), for $* alone"
 unzip -l android/aar/target/*.aar
+tests/staging.sh
