@@ -48,11 +48,11 @@ class ReadmeTest {
     fun `what took Android's angles and rotation vectors takes these`(): Unit = runBlocking {
         val compass = Compass(FakeApp(sensors))
         compass.screenRotation = ScreenRotation.DEG90
-        val vector = async { rotationVectors(compass).first { it.last() > 0 } }
+        val last = async { compass.readings().first { it.sample.timeNs == 600 * STEP_NS } }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
-        vector.await()
+        last.await()
         // the latest, as no more comes
         val (v, angles) = Pair(rotationVectors(compass).first(), orientations(compass).first())
         val (matrix, turned, expected) = Triple(FloatArray(9), FloatArray(9), FloatArray(3))
