@@ -40,7 +40,7 @@ of_kotlin() { # [WORD]
 }
 
 of_swift() { # [WORD]
-    need mutants "${rust_tools[@]}" python3:python3
+    need mutants "${rust_tools[@]}" git:git python3:python3
     . tests/swift-toolchain.sh
     . tests/native.sh
     expected "$target/swift/expected.txt"

@@ -63,6 +63,8 @@ enum magcomp_error
   MAGCOMP_ERROR_EVENT_DUPLICATE = 12,
   // Such an event is so far ahead of the magnetic samples that its clock must be another.
   MAGCOMP_ERROR_EVENT_AHEAD = 13,
+  // No ellipsoid fits these samples.
+  MAGCOMP_ERROR_FIT = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -366,6 +368,20 @@ typedef struct magcomp_calibration {
   double field_strength_ut;
 } magcomp_calibration;
 
+// How sure a fit is.
+typedef struct magcomp_fit {
+  // sizeof(magcomp_fit).
+  size_t size;
+  // Of b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (no unit), row by row.
+  double covariance[81];
+  // Root mean square distance of the samples from the ellipsoid, uT.
+  double residual_rms_ut;
+  // Expected direction error over all directions, deg.
+  double direction_sigma_deg;
+  // Why there is no fit. None where there is one.
+  magcomp_fit_problem problem;
+} magcomp_fit;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -477,6 +493,24 @@ magcomp_error magcomp_compensator_keep(const struct magcomp_compensator *compens
 magcomp_error magcomp_compensator_adopt(struct magcomp_compensator *compensator,
                                         const char *kept_json,
                                         int64_t unix_time_s);
+
+// One fit of raw samples of a turned device, as a compensator's first: `points_ut` are `count` times three numbers, uT, in any order. `field_strength_ut` is
+// |h| where it is known, 1 to 1000, else NaN. Fills `calibration` and, where it is not null, `fit`, whose sizes are set.
+//
+// Errors: NULL_POINTER (`points_ut`, `calibration`); SIZE; CONFIG (`field_strength_ut`); FIT: `fit` says which problem, `calibration` is as it was. The message is this thread's:
+// magcomp_compensator_last_error(NULL).
+magcomp_error magcomp_fit_ellipsoid(const double *points_ut,
+                                    size_t count,
+                                    double field_strength_ut,
+                                    struct magcomp_calibration *calibration,
+                                    struct magcomp_fit *fit);
+
+// How sure M and b in force are: the covariance of b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (no unit), 9 rows of 9 numbers, into `covariance`, which
+// has room for 81.
+//
+// Errors: NULL_POINTER (both); NOTHING_YET.
+magcomp_error magcomp_compensator_covariance(const struct magcomp_compensator *compensator,
+                                             double *covariance);
 
 // A heading from outside: a GNSS course, a landmark. Degrees clockwise from the north that `reference`, a magcomp_north, names, -360 to 360; its standard
 // deviation, above 0, up to 180 deg, of errors that are taken to last for 10 s. `axis` is what points there: three numbers of any length but 0, device

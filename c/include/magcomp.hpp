@@ -6,11 +6,13 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace magcomp {
 
@@ -81,6 +83,13 @@ public:
         return std::nullopt;
     }
 
+    // The covariance of b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz, row by row; nothing before there is a calibration.
+    std::optional<std::array<double, 81>> covariance() const {
+        std::array<double, 81> covariance;
+        if (is_there(magcomp_compensator_covariance(get(), covariance.data()))) return covariance;
+        return std::nullopt;
+    }
+
     // So many seconds passed that the samples' clock does not show.
     void push_gap(double hidden_s) { check(magcomp_compensator_push_gap(get(), hidden_s)); }
 
@@ -146,6 +155,26 @@ private:
         return true;
     }
 };
+
+// A fit of raw samples, and how sure it is.
+struct EllipsoidFit {
+    magcomp_calibration calibration;
+    magcomp_fit fit;
+};
+
+// One fit of raw samples of a turned device, uT. `field_strength_ut` is |h| where it is known. May throw Error.
+inline EllipsoidFit fit_ellipsoid(const std::vector<std::array<double, 3>> &points_ut,
+                                  double field_strength_ut = std::numeric_limits<double>::quiet_NaN()) {
+    static_assert(sizeof(std::array<double, 3>) == 3 * sizeof(double), "rows of three numbers");
+    EllipsoidFit found{};
+    found.calibration.size = sizeof found.calibration;
+    found.fit.size = sizeof found.fit;
+    const double nothing = 0;
+    const double *const first = points_ut.empty() ? &nothing : points_ut.front().data();
+    const magcomp_error code = magcomp_fit_ellipsoid(first, points_ut.size(), field_strength_ut, &found.calibration, &found.fit);
+    if (code != MAGCOMP_ERROR_NONE) throw Error(code, magcomp_compensator_last_error(nullptr));
+    return found;
+}
 
 } // namespace magcomp
 

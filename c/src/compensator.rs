@@ -10,7 +10,7 @@ use std::ffi::{CString, c_char};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What brings a calibration.
-const TURN: &str = "push samples of a turned device";
+pub(crate) const TURN: &str = "push samples of a turned device";
 
 /// Finds M and b from a stream of samples, again whenever they change. magcomp_compensator_create makes one.
 pub struct Compensator {

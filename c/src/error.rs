@@ -38,6 +38,8 @@ pub enum Error {
     EventDuplicate = 12,
     /// Such an event is so far ahead of the magnetic samples that its clock must be another.
     EventAhead = 13,
+    /// No ellipsoid fits these samples.
+    Fit = 14,
 }
 
 /// What a call refuses, and why.

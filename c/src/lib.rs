@@ -10,6 +10,7 @@
 mod calibration;
 mod compensator;
 mod error;
+mod fit;
 mod grows;
 mod outside;
 mod reading;

@@ -274,7 +274,7 @@ fn told(status: &magcomp_core::Status) -> (Status, Reason, FitProblem, i64) {
             Missing::Samples { .. } => because(Status::Collecting, Reason::Samples),
             Missing::Rotation => because(Status::Collecting, Reason::Rotation),
             Missing::Directions => because(Status::Collecting, Reason::Directions),
-            Missing::Fit(error) => (Status::Collecting, Reason::Fit, problem(error), 0),
+            Missing::Fit(error) => (Status::Collecting, Reason::Fit, (*error).into(), 0),
         },
         magcomp_core::Status::Tracking => because(Status::Tracking, Reason::None),
         magcomp_core::Status::Suspect { since_ns } => since(Status::Suspect, *since_ns),
@@ -282,7 +282,7 @@ fn told(status: &magcomp_core::Status) -> (Status, Reason, FitProblem, i64) {
             HoldReason::AtRest => because(Status::Held, Reason::AtRest),
             HoldReason::TooLittleRotation => because(Status::Held, Reason::TooLittleRotation),
             HoldReason::LowUniformity => because(Status::Held, Reason::LowUniformity),
-            HoldReason::FitRefused(error) => (Status::Held, Reason::FitRefused, problem(error), 0),
+            HoldReason::FitRefused(error) => (Status::Held, Reason::FitRefused, (*error).into(), 0),
             HoldReason::NoGyroscope => because(Status::Held, Reason::NoGyroscope),
             HoldReason::Constant => because(Status::Held, Reason::Constant),
         },
@@ -301,14 +301,16 @@ fn told(status: &magcomp_core::Status) -> (Status, Reason, FitProblem, i64) {
     }
 }
 
-fn problem(error: &FitError) -> FitProblem {
-    match error {
-        FitError::TooFewSamples { .. } => FitProblem::TooFewSamples,
-        FitError::Planar { .. } => FitProblem::Planar,
-        FitError::PoorCoverage { .. } => FitProblem::PoorCoverage,
-        FitError::Inconsistent { .. } => FitProblem::Inconsistent,
-        FitError::NotAnEllipsoid => FitProblem::NotAnEllipsoid,
-        FitError::FieldOutOfRange { .. } => FitProblem::FieldOutOfRange,
-        FitError::NotFinite => FitProblem::NotFinite,
+impl From<FitError> for FitProblem {
+    fn from(error: FitError) -> Self {
+        match error {
+            FitError::TooFewSamples { .. } => FitProblem::TooFewSamples,
+            FitError::Planar { .. } => FitProblem::Planar,
+            FitError::PoorCoverage { .. } => FitProblem::PoorCoverage,
+            FitError::Inconsistent { .. } => FitProblem::Inconsistent,
+            FitError::NotAnEllipsoid => FitProblem::NotAnEllipsoid,
+            FitError::FieldOutOfRange { .. } => FitProblem::FieldOutOfRange,
+            FitError::NotFinite => FitProblem::NotFinite,
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::calibration::Calibration;
 use crate::compensator::Compensator;
 use crate::error::Error;
+use crate::fit::Fit;
 use crate::grows::{Grows, fill, room};
 use crate::reading::Reading;
 use std::path::Path;
@@ -44,6 +45,7 @@ macro_rules! layout {
 fn layout_is_that_of_abi_txt() {
     let mut lines = Vec::new();
     layout!(lines, "magcomp_calibration", Calibration { size, soft_iron, hard_iron_ut, field_strength_ut });
+    layout!(lines, "magcomp_fit", Fit { size, covariance, residual_rms_ut, direction_sigma_deg, problem });
     layout!(
         lines,
         "magcomp_reading",

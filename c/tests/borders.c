@@ -358,6 +358,65 @@ static void from_outside(void) {
     }
 }
 
+static void fits(void) {
+    magcomp_compensator *const c = NULL; /* REFUSED reads this thread's message */
+    enum { COUNT = 500 };
+    double points[COUNT][3];
+    for (int k = 0; k < COUNT; k++) {
+        const double up = 1 - (2 * k + 1) / (double)COUNT, across = sqrt(1 - up * up), turn = 2.4 * k;
+        const double direction[3] = {across * cos(turn), across * sin(turn), up};
+        for (int axis = 0; axis < 3; axis++) points[k][axis] = 48 * direction[axis] + B_UT[axis] + 0.3 * sin(1.7 * k * k + axis);
+    }
+    magcomp_calibration found = {.size = sizeof found};
+    magcomp_fit fit = {.size = sizeof fit};
+    CHECK(magcomp_fit_ellipsoid(points[0], COUNT, NAN, &found, &fit) == MAGCOMP_ERROR_NONE);
+    CHECK(found.size == sizeof found && fit.size == sizeof fit && fit.problem == MAGCOMP_FIT_PROBLEM_NONE);
+    for (int axis = 0; axis < 3; axis++) CHECK(fabs(found.hard_iron_ut[axis] - B_UT[axis]) < 0.1);
+    CHECK(fabs(found.field_strength_ut - 48) < 0.1 && fit.residual_rms_ut > 0.1 && fit.residual_rms_ut < 0.4);
+    for (int row = 0; row < 9; row++) {
+        CHECK(fit.covariance[10 * row] > 0);
+        for (int column = 0; column < row; column++) CHECK(fit.covariance[9 * row + column] == fit.covariance[9 * column + row]);
+    }
+    /* the strength may be given, the fit may be left out, and a compensator begins with it */
+    CHECK(magcomp_fit_ellipsoid(points[0], COUNT, 50, &found, NULL) == MAGCOMP_ERROR_NONE && found.field_strength_ut == 50);
+    magcomp_compensator *begun = made(NULL);
+    CHECK(magcomp_compensator_adopt_calibration(begun, &found, 2) == MAGCOMP_ERROR_NONE);
+    magcomp_compensator_free(begun);
+
+    const magcomp_calibration before = found;
+    REFUSED(NULL_POINTER, "points_ut", magcomp_fit_ellipsoid(NULL, COUNT, NAN, &found, &fit));
+    REFUSED(NULL_POINTER, "magcomp_calibration", magcomp_fit_ellipsoid(points[0], COUNT, NAN, NULL, &fit));
+    REFUSED(FIT, "too few", magcomp_fit_ellipsoid(points[0], 8, NAN, &found, &fit));
+    CHECK(fit.problem == MAGCOMP_FIT_PROBLEM_TOO_FEW_SAMPLES && isnan(fit.covariance[80]) && isnan(fit.residual_rms_ut));
+    REFUSED(FIT, "too few", magcomp_fit_ellipsoid(points[0], 0, NAN, &found, NULL));
+    const double strengths[] = {-50, 0, 0.5, 1001, INFINITY};
+    for (size_t k = 0; k < sizeof strengths / sizeof *strengths; k++) {
+        REFUSED(CONFIG, "field_strength_ut", magcomp_fit_ellipsoid(points[0], COUNT, strengths[k], &found, &fit));
+    }
+    points[7][1] = NAN;
+    REFUSED(FIT, "not finite", magcomp_fit_ellipsoid(points[0], COUNT, NAN, &found, &fit));
+    CHECK(fit.problem == MAGCOMP_FIT_PROBLEM_NOT_FINITE);
+    for (int k = 0; k < COUNT; k++) points[k][2] = 0;
+    points[7][1] = 0;
+    REFUSED(FIT, "plane", magcomp_fit_ellipsoid(points[0], COUNT, NAN, &found, &fit));
+    CHECK(fit.problem == MAGCOMP_FIT_PROBLEM_PLANAR && memcmp(&before, &found, sizeof found) == 0);
+    fit.size = 3;
+    REFUSED(SIZE, "sizeof(magcomp_fit), 680", magcomp_fit_ellipsoid(points[0], COUNT, NAN, &found, &fit));
+}
+
+static void covariances(void) {
+    magcomp_compensator *c = NULL;
+    double covariance[81] = {0};
+    REFUSED(NULL_POINTER, "compensator", magcomp_compensator_covariance(c, covariance));
+    c = made(NULL);
+    REFUSED(NULL_POINTER, "covariance", magcomp_compensator_covariance(c, NULL));
+    REFUSED(NOTHING_YET, "no calibration yet", magcomp_compensator_covariance(c, covariance));
+    (void)turned(c, 0, 3000);
+    CHECK(magcomp_compensator_covariance(c, covariance) == MAGCOMP_ERROR_NONE);
+    for (int k = 0; k < 9; k++) CHECK(covariance[10 * k] > 0 && covariance[10 * k] < (k < 3 ? 4 : 0.01));
+    magcomp_compensator_free(c);
+}
+
 static long allocations;
 
 static void counted(const volatile void *at, size_t size) {
@@ -392,6 +451,8 @@ int main(void) {
     calibrations();
     headings();
     from_outside();
+    fits();
+    covariances();
     memory();
     return 0;
 }

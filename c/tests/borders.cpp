@@ -1,4 +1,6 @@
 // magcomp.hpp: errors are exceptions, what is not there is no value, objects move; threads.
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <magcomp.hpp>
@@ -51,6 +53,16 @@ void borders() {
     check(first.calibration().value().hard_iron_ut[1] == -30, __LINE__);
     given.field_strength_ut = 0;
     refuses(MAGCOMP_ERROR_CALIBRATION, "field strength", __LINE__, [&] { first.adopt(given, 2); });
+
+    std::vector<std::array<double, 3>> points;
+    refuses(MAGCOMP_ERROR_FIT, "too few", __LINE__, [&] { magcomp::fit_ellipsoid(points); });
+    for (int k = 0; k < 200; k++) {
+        const double up = 1 - (2 * k + 1) / 200.0, across = std::sqrt(1 - up * up);
+        points.push_back({48 * across * std::cos(2.4 * k) + 20, 48 * across * std::sin(2.4 * k) - 30, 48 * up + 40});
+    }
+    const magcomp::EllipsoidFit fit = magcomp::fit_ellipsoid(points, 48);
+    check(std::abs(fit.calibration.hard_iron_ut[1] + 30) < 1e-6 && fit.fit.residual_rms_ut < 1e-6, __LINE__);
+    check(!Compensator().covariance(), __LINE__);
 
     Compensator second = std::move(first);
     check(second.calibration().has_value(), __LINE__);
