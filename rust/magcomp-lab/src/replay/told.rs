@@ -180,6 +180,8 @@ mod tests {
         let events = [event(10.0, 11.0), event(51.0, 53.5), event(60.0, 61.0), event(120.0, 121.0)];
         let told = |text: &str| text.parse::<Mark>().unwrap().told(&events).to_string();
         assert_eq!(told("52=cover"), "cover at 52.0 s: DeviceStep, told 1.5 s later");
+        // told before it was done: of something else
+        assert_eq!(told("53.9=late"), "late at 53.9 s: DeviceStep, told 7.1 s later");
         assert_eq!(told("70.5=charger in"), "charger in at 70.5 s: no change was told");
         for wrong in ["cover", "52=", "=cover", "-1=cover", "nan=cover"] {
             assert!(wrong.parse::<Mark>().unwrap_err().contains("52=cover"), "{wrong}");
