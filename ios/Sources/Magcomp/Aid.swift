@@ -125,7 +125,7 @@ extension Compass {
     /// An orientation from outside: ARKit's camera (`AttitudeSample(arKitTimestampS:x:y:z:)`). While the gyroscope is missing its turns stand in
     /// for it; one whose yaw is known is a heading too.
     ///
-    /// - Returns: whether it was taken, as of ``aid(_:)-(HeadingSample)``
+    /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
     /// - Throws: `MagcompError.eventRejected` for numbers that can't be
     @discardableResult
     public func aid(_ attitude: AttitudeSample) throws -> Bool {

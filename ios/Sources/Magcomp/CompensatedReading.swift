@@ -14,7 +14,7 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// `MagcompError.keptDamaged` or `MagcompError.keptNewer` for the text that the calibration store gave, until something was
     /// learned and saved; else nil.
     public var storeError: MagcompError?
-    /// What help from outside is worth now (``Compass/aid(_:)-(HeadingSample)``); nil where none came in the last two minutes.
+    /// What help from outside is worth now (`Compass.aid`); nil where none came in the last two minutes.
     public var headingAid: HeadingAid?
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore: Int
