@@ -139,3 +139,32 @@ fn what_is_refused_changes_nothing() {
     phone.run(&mut compensator, 1);
     assert!(matches!(compensator.heading_aid(), Some(HeadingAid::Used | HeadingAid::Leads | HeadingAid::Disagrees)));
 }
+
+/// What is told of a heading is what was done with it: off by so much, against so much, and ignored beyond three times that.
+#[test]
+fn a_heading_from_outside_is_explained() {
+    let (mut phone, mut compensator) = (phone(6), compensator());
+    phone.run(&mut compensator, 3000);
+    assert_eq!(compensator.explain().outside, None);
+    let mut tell = |off_deg: f64, sigma_deg: f64| {
+        let top_deg = phone.heading_deg();
+        let heading = HeadingSample {
+            time_ns: phone.time_ns,
+            heading_deg: (top_deg + off_deg).rem_euclid(360.0),
+            sigma_deg,
+            reference: NorthReference::Magnetic,
+            axis: HeadedAxis::Device(Vector3::y()),
+        };
+        compensator.push_heading(heading).unwrap();
+        let own = phone.advance(&mut compensator).heading.unwrap();
+        (own.heading_sigma_deg.unwrap(), compensator.explain().outside.unwrap(), compensator.heading_aid())
+    };
+    let (own_deg, told, aid) = tell(4.0, 6.0);
+    assert_eq!((told.aid, aid), (HeadingAid::Leads, Some(HeadingAid::Leads)));
+    assert!((told.off_deg - 4.0).abs() < 4.0 * own_deg, "{told:?}");
+    assert!((told.expected_deg - 6.0_f64.hypot(own_deg)).abs() < 0.2, "{told:?} {own_deg}");
+    let (own_deg, told, aid) = tell(-40.0, 6.0);
+    assert_eq!((told.aid, aid), (HeadingAid::Disagrees, Some(HeadingAid::Disagrees)));
+    assert!((told.off_deg + 40.0).abs() < 4.0 * own_deg && 40.0 > 3.0 * told.expected_deg, "{told:?}");
+    assert!((told.north_sigma_deg.hypot(6.0) - told.expected_deg).abs() < 0.05, "{told:?}");
+}

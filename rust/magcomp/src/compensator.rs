@@ -285,7 +285,8 @@ impl Compensator {
     /// ```
     #[must_use]
     pub fn explain(&self) -> Explanation {
-        self.estimator.explain()
+        let outside = self.stream.latest_ns().and_then(|latest_ns| self.north.explain(latest_ns));
+        Explanation { outside, ..self.estimator.explain() }
     }
 }
 

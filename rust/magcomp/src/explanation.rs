@@ -1,5 +1,6 @@
 //! Why the latest reading says what it says: a look inside the estimators, for development and support.
 
+use crate::reading::HeadingAid;
 use nalgebra::Vector3;
 
 /// Format: hypotheses of an [`Explanation`], at most.
@@ -10,7 +11,7 @@ pub const EXPLAINED_HYPOTHESES: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct Explanation {
-    /// The estimator whose calibration is in force. All below is of it.
+    /// The estimator whose calibration is in force. All below is of it, but for `outside`.
     pub estimator: Estimator,
     /// What it is doing.
     pub phase: EstimatorPhase,
@@ -31,6 +32,22 @@ pub struct Explanation {
     pub hypotheses: [Option<ChangeHypothesis>; EXPLAINED_HYPOTHESES],
     /// Noise and errors of the sensors, as learned so far.
     pub noise: NoiseLevels,
+    /// The latest heading from outside. None where none was used or ignored in the last two minutes.
+    pub outside: Option<OutsideTest>,
+}
+
+/// A heading from outside against north as it was known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
+pub struct OutsideTest {
+    /// What headings from outside are worth, as `Compensator::heading_aid` says.
+    pub aid: HeadingAid,
+    /// The heading less the expected one, degrees, in [-180, 180].
+    pub off_deg: f64,
+    /// Its expected size, degrees: one standard deviation. A heading that is off by more than three disagrees.
+    pub expected_deg: f64,
+    /// Standard deviation of north as headings from outside and the gyroscope have it now, degrees.
+    pub north_sigma_deg: f64,
 }
 
 /// An estimator.

@@ -80,7 +80,7 @@ pub use estimator::Tunings;
 pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
 pub use explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,
-    NoiseLevels, SampleUse,
+    NoiseLevels, OutsideTest, SampleUse,
 };
 pub use heading::{
     Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,

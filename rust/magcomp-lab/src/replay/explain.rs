@@ -4,8 +4,8 @@ use super::output::{cell, vector};
 use crate::error::LabError;
 use crate::recording::{AtomicFile, Row};
 use magcomp::{
-    ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, EventKind, Explanation, Reading,
-    SampleUse, Status,
+    ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, EventKind, Explanation, HeadingAid,
+    Reading, SampleUse, Status,
 };
 use std::io::{self, Write};
 use std::path::Path;
@@ -19,7 +19,8 @@ const HYPOTHESIS: [&str; 4] = ["kind", "onset_s", "log_odds", "gated_share"];
 /// Those after the hypotheses.
 const AFTER: &str = "white_ut,local_ut,hard_iron_walk_ut_per_sqrt_s,delay_s,delay_sigma_s,\
                      gyroscope_bias_x_rad_s,gyroscope_bias_y_rad_s,gyroscope_bias_z_rad_s,\
-                     gyroscope_bias_sigma_x_rad_s,gyroscope_bias_sigma_y_rad_s,gyroscope_bias_sigma_z_rad_s";
+                     gyroscope_bias_sigma_x_rad_s,gyroscope_bias_sigma_y_rad_s,gyroscope_bias_sigma_z_rad_s,\
+                     outside,outside_off_deg,outside_expected_deg,outside_north_sigma_deg";
 
 /// The explanations of a replay in the making; the file appears under its name when it is finished.
 pub struct ExplainOutput {
@@ -68,7 +69,7 @@ fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explana
     let event = reading.event.filter(|event| !is_rejected && event.decided_ns == row.time_ns);
     write!(out, "{},{},{}", row.time_s, reading.status.label(), event.map_or("", |event| event_word(event.kind)))?;
     cell(out, event.map(|event| seconds(event.since_ns)), 3)?;
-    let Explanation { estimator, phase, tries_both, sample, innovation, hypotheses, noise, .. } = explanation;
+    let Explanation { estimator, phase, tries_both, sample, innovation, hypotheses, noise, outside, .. } = explanation;
     let sample = if is_rejected { "rejected" } else { sample.map_or("", sample_word) };
     write!(out, ",{},{},{tries_both},{sample}", estimator_word(*estimator), phase_word(*phase))?;
     let innovation = innovation.filter(|_| !is_rejected);
@@ -95,6 +96,12 @@ fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explana
     cell(out, noise.delay_sigma_s, 6)?;
     vector(out, noise.gyroscope_bias_rad_s, 6)?;
     vector(out, noise.gyroscope_bias_sigma_rad_s, 6)?;
+    write!(out, ",{}", outside.map_or("", |it| aid_word(it.aid)))?;
+    for degrees in
+        [outside.map(|it| it.off_deg), outside.map(|it| it.expected_deg), outside.map(|it| it.north_sigma_deg)]
+    {
+        cell(out, degrees, 2)?;
+    }
     writeln!(out)
 }
 
@@ -131,6 +138,14 @@ fn sample_word(usage: SampleUse) -> &'static str {
         SampleUse::AtRest => "at_rest",
         SampleUse::NoRotation => "no_rotation",
         SampleUse::Unused => "unused",
+    }
+}
+
+fn aid_word(aid: HeadingAid) -> &'static str {
+    match aid {
+        HeadingAid::Used => "used",
+        HeadingAid::Leads => "leads",
+        HeadingAid::Disagrees => "disagrees",
     }
 }
 

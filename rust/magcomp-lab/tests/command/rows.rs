@@ -99,6 +99,20 @@ fn a_course_of_the_recording_turns_north() {
     let turned = (with.last().unwrap() - alone.last().unwrap() + 540.0).rem_euclid(360.0) - 180.0;
     // between the magnetometer's north and that of the courses
     assert!((1.0..11.0).contains(&turned), "{turned}");
+    let explained = folder.path().join("explained.csv");
+    let (code, _, error) =
+        run(&["replay", text(&aided), "--declination", "0", "--course", "top", "--explain", text(&explained)]);
+    assert_eq!((code, error.as_str()), (0, ""));
+    let written = fs::read_to_string(&explained).unwrap();
+    let outside =
+        |row: usize| written.lines().nth(row + 1).unwrap().rsplit(',').take(4).map(str::to_owned).collect::<Vec<_>>();
+    assert!(outside(600).iter().all(String::is_empty));
+    let [_, expected_deg, off_deg, word] = &outside(705)[..] else { panic!("four columns") };
+    let (expected_deg, off_deg) = (expected_deg.parse::<f64>().unwrap(), off_deg.parse::<f64>().unwrap());
+    assert!(
+        word == "leads" && (0.5..11.0).contains(&off_deg) && expected_deg >= 0.5,
+        "{word} {off_deg} {expected_deg}"
+    );
     let (code, _, error) = run(&["replay", text(&aided), "--course", "sideways"]);
     assert!(code == 2 && error.contains("vehicle"), "{error}");
 }

@@ -19,6 +19,7 @@ mod tests;
 mod tuning;
 
 use crate::estimator::answer::Answer;
+use crate::explanation::OutsideTest;
 use crate::reading::HeadingAid;
 use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
@@ -50,6 +51,9 @@ pub(crate) struct North {
 struct Heard {
     time_ns: i64,
     was: HeadingAid,
+    off_rad: f64,
+    /// What `off_rad` was judged by, rad^2.
+    expected_rad2: f64,
 }
 
 impl North {
@@ -123,12 +127,23 @@ impl North {
 
     /// What the latest headings are worth, unless it is long ago.
     pub fn aid(&self, time_ns: i64) -> Option<HeadingAid> {
-        let Heard { time_ns: heard_ns, was } = self.heard?;
+        let Heard { time_ns: heard_ns, was, .. } = self.heard?;
         let is_recent = time_ns.saturating_sub(heard_ns) as f64 * NANO < 2.0 * Tuning::USED.own_support_s;
         match was {
             HeadingAid::Used if self.carried.as_ref().is_some_and(|it| it.leads) => Some(HeadingAid::Leads),
             was => is_recent.then_some(was),
         }
+    }
+
+    /// The latest heading, as long as [`Self::aid`] tells of it.
+    pub fn explain(&self, time_ns: i64) -> Option<OutsideTest> {
+        let (aid, heard, carried) = (self.aid(time_ns)?, self.heard?, self.carried.as_ref()?);
+        Some(OutsideTest {
+            aid,
+            off_deg: heard.off_rad.to_degrees(),
+            expected_deg: heard.expected_rad2.sqrt().to_degrees(),
+            north_sigma_deg: carried.variance_rad2().sqrt().to_degrees(),
+        })
     }
 
     /// One heading, at a sample at or after its time.
@@ -138,6 +153,7 @@ impl North {
         let north = self.carried.get_or_insert_with(|| Carried::of(own));
         let Some(off_rad) = told.off_rad(north, &up) else { return };
         let agrees = north.agrees(off_rad, told.angle_rad2());
+        let expected_rad2 = north.variance_rad2() + told.angle_rad2();
         if agrees {
             north.correct(off_rad, &told, &up);
             north.support_s = north.support_s.min(2.0 * Tuning::USED.own_support_s);
@@ -146,7 +162,7 @@ impl North {
             self.doubt(&told, off_rad, own);
         }
         let was = if agrees { HeadingAid::Used } else { HeadingAid::Disagrees };
-        self.heard = Some(Heard { time_ns: heading.time_ns, was });
+        self.heard = Some(Heard { time_ns: heading.time_ns, was, off_rad, expected_rad2 });
     }
 
     /// A heading as an angle from magnetic north of an axis of the device as it lies now. `None` where no turn is known from its time to now, or

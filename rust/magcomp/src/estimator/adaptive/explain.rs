@@ -23,6 +23,7 @@ impl Adaptive {
             gated_share: None,
             compared_turn_deg: None,
             hypotheses: self.likeliest(),
+            outside: None,
             noise: NoiseLevels {
                 white_ut: Some(self.white().sqrt() * self.unit_ut),
                 local_ut: Some(self.bank.noise.uneven.size * self.unit_ut),

@@ -34,6 +34,7 @@ impl Aided {
             compared_turn_deg: trial.map(|trial| trial.compared_turn_rad().to_degrees()),
             hypotheses,
             noise: self.noise_levels(),
+            outside: None,
         }
     }
 

@@ -216,6 +216,7 @@ impl Windowed {
             compared_turn_deg: None,
             hypotheses: [None; EXPLAINED_HYPOTHESES],
             noise: NoiseLevels { white_ut: self.state.fit.map(|fit| fit.residual_rms_ut), ..NoiseLevels::default() },
+            outside: None,
         }
     }
 }
