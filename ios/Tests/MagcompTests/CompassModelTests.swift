@@ -331,6 +331,49 @@ import Testing
         continuation.finish()
     }
 
+    @Test func aDecidedEventAndADisturbedPlaceAreShown() async throws {
+        var phone = Phone(8)
+        var events = (0..<3000).flatMap { _ in phone.advance(still: false) }
+        // a cover is put on, then iron comes and goes beside the phone
+        for k in 0..<4000 {
+            let near = k < 3000 ? 0 : 300 * sin(Double(k) * 0.02)
+            events += phone.advance(still: false).map { event in
+                guard case .magnetic(var sample) = event else { return event }
+                sample.fieldUt = sample.fieldUt + Vector3(x: 40 + near, y: -30, z: 50 - near)
+                return .magnetic(sample)
+            }
+        }
+        let model = CompassModel(compass: Compass(source: Played(events: events, isLive: false)))
+        let disturbed = Shared(0)
+        Self.follow({ model.isDisturbed }) { if $0 { disturbed.change { $0 += 1 } } }
+        await model.run()
+        print("XX", model.event as Any, model.isDisturbed, model.status, disturbed.value)
+        #expect(model.event != nil && model.event == model.reading?.reading.event)
+        #expect(model.isDisturbed)
+    }
+
+    @Test func aModelSavesAndForgetsAsItsCompassDoes() async throws {
+        let (source, store) = (Live(), Slow())
+        let model = CompassModel(
+            compass: Compass(source: source, store: store), display: CompassDisplay(rateHz: 1e6))
+        let running = Task { await model.run() }
+        try await source.started(1)
+        source.play(tumbling(900))
+        try await eventually { model.reading?.sample.timeNs == 900 * stepNs }
+        let saved = store.kept.value
+        model.save()
+        await model.compass.settled()
+        #expect(saved != nil && store.kept.value != saved, "what came after the save at first tracking")
+        model.reset()
+        await model.compass.settled()
+        #expect(store.kept.value == nil)
+        source.play(flat(900))
+        try await eventually { model.reading?.sample.timeNs == 901 * stepNs }
+        #expect(model.headingDeg == nil)
+        running.cancel()
+        await running.value
+    }
+
     @Test func theScreenMayTurn() throws {
         let model = CompassModel(compass: Compass(source: Played(events: [])))
         model.compass.axis = .camera

@@ -4,25 +4,9 @@ import Foundation
 @testable import Magcomp
 import Testing
 
-/// ``CoreMotionSource`` over a stand-in of Core Motion that plays what a test scripts.
-@Suite(.timeLimit(.minutes(2))) struct CoreMotionSourceTests {
+/// What ``CoreMotionSource`` makes of the events of a stand-in of Core Motion.
+@Suite(.timeLimit(.minutes(2))) struct CoreMotionSourceTests: OverCoreMotion {
     let manager = CMMotionManager()
-
-    /// An event of each sensor.
-    func play(at time: Double) {
-        manager.deviceMotion(at: time, gravity: (0, 0, -1))
-        manager.magnetometer(at: time, 1, 2, 3)
-    }
-
-    /// The first samples while `play` runs, once updates are on.
-    func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
-        var samples: [SensorSample] = []
-        var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
-        iterator.start()
-        play()
-        while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
-        return samples
-    }
 
     @Test func signsAndUnitsInAttitudesComputedByHand() async throws {
         struct Events: Decodable {
@@ -59,29 +43,6 @@ import Testing
             #expect(abs((found.headingDeg - fact.headingDeg).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - events.inclinationDeg) < 1e-9, "\(fact.name)")
         }
-    }
-
-    @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {
-        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), manager: manager)
-        let sequence = source.samples()
-        #expect(manager.starts == 0, "cold")
-        do {
-            var iterator = sequence.makeAsyncIterator()
-            #expect(manager.starts == 0, "nobody has asked for an event")
-            iterator.start()
-            #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
-            #expect(manager.magnetometerUpdateInterval == 0.02 && manager.deviceMotionUpdateInterval == 0.02)
-            #expect(manager.frame == .xArbitraryZVertical)
-            play(at: 1)
-            #expect(try await iterator.next()?.timeNs == 1_000_000_000)
-        }
-        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
-        // and it can be iterated again
-        var again = sequence.makeAsyncIterator()
-        again.start()
-        play(at: 2)
-        #expect(try await again.next()?.timeNs == 2_000_000_000)
-        #expect(manager.starts == 2)
     }
 
     @Test func onlyTheSensorsAskedForAreUsed() async throws {
@@ -152,39 +113,6 @@ import Testing
         #expect(try await lagMs(at: 3.2, lateMs: 7) == 7)
     }
 
-    /// What an earlier run left waiting, and its lag, are not the next one's.
-    @Test func anotherRunBeginsWithNothing() async throws {
-        let source = CoreMotionSource(manager: manager)
-        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
-        first?.start()
-        for time in [1, 1.01] { play(at: time) }
-        #expect(try await first?.next() != nil)
-        // waits for device motion
-        manager.magnetometer(at: 1.02, 7, 7, 7)
-        try await eventually { source.lagS != nil }
-        try await Task.sleep(for: .milliseconds(20))
-        first = nil
-        try await eventually { !manager.isMagnetometerActive }
-        var second = source.samples().makeAsyncIterator()
-        second.start()
-        #expect(source.lagS == nil)
-        play(at: 1.03)
-        #expect(try await second.next()?.timeNs == 1_030_000_000)
-    }
-
-    @Test func errorsOfAnotherDomainAreNotCoreMotions() async throws {
-        for code in [CMErrorNotAuthorized, CMErrorDeviceRequiresMovement] {
-            let error = NSError(domain: "org.other", code: Int(code.rawValue))
-            let expected = SensorError.refused(sensor: .magnetometer, reason: "org.other \(code.rawValue)")
-            await #expect(throws: expected) {
-                try await samples(1) {
-                    manager.magnetometerFails(error)
-                    play(at: 1)
-                }
-            }
-        }
-    }
-
     @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
         let clock = Shared(0.0)
         let source = CoreMotionSource(
@@ -242,160 +170,12 @@ import Testing
         }
     }
 
-    @Test func aMissingSensorIsATypedErrorThatSaysWhatToDo() async throws {
-        manager.lack(magnetometer: true)
-        await #expect(throws: SensorError.missing(sensor: .magnetometer, advice: "hide the compass")) {
-            try await samples(1) {}
-        }
-        manager.lack(deviceMotion: true)
-        do {
-            _ = try await samples(1) {}
-            Issue.record("no error")
-        } catch let error as SensorError {
-            #expect(error.developerText.contains("SensorOptions(gyroscope: false, up: false)"))
-        }
-        // and that works
-        let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) { manager.magnetometer(at: 1, 1, 2, 3) }
-        #expect(alone.count == 1)
-    }
-
-    @Test func aFrameTheDeviceLacksIsATypedErrorThatSaysWhatToDo() async throws {
-        final class WithoutCorrected: CMMotionManager {
-            override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { .xArbitraryZVertical }
-        }
-        let manager = WithoutCorrected()
-        var options = SensorOptions(systemField: true)
-        let missing = SensorError.missing(
-            sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
-        await #expect(throws: missing) {
-            var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
-            iterator.start()
-            manager.deviceMotion(at: 1, gravity: (0, 0, -1))
-            _ = try await iterator.next()
-        }
-        #expect(manager.starts == 0 && manager.frame == [])
-        options.systemField = false
-        let without = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
-        without.start()
-        #expect(manager.starts == 1 && manager.frame == .xArbitraryZVertical)
-        withExtendedLifetime(without) {}
-    }
-
-    @Test func accessThatWasRefusedBeforeIsATypedErrorAtOnce() async throws {
-        final class Denied: CMMotionManager {
-            override class func authorizationStatus() -> CMAuthorizationStatus { .denied }
-        }
-        final class Restricted: CMMotionManager {
-            override class func authorizationStatus() -> CMAuthorizationStatus { .restricted }
-        }
-        final class Authorized: CMMotionManager {
-            override class func authorizationStatus() -> CMAuthorizationStatus { .authorized }
-        }
-        for manager in [Denied(), Restricted()] {
-            await #expect(throws: SensorError.accessRefused(sensor: .motion)) {
-                var iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
-                iterator.start()
-                // an event for who began nevertheless
-                manager.deviceMotion(at: 1, gravity: (0, 0, -1))
-                _ = try await iterator.next()
-            }
-            #expect(manager.starts == 0)
-        }
-        // nobody was asked yet, or the person allowed it
-        for manager in [CMMotionManager(), Authorized()] {
-            let iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
-            iterator.start()
-            #expect(manager.starts == 1)
-            withExtendedLifetime(iterator) {}
-        }
-    }
-
-    @Test func optionsOutOfRangeAreATypedError() async throws {
-        for holdS in [-0.01, 0.26, .nan] {
-            let error = MagcompError.config(field: "SensorOptions.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
-            await #expect(throws: error) { try await samples(1, SensorOptions(holdS: holdS)) {} }
-        }
-        for rateHz in [0, -1, 1001] {
-            let error = MagcompError.config(field: "SensorOptions.rateHz", value: "\(rateHz)", expected: "1 to 1000")
-            await #expect(throws: error) { try await samples(1, SensorOptions(rateHz: rateHz)) {} }
-        }
-        #expect(manager.starts == 0)
-    }
-
-    @Test func refusedAccessEndsTheSequenceWithATypedError() async throws {
-        for code in [CMErrorNotAuthorized, CMErrorNotEntitled] {
-            await #expect(throws: SensorError.accessRefused(sensor: .magnetometer)) {
-                try await samples(1) { manager.magnetometerFails(code.error) }
-            }
-            let words = SensorError.accessRefused(sensor: .magnetometer).developerText
-            #expect(words.contains("Settings > Privacy & Security > Motion & Fitness"), "\(words)")
-            #expect(!manager.isMagnetometerActive && !manager.isDeviceMotionActive)
-        }
-        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 109")) {
-            try await samples(1) { manager.deviceMotionFails(CMErrorNotAvailable.error) }
-        }
-        // also after events, and through the compensator; what came before arrives
-        var readings = CoreMotionSource(manager: manager).samples().compensated().makeAsyncIterator()
-        readings.start()
-        try await eventually { manager.isMagnetometerActive }
-        manager.magnetometer(at: 1, 1, 2, 3)
-        manager.magnetometerFails(CMErrorUnknown.error)
-        #expect(try await readings.next() != nil)
-        await #expect(throws: SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103")) {
-            try await readings.next()
-        }
-        // who tries again gets events again
-        #expect(try await samples(1) { play(at: 2) }.count == 1)
-    }
-
-    /// Both sensors fail; the second error comes when somebody iterates again.
-    @Test func anOldRunsErrorDoesNotEndANewOne() async throws {
-        let source = CoreMotionSource(manager: manager)
-        var first = source.samples().makeAsyncIterator()
-        first.start()
-        let late = manager.lateDeviceMotionError()
-        let (lateMagnetometer, lateDeviceMotion) = (manager.lateMagnetometer(), manager.lateDeviceMotion())
-        manager.magnetometerFails(CMErrorUnknown.error)
-        await #expect(throws: SensorError.self) { try await first.next() }
-        var second = source.samples().makeAsyncIterator()
-        second.start()
-        #expect(manager.starts == 2)
-        late(CMErrorUnknown.error)
-        // nor are events that were on their way its own
-        lateMagnetometer(4)
-        lateDeviceMotion(4.01)
-        play(at: 5)
-        #expect(try await second.next()?.timeNs == 5_000_000_000)
-        #expect(source.lagS == nil, "device motion came first in this run")
-        #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
-        // its own error does
-        manager.deviceMotionFails(CMErrorUnknown.error)
-        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 103")) {
-            while try await second.next() != nil {}
-        }
-    }
-
-    @Test func theAuthorizationIsReadAsAMethodAndAsAProperty() {
-        enum Older { static func authorizationStatus() -> CMAuthorizationStatus { .denied } }
-        enum Newer { static var authorizationStatus: CMAuthorizationStatus { .restricted } }
-        #expect(authorization(Older.authorizationStatus) == .denied)
-        #expect(authorization(Newer.authorizationStatus) == .restricted)
-    }
-
     @Test func aCompassAsksForTheSystemsFieldWhereThereIsOne() {
         final class Without: CMMotionManager {
             override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { [.xArbitraryZVertical] }
         }
         #expect(SensorOptions.ofCompass(CMMotionManager.self) == SensorOptions(systemField: true))
         #expect(SensorOptions.ofCompass(Without.self) == SensorOptions())
-    }
-
-    @Test func anErrorThatPassesByItselfDoesNotEndTheSequence() async throws {
-        let samples = try await samples(2) {
-            manager.deviceMotionFails(CMErrorDeviceRequiresMovement.error)
-            play(at: 1)
-        }
-        #expect(samples.count == 2)
     }
 
     @Test func aPauseEndsNothing() async throws {
@@ -433,122 +213,6 @@ import Testing
         #expect(readings[50].reading.mode == .gyroscopeAndGravity)
         #expect(readings[190].reading.mode == .magnetometerOnly)
         #expect(readings[299].reading.mode == .gyroscopeAndGravity)
-    }
-
-    /// As many readings while `play` runs.
-    func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
-        var readings: [CompensatedReading] = []
-        var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
-        iterator.start()
-        try await eventually { manager.isMagnetometerActive }
-        play()
-        while readings.count < count, let reading = try await iterator.next() { readings.append(reading) }
-        #expect(readings.allSatisfy { $0.droppedBefore == 0 })
-        return readings
-    }
-
-    @Test func cancellingTheTaskStopsTheUpdates() async throws {
-        let source = CoreMotionSource(manager: manager)
-        let got = Shared(0)
-        let task = Task {
-            for try await _ in source.samples().compensated() { got.change { $0 += 1 } }
-        }
-        try await eventually { manager.isMagnetometerActive }
-        play(at: 1)
-        try await eventually { got.value == 1 }
-        task.cancel()
-        try await task.value
-        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
-    }
-
-    @Test func leavingTheLoopStopsTheUpdates() async throws {
-        for _ in 0..<100 {
-            let source = CoreMotionSource(manager: manager)
-            let player = Player(manager: manager)
-            let playing = Task {
-                var time = 0.0
-                while !Task.isCancelled {
-                    time += 0.001
-                    player.manager.magnetometer(at: time, 1, 2, time)
-                    await Task.yield()
-                }
-            }
-            for try await reading in source.samples().compensated() where reading.reading.window >= 0 { break }
-            playing.cancel()
-            try await eventually { !manager.isMagnetometerActive }
-        }
-    }
-
-    /// The stand-in may be played from any thread.
-    struct Player: @unchecked Sendable {
-        let manager: CMMotionManager
-    }
-
-    @Test func twoIteratorsEachGetEveryEvent() async throws {
-        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), manager: manager)
-        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
-        var second = source.samples().makeAsyncIterator()
-        first?.start()
-        second.start()
-        #expect(manager.starts == 1, "they share the updates")
-        for time in [1.0, 2.0] { manager.magnetometer(at: time, 1, 2, 3) }
-        for time in [1, 2] {
-            #expect(try await first?.next()?.timeNs == Int64(time) * 1_000_000_000)
-            #expect(try await second.next()?.timeNs == Int64(time) * 1_000_000_000)
-        }
-        first = nil
-        #expect(manager.isMagnetometerActive, "one is left")
-        manager.magnetometer(at: 3, 1, 2, 3)
-        #expect(try await second.next()?.timeNs == 3_000_000_000)
-    }
-
-    /// SwiftUI makes a view's initial state as often as the view, and keeps the first.
-    @Test @MainActor func aModelThatIsNotRunMakesNoManager() async throws {
-        let made = Shared(0)
-        func manager() -> CMMotionManager {
-            made.change { $0 += 1 }
-            return CMMotionManager()
-        }
-        for _ in 0..<100 {
-            let model = CompassModel(compass: Compass(source: CoreMotionSource(manager: manager())))
-            #expect(model.compass.frame.axis == .auto)
-        }
-        #expect(made.value == 0)
-        let source = CoreMotionSource(manager: manager())
-        for _ in 0..<3 {
-            let iterator = source.samples().makeAsyncIterator()
-            iterator.start()
-            withExtendedLifetime(iterator) {}
-        }
-        #expect(made.value == 1, "and then one")
-        // as an app writes it
-        #expect(CompassModel().reading == nil && CompassObject().state == CompassState())
-    }
-
-    @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
-        let source = CoreMotionSource(manager: manager)
-        for _ in 0..<1000 {
-            _ = source.samples().makeAsyncIterator()
-            _ = source.samples().compensated().makeAsyncIterator()
-        }
-        #expect(manager.starts == 0)
-    }
-
-    @Test func noEventIsDroppedBeforeTheEstimator() async throws {
-        let samples = try await samples(20_000, SensorOptions(gyroscope: false, up: false)) {
-            // all of them before the iterator asks for the first
-            for k in 1...20_000 { manager.magnetometer(at: Double(k), 1, 2, 3) }
-        }
-        #expect(samples.map(\.timeNs) == (1...20_000).map { Int64($0) * 1_000_000_000 })
-    }
-
-    @Test func theOneLiner() async throws {
-        // its own manager: nothing can be played, but it compiles as the documents say, and ends when told to
-        let task = Task {
-            for try await reading in Compass().readings() { print(reading.reading.status.text) }
-        }
-        task.cancel()
-        try await task.value
     }
 }
 #endif

@@ -5,8 +5,6 @@ import Testing
 
 /// What an estimation forgets, and what it keeps: at a reset, after a defect, when a clock begins anew.
 @Suite struct ResetTests {
-    typealias Live = SharingTests.Live
-
     /// A compass that a test plays to.
     final class Played {
         let source = Live()
@@ -20,7 +18,7 @@ import Testing
 
         func start() async throws {
             starts += 1
-            task = SharingTests().reader(compass, seen)
+            task = reader(compass, seen)
             try await source.started(starts)
         }
 
@@ -126,7 +124,7 @@ import Testing
         let store = SavingTests.Kept()
         let compass = Compass(source: source, store: store)
         let seen = Shared<[CompensatedReading]>([])
-        let task = SharingTests().reader(compass, seen)
+        let task = reader(compass, seen)
         try await source.started(1)
         source.play(tumbling(900))
         try await eventually { seen.value.count == 900 }
@@ -140,7 +138,7 @@ import Testing
             #expect(!what.isEmpty)
         }
         #expect(store.savedS.count == 1, "of a defect nothing is kept")
-        let again = SharingTests().reader(compass, seen)
+        let again = reader(compass, seen)
         try await source.started(2)
         source.play(flat(901))
         try await eventually { seen.value.count == 901 }
@@ -175,6 +173,18 @@ import Testing
         _ = try await phone.play(Array(tumbling(700).dropFirst(2 * 50)))
         await phone.compass.settled()
         #expect(phone.store.savedS.count > saves, "\(phone.store.savedS)")
+        try await phone.end()
+    }
+
+    /// Another clock's gravity comes before the magnetometer, whose first sample has nearly the time of the latest look.
+    @Test func afterAnotherClockDirectionsAreLookedAtWithTheFirstSample() async throws {
+        let phone = Played()
+        try await phone.start()
+        #expect(try #require(try await phone.play(tumbling(900)).last).unseenDirections.count < 20)
+        try await phone.end()
+        try await phone.start()
+        let first = try #require(try await phone.play(Array(flat(600)[..<1]) + flat(885)).last)
+        #expect(first.reading.status.label != "rejected" && first.unseenDirections.count > 20, "\(first)")
         try await phone.end()
     }
 

@@ -65,7 +65,7 @@ import Testing
     /// The main thread was busy: what it sees then is the newest reading, not those that piled up.
     @Test @MainActor func aScreenThatWasBusyShowsTheNewest() async throws {
         struct Counting: MagneticFieldSource {
-            let live = SharingTests.Live()
+            let live = Live()
             let seen = Shared(0)
 
             // read with every sample

@@ -6,47 +6,6 @@ import Testing
 @Suite(.timeLimit(.minutes(3))) struct SharingTests {
     let events = tumbling(1500)
 
-    /// A live source that a test plays; every start is another run.
-    final class Live: MagneticFieldSource {
-        struct State {
-            var starts = 0
-            var ends = 0
-            var listener: AsyncThrowingStream<SensorSample, any Error>.Continuation?
-        }
-
-        let state = Shared(State())
-
-        func samples() -> SensorSamples {
-            SensorSamples { [state] in
-                AsyncThrowingStream { listener in
-                    state.change {
-                        $0.starts += 1
-                        $0.listener = listener
-                    }
-                    listener.onTermination = { _ in state.change { $0.ends += 1 } }
-                }
-            }
-        }
-
-        func play(_ events: some Sequence<SensorSample>) {
-            for event in events { state.value.listener?.yield(event) }
-        }
-
-        func finish(_ error: (any Error)? = nil) { state.value.listener?.finish(throwing: error) }
-
-        func started(_ times: Int) async throws { try await eventually { state.value.starts == times } }
-    }
-
-    /// Reads from now on; `seen` grows.
-    func reader(_ compass: Compass, _ seen: Shared<[CompensatedReading]>) -> Task<Void, any Error> {
-        var begun = compass.readings(capacity: 10_000).makeAsyncIterator()
-        begun.start()
-        return Task { [begun] in
-            var iterator = begun
-            while let reading = try await iterator.next() { seen.change { $0.append(reading) } }
-        }
-    }
-
     @Test func severalConsumersGetTheReadingsOfOneEstimator() async throws {
         let source = Live()
         let compass = Compass(source: source)
@@ -94,53 +53,6 @@ import Testing
         let again = try await compass.readings(capacity: 1500).collected()
         #expect(again.count == 1500)
         #expect(again[0].reading.fieldUt != nil && again.allSatisfy { $0.reading.status.label != "rejected" })
-    }
-
-    final class Slow: CalibrationStore {
-        let calls = Shared<[String]>([])
-        let kept = Shared<String?>(nil)
-
-        func load() -> String? {
-            calls.change { $0.append("load") }
-            return kept.value
-        }
-
-        func save(_ text: String) {
-            calls.change { $0.append("save") }
-            Thread.sleep(forTimeInterval: 0.05)
-            kept.change { $0 = text }
-            calls.change { $0.append("saved") }
-        }
-
-        func clear() {
-            calls.change { $0.append("clear") }
-            kept.change { $0 = nil }
-        }
-    }
-
-    /// As views come and go: the next run begins when the one before has saved, and loads nothing old.
-    @Test func aHundredTurnsWithASlowStoreLoseNothing() async throws {
-        let (source, store) = (Live(), Slow())
-        let compass = Compass(source: source, store: store)
-        let all = tumbling(4000)
-        var readings: [Reading] = []
-        for run in 0..<100 {
-            let seen = Shared<[CompensatedReading]>([])
-            let task = reader(compass, seen)
-            try await source.started(run + 1)
-            source.play(all[(run * 80)..<((run + 1) * 80)])
-            try await eventually { seen.value.count == 40 }
-            task.cancel()
-            try await task.value
-            readings += seen.value.map(\.reading)
-        }
-        try await eventually { source.state.value.ends == 100 }
-        #expect(try readings == Compensator(config: Config(heading: HeadingConfig(axis: .auto))).pushAll(all))
-        let calls = store.calls.value
-        #expect(calls.first == "load" && calls.filter { $0 == "load" }.count == 1)
-        let saves = calls.dropFirst()
-        #expect(saves.count > 10 && saves.count.isMultiple(of: 2))
-        #expect(saves.enumerated().allSatisfy { $1 == ($0.isMultiple(of: 2) ? "save" : "saved") }, "never two at once")
     }
 
     @Test func aThousandReadersComeAndGoFromManyThreads() async throws {
@@ -223,244 +135,23 @@ import Testing
         #expect(store.calls.value.filter { $0 == "load" }.count == 1, "the estimator is the same")
     }
 
-    @Test func resetForgetsWhatWasLearnedInTheStoreToo() async throws {
-        let (source, store) = (Live(), Slow())
-        let compass = Compass(source: source, store: store)
-        let seen = Shared<[CompensatedReading]>([])
-        let task = reader(compass, seen)
-        try await source.started(1)
-        source.play(events)
-        try await eventually { seen.value.count == 1500 }
-        #expect(seen.value.last?.reading.status == .tracking && store.kept.value != nil)
-        compass.reset()
-        await compass.settled()
-        #expect(store.kept.value == nil)
-        source.play(flat(1500))
-        try await eventually { seen.value.count == 1501 }
-        #expect(seen.value.last?.reading.status.label == "collecting")
-        task.cancel()
-        try await task.value
-        try await eventually { source.state.value.ends == 1 }
-        #expect(store.kept.value == nil, "nor is it saved again at the end")
-
-        // before anything runs, too: the next launch is as the first
-        let other = Slow()
-        other.kept.change { $0 = "kept" }
-        let before = Compass(source: Played(events: []), store: other)
-        before.reset()
-        await before.settled()
-        #expect(other.kept.value == nil)
-    }
-
-    /// A phone that lies flat, beside what the system makes of it: its hard iron is 2 uT off in every axis.
-    func lying(_ accuracy: SystemFieldSample.Accuracy, samples: Int = 20) -> [SensorSample] {
-        (1...samples).flatMap { k -> [SensorSample] in
-            let timeNs = Int64(k) * stepNs
-            let noise = 0.2 * Double((k * 7) % 5 - 2)
-            let raw = Vector3(x: hardIronUt.x + 10 + noise, y: hardIronUt.y + 28 - noise, z: hardIronUt.z - 40 + noise)
-            let system = Vector3(
-                x: raw.x - hardIronUt.x - 2, y: raw.y - hardIronUt.y + 2, z: raw.z - hardIronUt.z - 2)
-            return [
-                .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
-                .systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: accuracy)),
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw)),
-            ]
-        }
-    }
-
-    @Test func theSystemsHardIronGivesAHeadingAtOnce() async throws {
-        let trueDeg = atan2(-10, 28.0) * 180 / Double.pi
-        for accuracy in [SystemFieldSample.Accuracy.high, .medium, .low] {
-            let readings = try await Compass(source: Played(events: lying(accuracy))).readings().collected()
-            let first = try #require(readings.first?.reading.heading, "\(accuracy)")
-            let sigma = try #require(first.headingSigmaDeg)
-            #expect(abs((first.headingDeg - trueDeg).remainder(dividingBy: 360)) < 3 * sigma, "\(first), true \(trueDeg)")
-            #expect(abs((first.headingDeg - trueDeg).remainder(dividingBy: 360)) > 2, "it is the system's, not our own")
-            #expect((15...60).contains(sigma), "13 uT in 30: \(sigma)")
-            #expect(readings.allSatisfy { $0.reading.heading != nil })
-        }
-        let without = Config(useReportedHardIron: false)
-        let refused = try await Compass(source: Played(events: lying(.high)), config: without).readings().collected()
-        #expect(refused.allSatisfy { $0.reading.heading == nil })
-        // the system knows nothing, or its field is of another time
-        var old = lying(.high)
-        old[1] = .systemField(
-            SystemFieldSample(timeNs: -5 * stepNs, fieldUt: Vector3(x: 10, y: 28, z: -40), accuracy: .high))
-        for events in [lying(.uncalibrated), Array(old[..<3])] {
-            let readings = try await Compass(source: Played(events: events)).readings().collected()
-            #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label == "collecting" })
-        }
-    }
-
-    /// The system's field comes every 50 ms and once, after a pause, later; samples come between.
-    @Test func theSystemsFieldBelongsToASampleWithinItsOwnPeriod() async throws {
-        func system(_ ms: Int64) -> SensorSample {
-            let field = Vector3(x: 10, y: 28, z: -40)
-            return .systemField(SystemFieldSample(timeNs: ms * 1_000_000, fieldUt: field, accuracy: .high))
-        }
-        func sample(_ ms: Int64) -> [SensorSample] {
-            let raw = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
-            return [
-                .up(UpSample(timeNs: ms * 1_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
-                .magnetic(MagneticSample(timeNs: ms * 1_000_000, fieldUt: raw)),
-            ]
-        }
-        func isBeside(_ events: [SensorSample]) async throws -> Bool {
-            let readings = try await Compass(source: Played(events: events)).readings().collected()
-            return try #require(readings.last).reading.fieldUt != nil
-        }
-        #expect(try await isBeside([system(1000)] + sample(1003)), "delivered apart")
-        #expect(try await isBeside([system(1000)] + sample(1020)))
-        #expect(try await !isBeside([system(1000)] + sample(1021)), "its period is not known")
-        #expect(try await isBeside([system(950), system(1000)] + sample(1050)))
-        #expect(try await !isBeside([system(950), system(1000)] + sample(1051)))
-        #expect(try await isBeside([system(950), system(1000), system(1000)] + sample(1050)), "twice the same")
-        #expect(try await !isBeside([system(990), system(1000)] + sample(1011)))
-        #expect(try await isBeside([system(1000)] + sample(990)), "a moment before it is as near")
-        #expect(try await isBeside([system(1000), system(2000)] + sample(3000)), "1 Hz")
-        #expect(try await !isBeside([system(1000), system(61_000)] + sample(61_021)), "a pause is no period")
-
-        // nor is what came before in a run of the same compass
-        let runs = CompassModelTests.Runs(samplesOfRuns: [
-            Played(events: [system(950), system(1000)]).samples(), Played(events: sample(1010)).samples(),
-            Played(events: [system(1100)] + sample(1150)).samples(),
-        ])
-        let compass = Compass(source: runs)
-        _ = try await compass.readings().collected()
-        for _ in 2...3 {
-            let last = try #require(try await compass.readings().collected().last)
-            #expect(last.reading.fieldUt == nil)
-            if runs.run.value == 2 { #expect(last.systemField == nil) }
-        }
-    }
-
-    @Test func whatWasLearnedIsBetterThanTheSystems() async throws {
-        let store = Slow()
-        _ = try await Compass(source: Played(events: tumbling(1500)), store: store).readings().collected()
-        let next = try await Compass(source: Played(events: lying(.high)), store: store).readings().collected()
-        let first = try #require(next.first?.reading)
-        #expect(abs(try #require(first.fieldUt).y - 28) < 1, "\(first)")
-    }
-
-    @Test func theStoreHasTheCalibrationWhenReadingsHaveEnded() async throws {
-        let store = Slow()
-        _ = try await Compass(source: Played(events: events), store: store).readings().collected()
-        let calls = store.calls.value
-        #expect(calls.last == "saved" && calls.filter { $0 == "saved" }.count >= 2, "\(calls)")
-    }
-
-    @Test func anAppThatEntersTheBackgroundSaves() async throws {
-        let (source, store) = (Live(), Slow())
-        let compass = Compass(source: source, store: store)
-        compass.save()
-        await compass.settled()
-        #expect(store.calls.value == [], "nothing to save")
-        let seen = Shared<[CompensatedReading]>([])
-        let task = reader(compass, seen)
-        try await source.started(1)
-        source.play(events)
-        try await eventually { seen.value.count == 1500 }
-        let before = store.kept.value
-        compass.save()
-        await compass.settled()
-        #expect(store.kept.value != before, "what came after the save at first tracking")
-        let calls = store.calls.value
-        compass.save()
-        await compass.settled()
-        #expect(store.calls.value == calls, "not twice the same")
-        task.cancel()
-        try await task.value
-    }
-
-    /// A gate that opens when a call has come back; for a call that waits for the gate it never does.
-    final class Gate: CalibrationStore {
-        private let opened = DispatchSemaphore(value: 0)
-        let entered = Shared(0)
-        let opensInTime = Shared<[Bool]>([])
-
-        func pass() {
-            entered.change { $0 += 1 }
-            let inTime = opened.wait(timeout: .now() + 20) == .success
-            opensInTime.change { $0.append(inTime) }
-        }
-
-        func open() { opened.signal() }
-
-        func load() -> String? { nil }
-
-        func save(_ text: String) { pass() }
-
-        func clear() {}
-    }
-
-    @Test func savingWaitsNeitherForTheStoreNorForASample() async throws {
-        let (live, store, sensor, gated) = (Live(), Gate(), Gate(), Shared(false))
-        struct Gated: MagneticFieldSource {
-            let (live, sensor, gated): (Live, Gate, Shared<Bool>)
-
-            // asked for while a sample is worked on
-            var hiddenS: Double {
-                if gated.value { sensor.pass() }
-                return 0
-            }
-
-            func samples() -> SensorSamples { live.samples() }
-        }
-        let compass = Compass(source: Gated(live: live, sensor: sensor, gated: gated), store: store)
-        let seen = Shared<[CompensatedReading]>([])
-        let task = reader(compass, seen)
-        try await live.started(1)
-        // the save at first tracking; the next comes 10 s later
-        store.open()
-        live.play(events.prefix(1800))
-        try await eventually { seen.value.count == 900 }
-        compass.save()
-        compass.save()
-        store.open()
-        await compass.settled()
-        #expect(store.opensInTime.value == [true, true], "the store was still at it when save() came back")
-
-        gated.change { $0 = true }
-        live.play(flat(900))
-        try await eventually { sensor.entered.value == 1 }
-        compass.save()
-        sensor.open()
-        store.open()
-        try await eventually { seen.value.count == 901 }
-        #expect(sensor.opensInTime.value == [true])
-        gated.change { $0 = false }
-        store.open()
-        task.cancel()
-        try await task.value
-    }
-
     /// A run is at a sample when its reader leaves and another comes: that sample is not the other's.
     @Test func aReaderGetsNothingOfTheRunBeforeItsOwn() async throws {
-        let (live, sensor, gated) = (Live(), Gate(), Shared(false))
-        struct Gated: MagneticFieldSource {
-            let (live, sensor, gated): (Live, Gate, Shared<Bool>)
-
-            var hiddenS: Double {
-                if gated.value { sensor.pass() }
-                return 0
-            }
-
-            func samples() -> SensorSamples { live.samples() }
-        }
-        let compass = Compass(source: Gated(live: live, sensor: sensor, gated: gated))
+        let source = Gated()
+        let compass = Compass(source: source)
         let first = reader(compass, Shared([]))
-        try await live.started(1)
-        gated.change { $0 = true }
-        live.play(flat(0))
-        try await eventually { sensor.entered.value == 1 }
+        try await source.live.started(1)
+        source.gated.change { $0 = true }
+        source.live.play(flat(0))
+        try await eventually { source.sensor.entered.value == 1 }
         first.cancel()
         try await first.value
         let seen = Shared<[CompensatedReading]>([])
         let second = reader(compass, seen)
-        gated.change { $0 = false }
-        sensor.open()
-        try await live.started(2)
-        live.play(flat(1))
+        source.gated.change { $0 = false }
+        source.sensor.open()
+        try await source.live.started(2)
+        source.live.play(flat(1))
         try await eventually { seen.value.last?.sample.timeNs == 2 * stepNs }
         #expect(seen.value.count == 1)
         second.cancel()
@@ -496,6 +187,54 @@ import Testing
         source.gate.open()
         try await second.value
         #expect(source.starts.value == 2 && source.gate.opensInTime.value == [true, true])
+    }
+
+    /// Not every sequence ends with its task: what it gives once nobody reads is of no run.
+    @Test func whatASourceGivesWhenItsReadersHaveLeftIsNotTaken() async throws {
+        struct Deaf: MagneticFieldSource {
+            struct Events: AsyncSequence, AsyncIteratorProtocol, Sendable {
+                let events: [SensorSample]
+                let gate: Gate
+                var at = 0
+
+                func makeAsyncIterator() -> Events { self }
+
+                mutating func next() async -> SensorSample? {
+                    if at == 2 { gate.pass() }
+                    at += 1
+                    return at <= events.count ? events[at - 1] : nil
+                }
+            }
+
+            let gate = Gate()
+            let taken = Shared(0)
+            let runs = Shared(0)
+
+            // read with every sample
+            var hiddenS: Double {
+                taken.change { $0 += 1 }
+                return 0
+            }
+
+            func samples() -> SensorSamples {
+                runs.change { $0 += 1 }
+                let events = runs.value == 1 ? tumbling(100) : []
+                return SensorSamples { [gate] in Events(events: events, gate: gate) }
+            }
+        }
+        let source = Deaf()
+        let compass = Compass(source: source)
+        let before = source.taken.value
+        let seen = Shared<[CompensatedReading]>([])
+        let first = reader(compass, seen)
+        try await eventually { source.gate.entered.value == 1 && seen.value.count == 1 }
+        first.cancel()
+        try await first.value
+        source.gate.open()
+        // its run begins when the first has ended
+        try await reader(compass, seen).value
+        #expect(source.runs.value == 2 && source.gate.opensInTime.value == [true])
+        #expect(source.taken.value == before + 1)
     }
 
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
@@ -576,13 +315,19 @@ import Testing
             return Data(text.utf8)
         }
         let compass = Compass(source: source)
-        // the feeding waits for room when it is left
-        for _ in 1...3 {
-            for try await _ in compass.readings(capacity: 1) {
-                try await Task.sleep(for: .milliseconds(20))
-                break
+        // the feeding waits for room when it is left; the next run waits for it
+        let left = Shared(0)
+        let leaving = Task {
+            for _ in 1...3 {
+                for try await _ in compass.readings(capacity: 1) {
+                    try await Task.sleep(for: .milliseconds(20))
+                    break
+                }
+                left.change { $0 += 1 }
             }
         }
+        try await eventually { left.value == 3 }
+        try await leaving.value
         let count = Shared(0)
         let task = Task {
             for try await _ in compass.readings(capacity: 1) { count.change { $0 += 1 } }

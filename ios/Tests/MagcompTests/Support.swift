@@ -1,5 +1,5 @@
 import Foundation
-import Magcomp
+@testable import Magcomp
 import Testing
 
 let repository = URL(fileURLWithPath: #filePath)
@@ -99,7 +99,7 @@ extension Compensator {
 }
 
 /// Waits for what must happen; a test that waits in vain fails after half a minute.
-func eventually(_ happens: () -> Bool) async throws {
+func eventually(isolation: isolated (any Actor)? = #isolation, _ happens: () -> Bool) async throws {
     let deadline = ContinuousClock.now + .seconds(30)
     while !happens() {
         try #require(ContinuousClock.now < deadline, "it never happened")
@@ -118,3 +118,142 @@ final class Shared<Value: Sendable>: @unchecked Sendable {
 
     func change(_ body: (inout Value) -> Void) { lock.withLock { body(&stored) } }
 }
+
+/// A live source that a test plays; every start is another run.
+final class Live: MagneticFieldSource {
+    struct State {
+        var starts = 0
+        var ends = 0
+        var listener: AsyncThrowingStream<SensorSample, any Error>.Continuation?
+    }
+
+    let state = Shared(State())
+
+    func samples() -> SensorSamples {
+        SensorSamples { [state] in
+            AsyncThrowingStream { listener in
+                state.change {
+                    $0.starts += 1
+                    $0.listener = listener
+                }
+                listener.onTermination = { _ in state.change { $0.ends += 1 } }
+            }
+        }
+    }
+
+    func play(_ events: some Sequence<SensorSample>) {
+        for event in events { state.value.listener?.yield(event) }
+    }
+
+    func finish(_ error: (any Error)? = nil) { state.value.listener?.finish(throwing: error) }
+
+    func started(_ times: Int) async throws { try await eventually { state.value.starts == times } }
+}
+
+/// Reads from now on; `seen` grows.
+func reader(_ compass: Compass, _ seen: Shared<[CompensatedReading]>) -> Task<Void, any Error> {
+    var begun = compass.readings(capacity: 10_000).makeAsyncIterator()
+    begun.start()
+    return Task { [begun] in
+        var iterator = begun
+        while let reading = try await iterator.next() { seen.change { $0.append(reading) } }
+    }
+}
+
+/// A store that takes its time and notes its calls.
+final class Slow: CalibrationStore {
+    let calls = Shared<[String]>([])
+    let kept = Shared<String?>(nil)
+
+    func load() -> String? {
+        calls.change { $0.append("load") }
+        return kept.value
+    }
+
+    func save(_ text: String) {
+        calls.change { $0.append("save") }
+        Thread.sleep(forTimeInterval: 0.05)
+        kept.change { $0 = text }
+        calls.change { $0.append("saved") }
+    }
+
+    func clear() {
+        calls.change { $0.append("clear") }
+        kept.change { $0 = nil }
+    }
+}
+
+/// A gate that opens when a call has come back; for a call that waits for the gate it never does.
+final class Gate: CalibrationStore {
+    private let opened = DispatchSemaphore(value: 0)
+    let entered = Shared(0)
+    let opensInTime = Shared<[Bool]>([])
+
+    func pass() {
+        entered.change { $0 += 1 }
+        let inTime = opened.wait(timeout: .now() + 20) == .success
+        opensInTime.change { $0.append(inTime) }
+    }
+
+    func open() { opened.signal() }
+
+    func load() -> String? { nil }
+
+    func save(_ text: String) { pass() }
+
+    func clear() {}
+}
+
+/// A live source that passes a gate with every sample while `gated`.
+struct Gated: MagneticFieldSource {
+    let live = Live()
+    let sensor = Gate()
+    let gated = Shared(false)
+
+    // asked for while a sample is worked on
+    var hiddenS: Double {
+        if gated.value { sensor.pass() }
+        return 0
+    }
+
+    func samples() -> SensorSamples { live.samples() }
+}
+
+#if canImport(CoreMotion) && !os(macOS)
+import CoreMotion
+
+/// Tests over a stand-in of Core Motion that plays what they script.
+protocol OverCoreMotion {
+    var manager: CMMotionManager { get }
+}
+
+extension OverCoreMotion {
+    /// An event of each sensor.
+    func play(at time: Double) {
+        manager.deviceMotion(at: time, gravity: (0, 0, -1))
+        manager.magnetometer(at: time, 1, 2, 3)
+    }
+
+    /// The first samples while `play` runs, once updates are on.
+    func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
+        var samples: [SensorSample] = []
+        var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        iterator.start()
+        play()
+        while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
+        return samples
+    }
+
+    /// As many readings while `play` runs.
+    func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
+        var readings: [CompensatedReading] = []
+        var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
+        iterator.start()
+        try await eventually { manager.isMagnetometerActive }
+        play()
+        while readings.count < count, let reading = try await iterator.next() { readings.append(reading) }
+        #expect(readings.allSatisfy { $0.droppedBefore == 0 })
+        return readings
+    }
+}
+#endif

@@ -2,7 +2,8 @@
 """Breaks a copy of the Swift package by one patch at a time and expects the tests that the patch names to fail.
 
 `run.py FOLDER PATCHES WORD -- TEST...`: FOLDER is the copy, TEST... the command that builds and tests, which `--filter SUITES` is appended to. A patch that
-does not apply or does not compile is an error of the list, and tests that hang for ten minutes are no kill.
+does not apply or does not compile is an error of the list. An assertion has to fail: tests that crash, hang for ten minutes or fail by their suite's time
+limit alone are no kill.
 """
 
 import os
@@ -27,7 +28,7 @@ def read(text):
 
 
 def run(suites):
-    """Whether it built, and whether the tests passed."""
+    """Whether it built, whether the tests passed, and what they said."""
     # a group of its own: a run that hangs is ended with all that it has begun
     found = subprocess.Popen(
         [*command, "--filter", "|".join(suites)], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
@@ -41,28 +42,43 @@ def run(suites):
     return "Build complete!" in out, found.returncode == 0, out
 
 
+def judge(suites):
+    """What became of a patch, the tests that failed, and what the compiler said."""
+    try:
+        built, passed, out = run(suites)
+    except subprocess.TimeoutExpired:
+        return "HUNG", [], ""
+    if not built:
+        return "ERROR", [], "\n".join(line for line in out.splitlines() if "error:" in line)[:500]
+    if passed:
+        return "SURVIVED", [], ""
+    issues = re.findall(r"Test (\w+)\(.*? recorded an issue.*?: (.*)", out)
+    failed = sorted({test for test, issue in issues if "Time limit was exceeded" not in issue})
+    return "killed" if failed else "LIMIT" if issues else "CRASHED", failed, ""
+
+
 all_patches = [patch for patch in read(patches.read_text()) if re.search(word, " ".join([patch[0], *patch[1], patch[2]]))]
 built, passed, out = run(sorted({suite for patch in all_patches for suite in patch[1]}))
 if not (built and passed):
     sys.exit(out[-3000:] + "\nmutants: the tests fail before anything is broken")
-wrong = 0
+results = {}
 for file, suites, what, there, instead in all_patches:
     path = folder / f"ios/Sources/Magcomp/{file}.swift"
     whole = path.read_text()
     if whole.count(there) != 1:
         print(f"ERROR     {file}: {what}: what is taken out is there {whole.count(there)} times")
-        wrong += 1
+        results.setdefault(file, []).append("ERROR")
         continue
     path.write_text(whole.replace(there, instead))
-    try:
-        built, passed, out = run(suites)
-        result = "ERROR" if not built else "SURVIVED" if passed else "killed"
-    except subprocess.TimeoutExpired:
-        result = "HUNG"  # no test has failed
+    result, failed, errors = judge(suites)
     path.write_text(whole)
-    wrong += result != "killed"
-    print(f"{result:9} {file}: {what}", flush=True)
-    if result == "ERROR":
-        print("\n".join(line for line in out.splitlines() if "error:" in line)[:500])
-print(f"mutants: {len(all_patches) - wrong} of {len(all_patches)} killed")
-sys.exit(wrong > 0)
+    results.setdefault(file, []).append(result)
+    by = f" ({', '.join(failed[:3])})" if failed else ""
+    print(f"{result:9} {file}: {what}{by}", flush=True)
+    if errors:
+        print(errors)
+for file, found in sorted(results.items()):
+    print(f"| {file} | {len(found)} | {found.count('killed')} |")
+killed = sum(found.count("killed") for found in results.values())
+print(f"mutants: {killed} of {len(all_patches)} killed")
+sys.exit(killed < len(all_patches))

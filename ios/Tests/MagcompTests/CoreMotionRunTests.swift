@@ -1,0 +1,158 @@
+#if canImport(CoreMotion) && !os(macOS)
+import CoreMotion
+import Foundation
+@testable import Magcomp
+import Testing
+
+/// When the updates of a ``CoreMotionSource`` begin and end, and who gets their events.
+@Suite(.timeLimit(.minutes(2))) struct CoreMotionRunTests: OverCoreMotion {
+    let manager = CMMotionManager()
+
+    @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {
+        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), manager: manager)
+        let sequence = source.samples()
+        #expect(manager.starts == 0, "cold")
+        do {
+            var iterator = sequence.makeAsyncIterator()
+            #expect(manager.starts == 0, "nobody has asked for an event")
+            iterator.start()
+            #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
+            #expect(manager.magnetometerUpdateInterval == 0.02 && manager.deviceMotionUpdateInterval == 0.02)
+            #expect(manager.frame == .xArbitraryZVertical)
+            play(at: 1)
+            #expect(try await iterator.next()?.timeNs == 1_000_000_000)
+        }
+        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
+        // and it can be iterated again
+        var again = sequence.makeAsyncIterator()
+        again.start()
+        play(at: 2)
+        #expect(try await again.next()?.timeNs == 2_000_000_000)
+        #expect(manager.starts == 2)
+    }
+
+    /// What an earlier run left waiting, and its lag, are not the next one's.
+    @Test func anotherRunBeginsWithNothing() async throws {
+        let source = CoreMotionSource(manager: manager)
+        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
+        first?.start()
+        for time in [1, 1.01] { play(at: time) }
+        #expect(try await first?.next() != nil)
+        // waits for device motion
+        manager.magnetometer(at: 1.02, 7, 7, 7)
+        try await eventually { source.lagS != nil }
+        try await Task.sleep(for: .milliseconds(20))
+        first = nil
+        try await eventually { !manager.isMagnetometerActive }
+        var second = source.samples().makeAsyncIterator()
+        second.start()
+        #expect(source.lagS == nil)
+        play(at: 1.03)
+        #expect(try await second.next()?.timeNs == 1_030_000_000)
+    }
+
+    @Test func cancellingTheTaskStopsTheUpdates() async throws {
+        let source = CoreMotionSource(manager: manager)
+        let got = Shared(0)
+        let task = Task {
+            for try await _ in source.samples().compensated() { got.change { $0 += 1 } }
+        }
+        try await eventually { manager.isMagnetometerActive }
+        play(at: 1)
+        try await eventually { got.value == 1 }
+        task.cancel()
+        try await task.value
+        try await eventually { !manager.isMagnetometerActive && !manager.isDeviceMotionActive }
+    }
+
+    @Test func leavingTheLoopStopsTheUpdates() async throws {
+        for _ in 0..<100 {
+            let source = CoreMotionSource(manager: manager)
+            let player = Player(manager: manager)
+            let playing = Task {
+                var time = 0.0
+                while !Task.isCancelled {
+                    time += 0.001
+                    player.manager.magnetometer(at: time, 1, 2, time)
+                    await Task.yield()
+                }
+            }
+            for try await reading in source.samples().compensated() where reading.reading.window >= 0 { break }
+            playing.cancel()
+            try await eventually { !manager.isMagnetometerActive }
+        }
+    }
+
+    /// The stand-in may be played from any thread.
+    struct Player: @unchecked Sendable {
+        let manager: CMMotionManager
+    }
+
+    @Test func twoIteratorsEachGetEveryEvent() async throws {
+        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), manager: manager)
+        var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
+        var second = source.samples().makeAsyncIterator()
+        first?.start()
+        second.start()
+        #expect(manager.starts == 1, "they share the updates")
+        for time in [1.0, 2.0] { manager.magnetometer(at: time, 1, 2, 3) }
+        for time in [1, 2] {
+            #expect(try await first?.next()?.timeNs == Int64(time) * 1_000_000_000)
+            #expect(try await second.next()?.timeNs == Int64(time) * 1_000_000_000)
+        }
+        first = nil
+        #expect(manager.isMagnetometerActive, "one is left")
+        manager.magnetometer(at: 3, 1, 2, 3)
+        #expect(try await second.next()?.timeNs == 3_000_000_000)
+    }
+
+    /// SwiftUI makes a view's initial state as often as the view, and keeps the first.
+    @Test @MainActor func aModelThatIsNotRunMakesNoManager() async throws {
+        let made = Shared(0)
+        func manager() -> CMMotionManager {
+            made.change { $0 += 1 }
+            return CMMotionManager()
+        }
+        for _ in 0..<100 {
+            let model = CompassModel(compass: Compass(source: CoreMotionSource(manager: manager())))
+            #expect(model.compass.frame.axis == .auto)
+        }
+        #expect(made.value == 0)
+        let source = CoreMotionSource(manager: manager())
+        for _ in 0..<3 {
+            let iterator = source.samples().makeAsyncIterator()
+            iterator.start()
+            withExtendedLifetime(iterator) {}
+        }
+        #expect(made.value == 1, "and then one")
+        // as an app writes it
+        #expect(CompassModel().reading == nil && CompassObject().state == CompassState())
+    }
+
+    @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
+        let source = CoreMotionSource(manager: manager)
+        for _ in 0..<1000 {
+            _ = source.samples().makeAsyncIterator()
+            _ = source.samples().compensated().makeAsyncIterator()
+        }
+        #expect(manager.starts == 0)
+    }
+
+    @Test func noEventIsDroppedBeforeTheEstimator() async throws {
+        let samples = try await samples(20_000, SensorOptions(gyroscope: false, up: false)) {
+            // all of them before the iterator asks for the first
+            for k in 1...20_000 { manager.magnetometer(at: Double(k), 1, 2, 3) }
+        }
+        #expect(samples.map(\.timeNs) == (1...20_000).map { Int64($0) * 1_000_000_000 })
+    }
+
+    @Test func theOneLiner() async throws {
+        // its own manager: nothing can be played, but it compiles as the documents say, and ends when told to
+        let task = Task {
+            for try await reading in Compass().readings() { print(reading.reading.status.text) }
+        }
+        task.cancel()
+        try await task.value
+    }
+}
+#endif
