@@ -208,13 +208,15 @@ struct Phone {
     private var timeNs: Int64 = 0
     /// Of the top edge, where it lies flat.
     private(set) var headingDeg = 0.0
+    /// Of the place, uT.
+    var horizontalUt = 21.0
 
     init(_ seed: UInt64, hardIron: Vector3 = hardIronUt, system: SystemFieldSample.Accuracy? = nil) {
         (state, self.hardIron, self.system) = (seed &* 2 &+ 1, hardIron, system)
     }
 
     /// The Earth's in the device, uT.
-    var field: Vector3 { north * 21 + up * -43 }
+    var field: Vector3 { north * horizontalUt + up * -43 }
 
     mutating func layDown(_ headingDeg: Double) {
         self.headingDeg = headingDeg
