@@ -49,7 +49,8 @@ of_swift() { # [WORD]
     local copy=$target/mutants/swift
     rm -rf "$copy"
     mkdir -p "$copy"
-    git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors | xargs -0 cp --parents -t "$copy"
+    git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
+        tests/recordings/broad_34_attached_magnet_3cm.csv.gz | xargs -0 cp --parents -t "$copy"
     export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
     # the tests run within the toolchain's root: the script that breaks stays outside
     export -f swift_tool

@@ -155,6 +155,7 @@ import Testing
         store.save("a")
         store.save("b")
         #expect(UserDefaultsStore(key: key).load() == "b")
+        #expect(UserDefaultsStore(key: key + "-other").load() == nil)
         store.clear()
         #expect(store.load() == nil)
     }

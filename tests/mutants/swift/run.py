@@ -49,18 +49,21 @@ def judge(suites):
     except subprocess.TimeoutExpired:
         return "HUNG", [], ""
     if not built:
-        return "ERROR", [], "\n".join(line for line in out.splitlines() if "error:" in line)[:500]
+        return "ERROR", [], "\n".join(line for line in out.splitlines() if "error: " in line)[:500]
     if passed:
         return "SURVIVED", [], ""
     issues = re.findall(r"Test (\w+)\(.*? recorded an issue.*?: (.*)", out)
-    failed = sorted({test for test, issue in issues if "Time limit was exceeded" not in issue})
+    # what never happens shows in nothing but a wait
+    waited = sorted({f"{test} waits in vain" for test, issue in issues if "it never happened" in issue})
+    failed = sorted({test for test, issue in issues if not re.search("Time limit was exceeded|it never happened", issue)}) or waited
     return "killed" if failed else "LIMIT" if issues else "CRASHED", failed, ""
 
 
 all_patches = [patch for patch in read(patches.read_text()) if re.search(word, " ".join([patch[0], *patch[1], patch[2]]))]
 built, passed, out = run(sorted({suite for patch in all_patches for suite in patch[1]}))
 if not (built and passed):
-    sys.exit(out[-3000:] + "\nmutants: the tests fail before anything is broken")
+    said = "\n".join(line for line in out.splitlines() if "error: " in line or "recorded an issue" in line)
+    sys.exit(f"{said or out[-3000:]}\nmutants: the tests fail before anything is broken")
 results = {}
 for file, suites, what, there, instead in all_patches:
     path = folder / f"ios/Sources/Magcomp/{file}.swift"
