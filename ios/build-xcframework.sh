@@ -101,6 +101,7 @@ build() { # all slices, or the devices' alone
         slice ios-arm64_x86_64-simulator aarch64-apple-ios-sim x86_64-apple-ios
         slice macos-arm64_x86_64 aarch64-apple-darwin x86_64-apple-darwin
     fi
+    cp LICENSE-MIT LICENSE-APACHE ios/THIRD-PARTY-NOTICES "$framework/"
     cat >"$framework/Info.plist" <<PLIST
 <?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE plist PUBLIC "-//Apple//DTD PLIST 1.0//EN" "http://www.apple.com/DTDs/PropertyList-1.0.dtd">

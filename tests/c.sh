@@ -42,6 +42,10 @@ for language in c:_Static_assert cpp:static_assert; do
 done
 readelf -d "$prefix/lib/libmagcomp.so" | grep -q 'SONAME.*\[libmagcomp\.so\.0\.1\]' || fail "the shared library has no versioned name"
 
+for file in LICENSE-MIT LICENSE-APACHE c/THIRD-PARTY-NOTICES; do
+    cmp "$file" "$prefix/share/doc/magcomp/${file##*/}" || fail "$file is not installed"
+done
+
 # the installed folder may be moved
 mv "$prefix" "$home/moved"
 prefix=$home/moved

@@ -68,6 +68,19 @@ need() { # PART TOOL:PACKAGE...
     exit 1
 }
 
+# `need_cargo PART CRATE@VERSION...`: commands of the Rust registry, built once into target/tools, with which PATH then begins.
+need_cargo() {
+    local part=$1 tools crate
+    tools=$(realpath -m "${CARGO_TARGET_DIR:-target}")/tools
+    shift
+    for crate; do
+        grep -qsF "\"${crate%@*} ${crate#*@} " "$tools/.crates.toml" && continue
+        echo "$part: building $crate"
+        CARGO_TARGET_DIR=$tools/build cargo install --quiet --locked --root "$tools" "$crate"
+    done
+    export PATH=$tools/bin:$PATH
+}
+
 # `need_llvm PART TOOL:PACKAGE...` asks for LLVM's tools, each without its suffix, such as -22, which it sets as `llvm`. Debian has
 # several; one that is older than the LLVM of the compiler can't read what that compiler writes. So: the newest from there on, of
 # those that are here and those that apt knows. LLVM, where it is set, is the suffix instead.

@@ -14,6 +14,7 @@ rust() {
     tests/circles.py
     tests/choices.py
     tests/privacy.py
+    tests/notices.py --check
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings

@@ -41,11 +41,12 @@ def check_pom(file):
     return version, ("".join(texts(pom, "packaging")) or "jar")
 
 
-def check_jar(file, entry):
+def check_jar(file, *entries):
     must(file.is_file(), f"{file.name} is missing")
     if file.is_file():
         names = zipfile.ZipFile(file).namelist()
-        must(any(re.search(entry, it) for it in names), f"{file.name} has no {entry}")
+        for entry in entries:
+            must(any(re.search(entry, it) for it in names), f"{file.name} has no {entry}")
 
 
 def check(folder):
@@ -56,7 +57,8 @@ def check(folder):
         version, packaging = check_pom(file)
         versions.add(version)
         stem = str(file)[: -len(".pom")]
-        check_jar(Path(f"{stem}.{packaging}"), r"^classes\.jar$" if packaging == "aar" else r"^org/magcomp/Compass\.class$")
+        held = r"^classes\.jar$" if packaging == "aar" else r"^org/magcomp/Compass\.class$"
+        check_jar(Path(f"{stem}.{packaging}"), held, *(f"^META-INF/{it}$" for it in ["LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY-NOTICES"]))
         check_jar(Path(stem + "-sources.jar"), r"org/magcomp/Compass\.kt$")
         check_jar(Path(stem + "-javadoc.jar"), r"index\.html$")
     must(len(versions) == 1, f"two versions: {sorted(versions)}")

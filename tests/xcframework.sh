@@ -33,7 +33,7 @@ import pathlib, plistlib, sys
 framework = pathlib.Path(sys.argv[1])
 info = plistlib.loads((framework / "Info.plist").read_bytes())
 assert info["CFBundlePackageType"] == "XFWK" and info["XCFrameworkFormatVersion"] == "1.0", info
-known = {framework / "Info.plist"}
+known = {framework / name for name in ("Info.plist", "LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY-NOTICES")}
 for library in info["AvailableLibraries"]:
     folder = framework / library["LibraryIdentifier"]
     variant = library.get("SupportedPlatformVariant", "")
@@ -58,6 +58,10 @@ there = {path for path in framework.rglob("*") if path.is_file()}
 assert there == known, there ^ known
 PYTHON
 [ "$(cut -d' ' -f1 "$work/slices" | sort -u | xargs)" = "$slices" ] || fail "slices: $(cat "$work/slices")"
+
+for file in LICENSE-MIT LICENSE-APACHE ios/THIRD-PARTY-NOTICES; do
+    cmp "$file" "$framework/${file##*/}" || fail "$file is not in it"
+done
 
 # names the headers declare, as symbols
 cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\b(uniffi_magcomp_ffi|ffi_magcomp_ffi|magcomp)_[a-z0-9_]+ *\(' |

@@ -4,6 +4,7 @@
 import base64
 import gzip
 import hashlib
+import html
 import pathlib
 import re
 import sys
@@ -33,8 +34,10 @@ parts["policy"] = "; ".join(
         "form-action 'none'",
     ]
 )
-html = (here / "page/page.html").read_text()
+licences = [here.parent / "LICENSE-MIT", here.parent / "LICENSE-APACHE", here / "THIRD-PARTY-NOTICES"]
+parts["licences"] = html.escape("\n".join(file.read_text() for file in licences))
+frame = (here / "page/page.html").read_text()
 page.parent.mkdir(parents=True, exist_ok=True)
-page.write_text(re.sub(r"\{\{([a-z.]+)\}\}", lambda found: parts[found[1]], html))
+page.write_text(re.sub(r"\{\{([a-z.]+)\}\}", lambda found: parts[found[1]], frame))
 whole = len(gzip.compress(page.read_bytes(), 9))
 print(f"{page}: {page.stat().st_size} bytes, {whole} gzipped; the module {module.stat().st_size}, {len(gzip.compress(module.read_bytes(), 9))} gzipped")

@@ -3,11 +3,14 @@
 import copy
 import datetime
 import doctest
+import importlib.metadata
 
 import numpy as np
 import pytest
 
 import magcomp
+
+from conftest import ROOT
 
 
 def turned(count, seed=1, noise_ut=0.5):
@@ -218,3 +221,10 @@ def test_headings_from_outside_that_cannot_be_used_are_refused():
         compensator.push_heading(1, 90.0, 5.0)
     compensator.push_attitude(2, [3, 0, 0, 0])
     assert compensator.heading_aid is None and compensator.found_declination_deg is None
+
+
+def test_the_wheel_carries_the_licences():
+    files = {file.name: file for file in importlib.metadata.files("magcomp") if file.parent.name == "licenses"}
+    for name, folder in [("LICENSE-MIT", ""), ("LICENSE-APACHE", ""), ("THIRD-PARTY-NOTICES", "python")]:
+        assert files.pop(name).read_text() == (ROOT / folder / name).read_text()
+    assert not files
