@@ -13,7 +13,7 @@ parts=(deny features minimal stated workflows)
 need supply "${rust_tools[@]}" python3:python3 venv:python3-venv tar:tar
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 stated=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
-manifests=(Cargo.toml c/Cargo.toml python/Cargo.toml web/Cargo.toml fuzz/Cargo.toml)
+manifests=(Cargo.toml c/Cargo.toml python/Cargo.toml web/Cargo.toml) # fuzz/ ships nowhere
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -21,11 +21,11 @@ deny() {
     local manifest
     need_cargo supply cargo-deny@0.20.2
     for manifest in "${manifests[@]}"; do
-        cargo deny --log-level error --manifest-path "$manifest" --locked check --config "$PWD/deny.toml" bans licenses sources
+        cargo deny --log-level error --config "$PWD/deny.toml" --manifest-path "$manifest" --locked check bans licenses sources
     done
     if cargo deny --log-level error fetch db >"$work/said" 2>&1; then
         for manifest in "${manifests[@]}"; do
-            cargo deny --log-level error --manifest-path "$manifest" --locked check --config "$PWD/deny.toml" advisories
+            cargo deny --log-level error --config "$PWD/deny.toml" --manifest-path "$manifest" --locked check advisories
         done
     else
         echo "supply: known faults were NOT looked up: their database cannot be had here"
