@@ -27,6 +27,8 @@ final class Estimation: @unchecked Sendable {
     private let lock = NSLock()
     /// Nil before it is first used, and after a defect.
     private var compensator: Compensator?
+    /// The defect that took it away.
+    private var defect: MagcompError?
     private var currentFrame: HeadingFrame?
     private var systemField: SystemFieldSample?
     /// Time between the latest two of them.
@@ -90,23 +92,16 @@ final class Estimation: @unchecked Sendable {
     /// The answer to a magnetometer sample; nil for any other event.
     func push(_ event: SensorSample) throws -> CompensatedReading? {
         try lock.withLock {
-            guard let compensator else { throw MagcompError.closed }
-            do {
-                return try push(event, to: compensator)
-            } catch MagcompError.panicked(let what) {
-                // the next run begins with what the store keeps
-                self.compensator = nil
-                throw MagcompError.panicked(what: what)
-            }
+            guard compensator != nil else { throw defect ?? MagcompError.closed }
+            return try use { try push(event, to: $0) }.flatMap { $0 }
         }
     }
 
     /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
     func aid(_ push: (Compensator) throws -> Void) throws -> Bool {
         try lock.withLock {
-            guard let compensator else { return false }
             do {
-                try push(compensator)
+                guard try use(push) != nil else { return false }
                 isAided = true
                 return true
             } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
@@ -115,7 +110,21 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
-    func foundDeclination() throws -> FoundDeclination? { try lock.withLock { try compensator?.foundDeclination() } }
+    func foundDeclination() throws -> FoundDeclination? {
+        try lock.withLock { try use { try $0.foundDeclination() }.flatMap { $0 } }
+    }
+
+    /// Calls the compensator, inside `lock`; nil where there is none. After a defect there is none: this run ends, and the next one begins
+    /// with what the store keeps.
+    private func use<T>(_ call: (Compensator) throws -> T) throws -> T? {
+        guard let compensator else { return nil }
+        do {
+            return try call(compensator)
+        } catch let error as MagcompError {
+            if case .panicked = error { (self.compensator, defect) = (nil, error) }
+            throw error
+        }
+    }
 
     /// Saves what the store does not keep already, without waiting: neither for the store nor for a sample that is being worked on.
     func save() {

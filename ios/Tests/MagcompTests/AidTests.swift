@@ -1,4 +1,5 @@
 import Foundation
+import MagcompTestHooks
 import Testing
 
 @testable import Magcomp
@@ -128,6 +129,47 @@ func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
         #expect(try compass.foundDeclination() == nil)
         for aid in [HeadingAid.used, .leads, .disagrees] { #expect(aid.localizedText == aid.text) }
         compass.reset()
+    }
+
+    /// Whether help or a question meets it, while somebody reads or between two runs.
+    @Test(arguments: [true, false], [true, false])
+    func aDefectThatHelpMeetsEndsTheRunAndSparesTheNext(isAsked: Bool, isRead: Bool) async throws {
+        let source = SharingTests.Live()
+        let compass = Compass(source: source)
+        let seen = Shared<[CompensatedReading]>([])
+        let pose = AttitudeSample(timeNs: 1, w: 1, x: 0, y: 0, z: 0, yaw: .relative)
+        func play(_ events: [SensorSample]) async throws {
+            let before = seen.value.count
+            source.play(events)
+            try await eventually { seen.value.count == before + events.count / 2 }
+        }
+        func breakIt() throws {
+            let defect = MagcompError.panicked(what: "on purpose")
+            #expect(magcomp_test_panic(try #require(compass.fastHandle)) == Int32(MAGCOMP_PANICKED))
+            #expect(throws: defect) {
+                if isAsked { _ = try compass.foundDeclination() } else { try compass.aid(pose) }
+            }
+            #expect(try !compass.aid(pose), "there is nothing to help")
+            #expect(try compass.foundDeclination() == nil)
+        }
+        let task = SharingTests().reader(compass, seen)
+        try await source.started(1)
+        try await play(flat(0))
+        if isRead {
+            try breakIt()
+            source.play(flat(1))
+            await #expect(throws: MagcompError.panicked(what: "on purpose"), "its own reason") { try await task.value }
+        } else {
+            task.cancel()
+            try await task.value
+            await compass.settled()
+            try breakIt()
+        }
+        let again = SharingTests().reader(compass, seen)
+        try await source.started(2)
+        try await play(flat(2))
+        again.cancel()
+        try await again.value
     }
 }
 
