@@ -34,8 +34,11 @@ let linking: [LinkerSetting] =
     ] : []
 
 // Stand-ins of Apple's frameworks, for this package's own tests on Linux
-let frameworks = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in" ? ["Combine", "CoreMotion"] : []
+let isAlone = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in"
+let frameworks = isAlone ? ["ARKit", "Combine", "CoreLocation", "CoreMotion", "simd"] : []
 let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
+// what of the sample needs no screen
+let sample: [Target.Dependency] = frameworks.isEmpty ? [] : ["CourseHelp"]
 
 var targets: [Target] = [
     native,
@@ -59,7 +62,7 @@ if fromCargo {
         .systemLibrary(name: "MagcompTestHooks", path: "ios/Tests/TestHooks"),
         .testTarget(
             name: "MagcompTests",
-            dependencies: ["Magcomp", "MagcompTestHooks"] + standIns,
+            dependencies: ["Magcomp", "MagcompTestHooks"] + standIns + sample,
             path: "ios/Tests/MagcompTests"
         ),
         .executableTarget(
@@ -71,7 +74,16 @@ if fromCargo {
 }
 targets += frameworks.map {
     // the version of Core Motion from which on the library asks for the authorization status
-    .target(name: $0, path: "ios/Tests/\($0)", swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
+    .target(
+        name: $0, dependencies: $0 == "ARKit" ? ["simd"] : [], path: "ios/Tests/\($0)",
+        swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
+}
+
+if !frameworks.isEmpty {
+    targets.append(
+        .target(
+            name: "CourseHelp", dependencies: ["Magcomp", "CoreLocation"], path: "ios/Sample/Compass.swiftpm",
+            exclude: ["CompassApp.swift", "CompassView.swift", "Package.swift"]))
 }
 
 let package = Package(

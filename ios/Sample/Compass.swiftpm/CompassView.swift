@@ -20,6 +20,10 @@ struct CompassView: View {
                 Text("in a holder in a car").tag(HeadedAxis?.some(.vehicle))
                 Text("walking, held ahead").tag(HeadedAxis?.some(.heldAhead))
             }
+            if let refusal = help?.refusal {
+                CompassAdvice(
+                    status: refusal.localizedDescription, guidance: nil, isDisturbed: false, error: refusal)
+            }
             if let aid = model.reading?.headingAid { Text(aid.localizedText).font(.footnote) }
             if let system = model.systemField {
                 Text("iOS: \(microtesla(length(system.fieldUt))), accuracy \(String(describing: system.accuracy))")

@@ -64,6 +64,18 @@ private func quaternion(_ x: SIMD3<Double>, _ y: SIMD3<Double>, _ z: SIMD3<Doubl
 func nanoseconds(_ seconds: Double) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
 
 extension HeadingSample {
+    /// The time of a fix, or of anything else that has a date, by the clock of the phone's sensors: nanoseconds since the start of the
+    /// device, without its sleep. For a date of the last seconds, and before the phone sleeps or its clock is set.
+    public static func timeNs(of date: Date) -> Int64 {
+        timeNs(of: date, now: Date(), uptimeS: ProcessInfo.processInfo.systemUptime)
+    }
+
+    /// A date too far away for that clock is at its end.
+    static func timeNs(of date: Date, now: Date, uptimeS: TimeInterval) -> Int64 {
+        let timeS = uptimeS - now.timeIntervalSince(date)
+        return nanoseconds(timeS) ?? (timeS > 0 ? .max : .min)
+    }
+
     /// Choice: a car that goes more slowly may go backwards; who walks more slowly stands and looks about, m/s.
     static let leastSpeedMS = (driving: 3.0, walking: 0.7)
     /// Choice: the error of a GNSS speed across the course, where the phone tells none, m/s.
@@ -112,8 +124,8 @@ extension AttitudeSample {
 extension Compass {
     /// A heading from outside: a landmark that the user tapped, a corridor of a map. Any thread may call.
     ///
-    /// - Parameter heading: its time is that of the source's events, for the phone's sensors `ProcessInfo.systemUptime` in nanoseconds; up to
-    ///   5 s before the latest reading
+    /// - Parameter heading: its time is that of the source's events, for the phone's sensors `HeadingSample.timeNs(of:)` of a date; up to 5 s
+    ///   before the latest reading
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
     /// - Throws: `MagcompError.eventRejected` for numbers that can't be
     @discardableResult
@@ -134,7 +146,7 @@ extension Compass {
     }
 }
 
-// Linux has no CoreLocation: this part is parsed there, not compiled
+// Linux compiles this with stand-ins of CoreLocation and simd
 #if canImport(CoreLocation)
 import CoreLocation
 
@@ -147,11 +159,9 @@ extension Compass {
     /// - Returns: whether there was a course, and it was taken
     @discardableResult
     public func aid(_ location: CLLocation, of headed: HeadedAxis) throws -> Bool {
-        let agoS = Date().timeIntervalSince(location.timestamp)
-        let timeNs = nanoseconds(ProcessInfo.processInfo.systemUptime - agoS) ?? .min
         let course = HeadingSample(
-            courseDeg: location.course, accuracyDeg: location.courseAccuracy, speedMS: location.speed, timeNs: timeNs,
-            of: headed)
+            courseDeg: location.course, accuracyDeg: location.courseAccuracy, speedMS: location.speed,
+            timeNs: HeadingSample.timeNs(of: location.timestamp), of: headed)
         return try course.map { try aid($0) } ?? false
     }
 }

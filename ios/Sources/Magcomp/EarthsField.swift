@@ -19,7 +19,7 @@ extension GeomagneticField {
     }
 }
 
-// Linux has no CoreLocation: this part is parsed there, not compiled
+// Linux compiles this with a stand-in of CoreLocation
 #if canImport(CoreLocation)
 import CoreLocation
 

@@ -121,7 +121,10 @@ final class Estimation: @unchecked Sendable {
         do {
             return try call(compensator)
         } catch let error as MagcompError {
-            if case .panicked = error { (self.compensator, defect) = (nil, error) }
+            if case .panicked = error {
+                self.compensator = nil
+                defect = error
+            }
             throw error
         }
     }

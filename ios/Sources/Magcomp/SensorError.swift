@@ -9,6 +9,18 @@ public enum SensorError: Error, Equatable, Sendable {
         case gyroscope
         case calibratedField = "calibrated magnetic field"
         case motion = "motion sensors"
+        /// For courses (``SensorError/refusal(of:)``): it is not asked for the compass itself.
+        case location = "phone's location"
+        /// Without it a fix has no course.
+        case preciseLocation = "phone's precise location"
+
+        /// Which of the system's permissions it takes.
+        var permission: Sensor {
+            switch self {
+            case .magnetometer, .gyroscope, .calibratedField, .motion: .motion
+            case .location, .preciseLocation: self
+            }
+        }
     }
 
     /// The device has no such sensor; what the app can do instead.
@@ -23,7 +35,8 @@ public enum SensorError: Error, Equatable, Sendable {
         switch self {
         case .missing(let sensor, let advice): "this device has no \(sensor.rawValue); \(advice)"
         case .accessRefused(let sensor):
-            "access to the \(sensor.rawValue) was refused; ask to allow it in Settings > Privacy & Security > Motion & Fitness"
+            "access to the \(sensor.rawValue) was refused; ask to allow it in Settings > Privacy & Security > "
+                + (sensor.permission == .motion ? "Motion & Fitness" : "Location Services")
         case .refused(let sensor, let reason):
             "the system refused to deliver the \(sensor.rawValue) (\(reason)); iterate again to try again"
         }
@@ -34,7 +47,7 @@ extension SensorError: LocalizedError {
     public var errorDescription: String? {
         switch self {
         case .missing(let sensor, _): say("ios_error_missing", sensor.localizedName)
-        case .accessRefused: say("ios_error_access_refused")
+        case .accessRefused(let sensor): say("ios_error_access_refused", sensor.permission.localizedName)
         case .refused(let sensor, _): say("ios_error_refused", sensor.localizedName)
         }
     }
@@ -42,7 +55,12 @@ extension SensorError: LocalizedError {
     public var recoverySuggestion: String? {
         switch self {
         case .missing: nil
-        case .accessRefused: say("ios_recovery_settings")
+        case .accessRefused(let sensor):
+            switch sensor.permission {
+            case .location: say("ios_recovery_location")
+            case .preciseLocation: say("ios_recovery_precise_location")
+            default: say("ios_recovery_settings")
+            }
         case .refused: say("ios_recovery_again")
         }
     }
@@ -95,3 +113,20 @@ extension CompassError: LocalizedError {
         if case .sensor(let error) = self { error.recoverySuggestion } else { nil }
     }
 }
+
+#if canImport(CoreLocation)
+import CoreLocation
+
+extension SensorError {
+    /// Why the fixes of this manager have no course for `Compass.aid`: the person or a profile has refused the phone's location, or
+    /// allows a coarse one alone, which has none. Nil while courses may come, and before the person was asked.
+    public static func refusal(of manager: CLLocationManager) -> SensorError? {
+        switch manager.authorizationStatus {
+        // only who was asked can have allowed a coarse one
+        case .notDetermined: nil
+        case .denied, .restricted: .accessRefused(sensor: .location)
+        default: manager.accuracyAuthorization == .reducedAccuracy ? .accessRefused(sensor: .preciseLocation) : nil
+        }
+    }
+}
+#endif

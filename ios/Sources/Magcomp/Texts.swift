@@ -107,6 +107,8 @@ extension SensorError.Sensor {
         case .gyroscope: say("ios_sensor_gyroscope")
         case .calibratedField: say("ios_sensor_calibrated_field")
         case .motion: say("ios_sensor_motion")
+        case .location: say("ios_sensor_location")
+        case .preciseLocation: say("ios_sensor_precise_location")
         }
     }
 }

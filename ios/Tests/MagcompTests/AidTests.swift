@@ -4,25 +4,7 @@ import Testing
 
 @testable import Magcomp
 
-// what follows is ios/README.md's; a test compares them
-func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
-    let camera = HeadedAxis.device(axis: Vector3(x: 0, y: 0, z: -1))
-    let nowNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
-    try compass.aid(
-        HeadingSample(timeNs: nowNs, headingDeg: bearingDeg, sigmaDeg: 5, reference: .true, axis: camera))
-}
-
 @Suite struct AidTests {
-    @Test func theReadmesSnippetIsTheOneThatIsCompiledHere() throws {
-        let source = try String(contentsOfFile: #filePath, encoding: .utf8)
-        let rest = try #require(source.components(separatedBy: "func onLandmark").dropFirst().first)
-        let code = try #require(rest.components(separatedBy: "\n}\n").first)
-        let readme = try String(contentsOf: repository.appendingPathComponent("ios/README.md"), encoding: .utf8)
-        #expect(readme.contains("func onLandmark\(code)\n}\n"))
-        // nobody iterates
-        #expect(throws: Never.self) { try onLandmark(Compass(source: Played(events: [])), bearingDeg: 10) }
-    }
-
     /// Flat, the screen up, the top edge along -z of ARKit's world, which is y of one whose z points up.
     @Test func arKitsCameraIsTurnedIntoTheDevice() {
         let flat = AttitudeSample(arKitTimestampS: 1.5, x: SIMD3(0, 0, 1), y: SIMD3(1, 0, 0), z: SIMD3(0, 1, 0))
@@ -62,6 +44,23 @@ func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
         for (courseDeg, speedMS) in [(-1.0, 12.0), (.nan, 12), (90, -1), (90, .nan), (90, .infinity)] {
             #expect(course(courseDeg, 1.5, speedMS, .vehicle) == nil)
         }
+    }
+
+    @Test func aDateIsATimeOfTheSensorsClock() {
+        let (fix, now) = (Date(timeIntervalSince1970: 999_999.75), Date(timeIntervalSince1970: 1_000_000))
+        #expect(HeadingSample.timeNs(of: fix, now: now, uptimeS: 100) == 99_750_000_000)
+        #expect(HeadingSample.timeNs(of: now, now: fix, uptimeS: 100) == 100_250_000_000)
+        // the way back of a reading's date
+        let reading = CompensatedReading(
+            reading: Reading(status: .tracking),
+            sample: MagneticSample(timeNs: 99_750_000_000, fieldUt: Vector3(x: 0, y: 0, z: 0)))
+        #expect(reading.timestamp(now: now, uptimeS: 100) == fix)
+        func timeNs(_ seconds: Double) -> Int64 {
+            HeadingSample.timeNs(of: Date(timeIntervalSinceReferenceDate: seconds), now: now, uptimeS: 100)
+        }
+        #expect(timeNs(1e12) == .max && timeNs(-1e12) == .min && timeNs(.nan) == .min)
+        let nowNs = HeadingSample.timeNs(of: Date())
+        #expect(abs(Double(nowNs) * 1e-9 - ProcessInfo.processInfo.systemUptime) < 10)
     }
 
     @Test func numbersAreRefusedAsTheCoreRefusesThem() throws {

@@ -217,6 +217,15 @@ import Testing
                 CompassError(SensorError.accessRefused(sensor: .motion)), "The app may not use the motion sensors.",
                 "Allow it in Settings > Privacy & Security > Motion & Fitness.", "access to the motion sensors was refused"
             ),
+            (
+                CompassError(SensorError.accessRefused(sensor: .location)), "The app may not use the phone's location.",
+                "Allow it in Settings > Privacy & Security > Location Services.", "Security > Location Services"
+            ),
+            (
+                CompassError(SensorError.accessRefused(sensor: .preciseLocation)),
+                "The app may not use the phone's precise location.",
+                "Turn on Precise Location for it in Settings > Privacy & Security > Location Services.", "precise location"
+            ),
             (CompassError(again), "The gyroscope has stopped.", "Try again.", "CMErrorDomain 103"),
             (
                 CompassError(SensorError.missing(sensor: .calibratedField, advice: "advice")),

@@ -1,0 +1,13 @@
+import Magcomp
+import SwiftUI
+
+struct CompassView: View {
+    @State private var model = CompassModel()
+
+    var body: some View {
+        VStack {
+            CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
+        }
+        .task { await model.run() }
+    }
+}

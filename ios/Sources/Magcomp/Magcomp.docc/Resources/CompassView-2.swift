@@ -1,0 +1,15 @@
+import Magcomp
+import SwiftUI
+
+struct CompassView: View {
+    @State private var model = CompassModel()
+
+    var body: some View {
+        VStack {
+            CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
+            CompassAdvice(
+                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
+        }
+        .task { await model.run() }
+    }
+}

@@ -1,0 +1,17 @@
+import Magcomp
+import SwiftUI
+
+struct CompassView: View {
+    @State private var model = CompassModel()
+    @Environment(\.scenePhase) private var phase
+
+    var body: some View {
+        VStack {
+            CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
+            CompassAdvice(
+                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
+        }
+        .task { await model.run() }
+        .onChange(of: phase) { if phase == .background { model.save() } }
+    }
+}
