@@ -22,35 +22,36 @@ const NO_SUCH_KIND: jint = -4;
 
 /// What `out` holds, in doubles: the numbers of `FlatReading`, a time or another whole number of 64 bits as two.
 mod slot {
-    pub(super) const STATUS: usize = 0;
-    pub(super) const REASON: usize = 1;
-    pub(super) const FIT_PROBLEM: usize = 2;
-    /// Three numbers.
-    pub(super) const REAL: usize = 3;
-    /// Two whole numbers.
-    pub(super) const WHOLE: usize = 6;
-    pub(super) const FIELD: usize = 10;
-    pub(super) const FILTERED_FIELD: usize = 13;
-    pub(super) const TOTAL_FIELD: usize = 16;
-    pub(super) const HEADING: usize = 17;
-    pub(super) const HEADING_SIGMA: usize = 18;
-    pub(super) const TRUE_HEADING: usize = 19;
-    pub(super) const INCLINATION: usize = 20;
-    pub(super) const SIGMA_T: usize = 21;
-    pub(super) const WINDOW: usize = 22;
-    pub(super) const COVERAGE: usize = 23;
-    pub(super) const REPORTED_JUMP: usize = 24;
-    pub(super) const FIELD_SIGMA: usize = 25;
-    pub(super) const MODE: usize = 26;
-    pub(super) const DIRECTION_SIGMA: usize = 27;
-    pub(super) const WORST_SIGMA: usize = 28;
-    pub(super) const MODEL_ORDER: usize = 29;
-    pub(super) const EVENT: usize = 30;
-    /// Two times.
-    pub(super) const EVENT_TIMES: usize = 31;
+    // up to EVENT the numbers that a reading of `Compass` copies: what comes after changes seldom, and is kept as objects
+    pub(super) const FIELD: usize = 0;
+    pub(super) const FILTERED_FIELD: usize = 3;
+    pub(super) const TOTAL_FIELD: usize = 6;
+    pub(super) const HEADING: usize = 7;
+    pub(super) const HEADING_SIGMA: usize = 8;
+    pub(super) const TRUE_HEADING: usize = 9;
+    pub(super) const INCLINATION: usize = 10;
+    pub(super) const SIGMA_T: usize = 11;
+    pub(super) const WINDOW: usize = 12;
+    pub(super) const COVERAGE: usize = 13;
+    pub(super) const REPORTED_JUMP: usize = 14;
+    pub(super) const FIELD_SIGMA: usize = 15;
+    pub(super) const MODE: usize = 16;
+    pub(super) const DIRECTION_SIGMA: usize = 17;
+    pub(super) const WORST_SIGMA: usize = 18;
+    pub(super) const MODEL_ORDER: usize = 19;
     /// Four numbers.
-    pub(super) const ATTITUDE: usize = 35;
-    pub(super) const ATTITUDE_SIGMA: usize = 39;
+    pub(super) const ATTITUDE: usize = 20;
+    pub(super) const ATTITUDE_SIGMA: usize = 24;
+    pub(super) const EVENT: usize = 25;
+    /// Two times.
+    pub(super) const EVENT_TIMES: usize = 26;
+    pub(super) const STATUS: usize = 30;
+    pub(super) const REASON: usize = 31;
+    pub(super) const FIT_PROBLEM: usize = 32;
+    /// Three numbers.
+    pub(super) const REAL: usize = 33;
+    /// Two whole numbers.
+    pub(super) const WHOLE: usize = 36;
     pub(super) const COUNT: usize = 40;
 }
 

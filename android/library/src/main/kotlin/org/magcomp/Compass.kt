@@ -185,7 +185,8 @@ public class Compass @JvmOverloads constructor(
     private fun run(): Flow<CompensatedReading> = flow {
         val estimation = kept ?: Estimation(configOfSource(), store, frames, source, unixTimeS).also { kept = it }
         try {
-            emitAll(source.samples().compensated(estimation))
+            val events = (source as? SensorManagerSource)?.events(isEager = false) ?: source.samples().raw()
+            emitAll(events.compensated(estimation))
         } catch (e: MagcompException) {
             // after a defect another begins
             kept = null

@@ -11,22 +11,22 @@ import kotlinx.coroutines.flow.map
  */
 public class CompassReading internal constructor(public val details: CompensatedReading) {
     /** Time of the magnetometer sample, nanoseconds. */
-    public val timeNs: Long get() = details.reading.timeNs
+    public val timeNs: Long get() = details.answer.timeNs
 
     /** Clockwise from magnetic north, degrees, 0 to 360; null: there is none yet, and [status] says why. */
-    public val headingDeg: Double? get() = details.reading.heading?.headingDeg
+    public val headingDeg: Double? get() = details.answer.headingDeg
 
     /** One standard deviation of it, degrees. */
-    public val headingSigmaDeg: Double? get() = details.reading.heading?.headingSigmaDeg
+    public val headingSigmaDeg: Double? get() = details.answer.headingSigmaDeg
 
     /** Clockwise from true north, degrees, 0 to 360; null also before [Compass.setPlace]. */
-    public val trueHeadingDeg: Double? get() = details.reading.heading?.trueHeadingDeg
+    public val trueHeadingDeg: Double? get() = details.answer.trueHeadingDeg
 
     /** How the phone is turned: [rotationMatrix] and [orientation] have it in Android's ways. */
-    public val attitude: Attitude? get() = details.reading.attitude
+    public val attitude: Attitude? get() = details.answer.attitude
 
     /** What the compass is doing, and why. */
-    public val status: Status get() = details.reading.status
+    public val status: Status get() = details.answer.status
 
     /** What headings from outside are worth ([Compass.aid]); null where none came of late. */
     public val headingAid: HeadingAid? get() = details.headingAid

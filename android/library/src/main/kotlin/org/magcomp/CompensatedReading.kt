@@ -11,10 +11,8 @@ import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
 
 /**
- * The answer to one magnetometer sample, as collectors get it.
+ * The answer to one magnetometer sample, as collectors get it. It never changes.
  *
- * @property reading corrected field, heading, and what the compensator is doing
- * @property sample the raw sample it answers
  * @property unseenDirections where the field has not pointed yet, unit vectors in the device frame: the app may ask its
  *   user to turn the phone so that it does. Renewed several times a second
  * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
@@ -26,15 +24,56 @@ import kotlinx.coroutines.flow.flow
  * @property headingAid what headings from outside are worth ([Compass.aid]); null where none came in the last two minutes. Renewed several
  *   times a second
  */
-public data class CompensatedReading(
-    public val reading: Reading,
-    public val sample: MagneticSample,
+public class CompensatedReading internal constructor(
+    internal val answer: Answer,
     public val unseenDirections: List<Vector3>,
-    public val droppedBefore: Long = 0,
-    public val sensors: SensorsInUse? = null,
-    public val storeError: Exception? = null,
-    public val headingAid: HeadingAid? = null,
-)
+    public val droppedBefore: Long,
+    public val sensors: SensorsInUse?,
+    public val storeError: Exception?,
+    public val headingAid: HeadingAid?,
+    /** Of its run. [SharedReadings] counts before anyone sees it. */
+    internal var number: Long = 0,
+) {
+    /**
+     * One of records, for an app's own tests and previews.
+     *
+     * @param reading corrected field, heading, and what the compensator is doing
+     * @param sample the raw sample it answers
+     */
+    public constructor(
+        reading: Reading,
+        sample: MagneticSample,
+        unseenDirections: List<Vector3> = emptyList(),
+        droppedBefore: Long = 0,
+        sensors: SensorsInUse? = null,
+        storeError: Exception? = null,
+        headingAid: HeadingAid? = null,
+    ) : this(Answer(reading, sample), unseenDirections, droppedBefore, sensors, storeError, headingAid)
+
+    /** Corrected field, heading, and what the compensator is doing. Made when it is first asked for. */
+    public val reading: Reading get() = answer.reading
+
+    /** The raw sample it answers. Made when it is first asked for. */
+    public val sample: MagneticSample get() = answer.sample
+
+    /** The [reading], for `{ (reading) -> ... }`. */
+    public operator fun component1(): Reading = reading
+
+    /** The same for a collector that lost so many before it. */
+    internal fun after(dropped: Long) = CompensatedReading(answer, unseenDirections, dropped, sensors, storeError, headingAid, number)
+
+    private fun parts() = listOf(reading, sample, unseenDirections, droppedBefore, sensors, storeError, headingAid)
+
+    /** Whether the other one says the same in every detail. */
+    override fun equals(other: Any?): Boolean = other is CompensatedReading && parts() == other.parts()
+
+    /** That of the details. */
+    override fun hashCode(): Int = parts().hashCode()
+
+    /** For logs. */
+    override fun toString(): String = "CompensatedReading(reading=$reading, sample=$sample, unseenDirections=$unseenDirections, " +
+        "droppedBefore=$droppedBefore, sensors=$sensors, storeError=$storeError, headingAid=$headingAid)"
+}
 
 /**
  * Compensates a stream of sensor events: one reading for every magnetometer sample.
@@ -59,20 +98,20 @@ public fun Flow<SensorSample>.compensated(
     val samples = this
     return flow {
         val own = SharedReadings(dispatcher, graceMs = 0, capacity, onIdle = {}) {
-            flow { Estimation(config, store, frame).use { emitAll(samples.compensated(it)) } }
+            flow { Estimation(config, store, frame).use { emitAll(samples.raw().compensated(it)) } }
         }
         emitAll(own.collected())
     }
 }
 
 /** One run of an estimation that goes on after it. */
-internal fun Flow<SensorSample>.compensated(estimation: Estimation): Flow<CompensatedReading> = flow {
+internal fun Flow<RawEvent>.compensated(estimation: Estimation): Flow<CompensatedReading> = flow {
     estimation.begin()
     val readings = this
     try {
         // by hand: every operator between would cost an object an event
-        collect(object : FlowCollector<SensorSample> {
-            override suspend fun emit(value: SensorSample) {
+        collect(object : FlowCollector<RawEvent> {
+            override suspend fun emit(value: RawEvent) {
                 currentCoroutineContext().ensureActive()
                 val reading = estimation.push(value) ?: return
                 return readings.emit(reading)

@@ -61,15 +61,17 @@ internal class Estimation(
         begun = true
     }
 
-    fun push(event: SensorSample): CompensatedReading? {
+    fun push(event: RawEvent): CompensatedReading? {
         if (begun) {
             begun = false
             if (event.timeNs < latestNs) renew()
         }
-        when (event) {
-            is SensorSample.Magnetic -> return push(event.sample)
-            is SensorSample.RotationRate -> with(event.sample.rateRadS) { compensator.pushRotationRate(event.timeNs, x, y, z) }
-            is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }
+        with(event) {
+            when (kind) {
+                RawEvent.ROTATION_RATE -> compensator.pushRotationRate(timeNs, x, y, z)
+                RawEvent.UP -> compensator.pushUp(timeNs, x, y, z)
+                else -> return magnetic(this)
+            }
         }
         return null
     }
@@ -101,28 +103,27 @@ internal class Estimation(
         hiddenS = now
     }
 
-    private fun push(sample: MagneticSample): CompensatedReading {
+    private fun magnetic(sample: RawEvent): CompensatedReading {
         val wanted = frame?.value
         if (wanted != null && wanted != currentFrame) {
             compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
         noteSleep()
-        val field = sample.fieldUt
-        val reported = sample.reportedHardIronUt?.takeIf { isBelieved() }
+        val reported = sample.reported?.takeIf { isBelieved() }
         if (reported == null) {
-            compensator.push(sample.timeNs, field.x, field.y, field.z, buffer)
+            compensator.push(sample.timeNs, sample.x, sample.y, sample.z, buffer)
         } else {
-            compensator.push(sample.timeNs, field.x, field.y, field.z, reported.x, reported.y, reported.z, buffer)
+            compensator.push(sample.timeNs, sample.x, sample.y, sample.z, reported.x, reported.y, reported.z, buffer)
         }
-        val reading = buffer.toReading()
+        val answer = Answer(buffer, sample)
         // a time that is refused may be any
-        if (reading.status !is Status.Rejected) {
-            isInForce = reading.fieldUt != null
-            if (reading.status == Status.Tracking) unconfirmed = false
-            nowAndThen(sample.timeNs, reading.status)
+        if (answer.status !is Status.Rejected) {
+            isInForce = !buffer.xUt.isNaN()
+            if (answer.status == Status.Tracking) unconfirmed = false
+            nowAndThen(sample.timeNs, answer.status)
         }
-        return CompensatedReading(reading, sample, unseen, sensors = source?.sensors?.value, storeError = storeError, headingAid = headingAid)
+        return CompensatedReading(answer, unseen, droppedBefore = 0, source?.sensors?.value, storeError, headingAid)
     }
 
     /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */

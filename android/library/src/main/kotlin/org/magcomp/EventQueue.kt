@@ -19,10 +19,41 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         require(holdS in 0.0..LONGEST_HOLD_S) { "holdS is $holdS, expected 0 to $LONGEST_HOLD_S" }
     }
 
+    private val order = object : EventOrder<SensorSample>(holdS) {
+        override fun timeNs(event: SensorSample) = event.timeNs
+
+        override fun sensor(event: SensorSample) = when (event) {
+            is SensorSample.RotationRate -> RawEvent.ROTATION_RATE
+            is SensorSample.Up -> RawEvent.UP
+            is SensorSample.Magnetic -> RawEvent.MAGNETIC
+        }
+    }
+
+    /**
+     * Takes the event that was delivered next, and gives [out] those whose turn it is now, in order: none, one or several. When 256
+     * wait, the first goes out whatever it waits for.
+     */
+    public fun push(event: SensorSample, out: (SensorSample) -> Unit): Unit = order.push(event, out)
+
+    /** Gives [out] everything that waits: the stream has ended, or another begins. */
+    public fun flush(out: (SensorSample) -> Unit): Unit = order.flush(out)
+
+    /** Constants of every queue. */
+    public companion object {
+        /** Longest that an event waits unless another time is chosen, s. */
+        public const val DEFAULT_HOLD_S: Double = 0.05
+
+        /** The longest time that may be chosen, s. */
+        public const val LONGEST_HOLD_S: Double = 0.25
+    }
+}
+
+/** What [EventQueue] does, whatever holds an event. */
+internal abstract class EventOrder<T>(holdS: Double) {
     private val holdNs = (holdS * 1e9).toLong()
 
     /** In the order they go out. */
-    private val waiting = ArrayDeque<SensorSample>(ROOM)
+    private val waiting = ArrayDeque<T>(ROOM)
 
     /** Time of the event the stream began with. */
     private var beginNs = 0L
@@ -30,12 +61,13 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
     /** Time of the latest event of each sensor. */
     private val latestNs = longArrayOf(NEVER, NEVER, NEVER)
 
-    /**
-     * Takes the event that was delivered next, and gives [out] those whose turn it is now, in order: none, one or several. When 256
-     * wait, the first goes out whatever it waits for.
-     */
-    public fun push(event: SensorSample, out: (SensorSample) -> Unit) {
-        val timeNs = event.timeNs
+    abstract fun timeNs(event: T): Long
+
+    /** 0, 1 or 2, in the order that events of the same time have. */
+    abstract fun sensor(event: T): Int
+
+    fun push(event: T, out: (T) -> Unit) {
+        val timeNs = timeNs(event)
         val sinceNs = difference(timeNs, newestNs())
         if (newestNs() == NEVER || sinceNs > PAUSE_NS || sinceNs < -ANOTHER_CLOCK_NS) {
             flush(out)
@@ -43,24 +75,23 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         }
         waiting.add(place(event), event)
         latestNs[sensor(event)] = timeNs
-        while (waiting.isNotEmpty() && isDue(waiting.first().timeNs)) out(waiting.removeFirst())
+        while (waiting.isNotEmpty() && isDue(timeNs(waiting.first()))) out(waiting.removeFirst())
     }
 
-    /** Gives [out] everything that waits: the stream has ended, or another begins. */
-    public fun flush(out: (SensorSample) -> Unit) {
+    fun flush(out: (T) -> Unit) {
         latestNs.fill(NEVER)
         while (waiting.isNotEmpty()) out(waiting.removeFirst())
     }
 
     /** Behind those that are before it, or came before it at the same time. */
-    private fun place(event: SensorSample): Int {
+    private fun place(event: T): Int {
         var place = waiting.size
         while (place > 0 && goesBefore(event, waiting[place - 1])) place -= 1
         return place
     }
 
-    private fun goesBefore(one: SensorSample, other: SensorSample): Boolean =
-        one.timeNs < other.timeNs || (one.timeNs == other.timeNs && sensor(one) < sensor(other))
+    private fun goesBefore(one: T, other: T): Boolean =
+        timeNs(one) < timeNs(other) || (timeNs(one) == timeNs(other) && sensor(one) < sensor(other))
 
     /** Whether an event of this time waits no longer. */
     private fun isDue(timeNs: Long): Boolean {
@@ -79,24 +110,12 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         return if (!overflowed) difference else if (oneNs < 0) Long.MIN_VALUE else Long.MAX_VALUE
     }
 
-    private fun sensor(event: SensorSample): Int = when (event) {
-        is SensorSample.RotationRate -> 0
-        is SensorSample.Up -> 1
-        is SensorSample.Magnetic -> 2
-    }
-
-    /** Constants of every queue. */
-    public companion object {
-        /** Longest that an event waits unless another time is chosen, s. */
-        public const val DEFAULT_HOLD_S: Double = 0.05
-
-        /** The longest time that may be chosen, s. */
-        public const val LONGEST_HOLD_S: Double = 0.25
-        private const val ROOM = 256
-        private const val NEVER = Long.MIN_VALUE
+    private companion object {
+        const val ROOM = 256
+        const val NEVER = Long.MIN_VALUE
 
         // as `sensing/order.rs`
-        private const val PAUSE_NS = 250_000_000L
-        private const val ANOTHER_CLOCK_NS = 10_000_000_000L
+        const val PAUSE_NS = 250_000_000L
+        const val ANOTHER_CLOCK_NS = 10_000_000_000L
     }
 }

@@ -88,81 +88,88 @@ public class ReadingBuffer {
     /** The sensors the estimator runs on. */
     public val mode: SensorMode get() = mode(slots, 0)
 
-    /** The latest change that was decided. Allocates. */
-    public val event: Event? get() = event(slots, 0)
+    /** The latest change that was decided. Allocates when it is another one than before. */
+    public val event: Event? get() = event(slots, 0, latestEvent).also { latestEvent = it }
+    private var latestEvent: Event? = null
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
     public val status: Status get() = status(slots)
 
     /** The same as an immutable record. */
-    public fun toReading(): Reading = reading(slots, 0, timeNs)
+    public fun toReading(): Reading = reading(slots, 0, timeNs, event, status)
 
     internal companion object {
         // as `mod slot` in fast.rs
-        const val STATUS = 0
-        const val REASON = 1
-        const val FIT_PROBLEM = 2
-        const val REAL = 3
-        const val WHOLE = 6
-        const val FIELD = 10
-        const val FILTERED_FIELD = 13
-        const val TOTAL_FIELD = 16
-        const val HEADING = 17
-        const val HEADING_SIGMA = 18
-        const val TRUE_HEADING = 19
-        const val INCLINATION = 20
-        const val SIGMA_T = 21
-        const val WINDOW = 22
-        const val COVERAGE = 23
-        const val REPORTED_JUMP = 24
-        const val FIELD_SIGMA = 25
-        const val MODE = 26
-        const val DIRECTION_SIGMA = 27
-        const val WORST_SIGMA = 28
-        const val MODEL_ORDER = 29
-        const val EVENT = 30
-        const val EVENT_TIMES = 31
-        const val ATTITUDE = 35
-        const val ATTITUDE_SIGMA = 39
+        const val FIELD = 0
+        const val FILTERED_FIELD = 3
+        const val TOTAL_FIELD = 6
+        const val HEADING = 7
+        const val HEADING_SIGMA = 8
+        const val TRUE_HEADING = 9
+        const val INCLINATION = 10
+        const val SIGMA_T = 11
+        const val WINDOW = 12
+        const val COVERAGE = 13
+        const val REPORTED_JUMP = 14
+        const val FIELD_SIGMA = 15
+        const val MODE = 16
+        const val DIRECTION_SIGMA = 17
+        const val WORST_SIGMA = 18
+        const val MODEL_ORDER = 19
+        const val ATTITUDE = 20
+        const val ATTITUDE_SIGMA = 24
+        const val EVENT = 25
+        const val EVENT_TIMES = 26
+        const val STATUS = 30
+        const val REASON = 31
+        const val FIT_PROBLEM = 32
+        const val REAL = 33
+        const val WHOLE = 36
 
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading {
-            val heading = known(slots[at + HEADING])?.let {
-                Heading(
-                    headingDeg = it,
-                    headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
-                    trueHeadingDeg = known(slots[at + TRUE_HEADING]),
-                    inclinationDeg = slots[at + INCLINATION],
-                )
-            }
-            val attitude = known(slots[at + ATTITUDE])?.let {
-                Attitude(
-                    w = it,
-                    x = slots[at + ATTITUDE + 1],
-                    y = slots[at + ATTITUDE + 2],
-                    z = slots[at + ATTITUDE + 3],
-                    sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
-                )
-            }
-            return Reading(
-                timeNs = timeNs,
-                fieldUt = vector(slots, at + FIELD),
-                fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
-                filteredFieldUt = vector(slots, at + FILTERED_FIELD),
-                totalFieldUt = known(slots[at + TOTAL_FIELD]),
-                heading = heading,
-                attitude = attitude,
-                sigmaT = known(slots[at + SIGMA_T]),
-                window = slots[at + WINDOW].toInt(),
-                coverage = slots[at + COVERAGE],
-                directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
-                worstSigmaDeg = known(slots[at + WORST_SIGMA]),
-                modelOrder = modelOrder(slots, at),
-                reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
-                mode = mode(slots, at),
-                event = event(slots, at),
-                status = status(slots, at),
+        /** The numbers of a reading but for event and status. */
+        const val NUMBERS = EVENT
+
+        fun heading(slots: DoubleArray, at: Int = 0): Heading? = known(slots[at + HEADING])?.let {
+            Heading(
+                headingDeg = it,
+                headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
+                trueHeadingDeg = known(slots[at + TRUE_HEADING]),
+                inclinationDeg = slots[at + INCLINATION],
             )
         }
+
+        fun attitude(slots: DoubleArray, at: Int = 0): Attitude? = known(slots[at + ATTITUDE])?.let {
+            Attitude(
+                w = it,
+                x = slots[at + ATTITUDE + 1],
+                y = slots[at + ATTITUDE + 2],
+                z = slots[at + ATTITUDE + 3],
+                sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
+            )
+        }
+
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
+
+        /** Of [slots] the [NUMBERS] alone are read. */
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: Event?, status: Status): Reading = Reading(
+            timeNs = timeNs,
+            fieldUt = vectorOrNull(slots, at + FIELD),
+            fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
+            filteredFieldUt = vectorOrNull(slots, at + FILTERED_FIELD),
+            totalFieldUt = known(slots[at + TOTAL_FIELD]),
+            heading = heading(slots, at),
+            attitude = attitude(slots, at),
+            sigmaT = known(slots[at + SIGMA_T]),
+            window = slots[at + WINDOW].toInt(),
+            coverage = slots[at + COVERAGE],
+            directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
+            worstSigmaDeg = known(slots[at + WORST_SIGMA]),
+            modelOrder = modelOrder(slots, at),
+            reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
+            mode = mode(slots, at),
+            event = event,
+            status = status,
+        )
 
         fun status(slots: DoubleArray, at: Int = 0): Status {
             val reason = slots[at + REASON].toInt()
@@ -182,10 +189,14 @@ public class ReadingBuffer {
 
         private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
 
-        private fun event(slots: DoubleArray, at: Int): Event? =
-            EventKind.entries.getOrNull(slots[at + EVENT].toInt())?.let { kind ->
-                Event(kind, sinceNs = whole(slots, at + EVENT_TIMES), decidedNs = whole(slots, at + EVENT_TIMES + 2))
-            }
+        /** [before] where it is the same. */
+        private fun event(slots: DoubleArray, at: Int, before: Event? = null): Event? {
+            val kind = EventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
+            val sinceNs = whole(slots, at + EVENT_TIMES)
+            val decidedNs = whole(slots, at + EVENT_TIMES + 2)
+            if (before != null && before.kind == kind && before.sinceNs == sinceNs && before.decidedNs == decidedNs) return before
+            return Event(kind, sinceNs = sinceNs, decidedNs = decidedNs)
+        }
 
         private fun missing(slots: DoubleArray, at: Int, reason: Int): Missing =
             when (reason) {
@@ -232,10 +243,11 @@ public class ReadingBuffer {
             }
         }
 
-        private fun known(value: Double): Double? = if (value.isNaN()) null else value
+        fun known(value: Double): Double? = if (value.isNaN()) null else value
 
-        private fun vector(slots: DoubleArray, at: Int): Vector3? =
-            known(slots[at])?.let { Vector3(it, slots[at + 1], slots[at + 2]) }
+        private fun vectorOrNull(slots: DoubleArray, at: Int): Vector3? = if (slots[at].isNaN()) null else vector(slots, at)
+
+        fun vector(slots: DoubleArray, at: Int) = Vector3(slots[at], slots[at + 1], slots[at + 2])
 
         /** A whole number from its upper and lower 32 bits. */
         private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()

@@ -11,15 +11,14 @@ import android.os.Handler
 import android.os.HandlerThread
 import android.os.SystemClock
 import java.util.concurrent.atomic.AtomicIntegerArray
-import kotlinx.coroutines.channels.Channel
-import kotlinx.coroutines.channels.awaitClose
+import kotlinx.coroutines.coroutineScope
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.asStateFlow
-import kotlinx.coroutines.flow.buffer
-import kotlinx.coroutines.flow.callbackFlow
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.launch
 
@@ -93,14 +92,17 @@ public class SensorManagerSource internal constructor(
     /** The same for most phones. */
     override fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs - sleep.behindNs
 
-    override fun samples(): Flow<SensorSample> = callbackFlow {
+    override fun samples(): Flow<SensorSample> = events(isEager = true).map { it.toSample() }
+
+    /** The same in objects that are used again; see [Inbox]. */
+    internal fun events(isEager: Boolean): Flow<RawEvent> = flow {
         val magnetometer = magnetometer()
             ?: throw SensorException.Missing("magnetometer", "hide the compass")
         val up = if (options.up) up() else null
         val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
         if (options.rateHz > FREE_RATE_HZ && !above200Hz()) throw SensorException.PermissionMissing(HIGH_RATE)
-        // fails only when the collector has gone: then nobody wants it
-        val listener = Listener(EventQueue(options.holdS)) { channel.trySend(it) }
+        val inbox = Inbox(options.holdS, isEager)
+        val listener = Listener(inbox)
         val thread = LooperThread()
         try {
             val without = when {
@@ -117,21 +119,23 @@ public class SensorManagerSource internal constructor(
             } catch (e: SensorException.Refused) {
                 inUse.update { it?.copy(gyroscope = null, withoutGyroscope = e.message) }
             }
-            launch {
-                val silences = Silences(listener)
-                while (true) {
-                    // this clock stands while the phone sleeps
-                    delay((silenceMs + options.maxReportLatencyUs / 1000 + 1000 / options.rateHz) / LOOKS)
-                    silences.look()
-                    replaceGravity(listener, thread.handler)
+            coroutineScope {
+                launch {
+                    val silences = Silences(listener)
+                    while (true) {
+                        // this clock stands while the phone sleeps
+                        delay((silenceMs + options.maxReportLatencyUs / 1000 + 1000 / options.rateHz) / LOOKS)
+                        silences.look()
+                        replaceGravity(listener, thread.handler)
+                    }
                 }
+                inbox.takeAll { emit(it) }
             }
-            awaitClose()
         } finally {
             manager.unregisterListener(listener)
             thread.end()
         }
-    }.buffer(Channel.UNLIMITED) // no event is dropped before the estimator
+    }
 
     private fun magnetometer(): Sensor? = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
         ?: manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD)
@@ -193,32 +197,33 @@ public class SensorManagerSource internal constructor(
         UsedSensor(sensor.type, sensor.name.orEmpty(), sensor.vendor.orEmpty(), SensorAccuracy.UNKNOWN)
 
     /** Copies an event at once: Android uses it again for the next. */
-    private inner class Listener(private val queue: EventQueue, private val out: (SensorSample) -> Unit) : SensorEventListener {
+    private inner class Listener(private val inbox: Inbox) : SensorEventListener {
         /** How many of each type came so far. */
         val events = AtomicIntegerArray(TYPES)
+        private var bias: Vector3? = null
 
         override fun onSensorChanged(event: SensorEvent) {
             val v = event.values
             // an exception here would end the app; so it counts as none, and its sensor as silent
             if (v.size < 3) return
-            val xyz = vector(v, 0)
-            val sample = when (event.sensor.type) {
-                Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED -> {
-                    // some phones deliver no bias, and 0 until they have found one
-                    val reported = if (v.size >= 6) vector(v, 3).takeIf { it != NO_BIAS } else null
-                    SensorSample.Magnetic(MagneticSample(event.timestamp, xyz, reported))
-                }
-                Sensor.TYPE_MAGNETIC_FIELD -> SensorSample.Magnetic(MagneticSample(event.timestamp, xyz))
-                Sensor.TYPE_GYROSCOPE -> SensorSample.RotationRate(RotationRateSample(event.timestamp, xyz))
-                Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> SensorSample.Up(UpSample(event.timestamp, xyz))
+            val kind = when (event.sensor.type) {
+                Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_MAGNETIC_FIELD -> RawEvent.MAGNETIC
+                Sensor.TYPE_GYROSCOPE -> RawEvent.ROTATION_RATE
+                Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> RawEvent.UP
                 else -> return
             }
             events.incrementAndGet(event.sensor.type)
-            if (sample is SensorSample.Magnetic) sleep.see(sample.timeNs, continuousNs())
-            queue.push(sample, out)
+            if (kind == RawEvent.MAGNETIC) sleep.see(event.timestamp, continuousNs())
+            val reported = if (event.sensor.type == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && v.size >= 6) bias(v) else null
+            inbox.put(kind, event.timestamp, v[0].toDouble(), v[1].toDouble(), v[2].toDouble(), reported)
         }
 
-        private fun vector(v: FloatArray, at: Int) = Vector3(v[at].toDouble(), v[at + 1].toDouble(), v[at + 2].toDouble())
+        /** The object of before where it is the same. Some phones deliver no bias, and 0 until they have found one. */
+        private fun bias(v: FloatArray): Vector3? {
+            if (v[3] == 0f && v[4] == 0f && v[5] == 0f) return null
+            bias?.let { if (it.x == v[3].toDouble() && it.y == v[4].toDouble() && it.z == v[5].toDouble()) return it }
+            return Vector3(v[3].toDouble(), v[4].toDouble(), v[5].toDouble()).also { bias = it }
+        }
 
         override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) {
             fun UsedSensor.told() = if (type == sensor?.type) copy(accuracy = accuracyOf(accuracy)) else this
@@ -246,7 +251,6 @@ public class SensorManagerSource internal constructor(
 
         /** Android's types that are used are all less. */
         const val TYPES = Sensor.TYPE_GYROSCOPE_UNCALIBRATED
-        val NO_BIAS = Vector3(0.0, 0.0, 0.0)
         // one that is less can't measure the Earth's field beside a phone's own
         const val LEAST_FULL_SCALE_UT = 100.0
         const val LARGEST_FULL_SCALE_UT = 100_000.0

@@ -9,13 +9,10 @@ import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.cancel
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.channels.BufferOverflow
+import kotlinx.coroutines.channels.Channel
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.MutableSharedFlow
-import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
-import kotlinx.coroutines.flow.onSubscription
-import kotlinx.coroutines.flow.transformWhile
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.sync.Mutex
 import kotlinx.coroutines.sync.withLock
@@ -47,35 +44,74 @@ internal class SharedReadings(
     var isClosed = false
         private set
 
-    private class Message(val number: Long, val answer: CompensatedReading?, val error: Throwable? = null)
+    /** What one collector has not taken yet. */
+    private class Box(val run: Run, val readings: Channel<CompensatedReading>, val next: Long)
 
     private inner class Run {
-        val messages = MutableSharedFlow<Message>(replay = 1, extraBufferCapacity = capacity - 1, BufferOverflow.DROP_OLDEST)
+        /** One for each collector. The array is replaced, never changed: what is told goes to those that are there then. */
+        private var boxes = emptyArray<Channel<CompensatedReading>>()
+        private var latest: CompensatedReading? = null
+        private var hasEnded = false
         var collectors = 0
         var ending: Job? = null
-        private var hasEnded = false
+
+        /** Of the end, once the boxes are closed. */
+        @Volatile
+        var error: Throwable? = null
+            private set
 
         val job = scope.launch(start = CoroutineStart.LAZY) {
             var number = 0L
             val error = try {
-                oneAtATime.withLock { readings().collect { messages.emit(Message(number++, it)) } }
+                oneAtATime.withLock {
+                    readings().collect {
+                        it.number = number++
+                        tell(it)
+                    }
+                }
                 null
             } catch (e: Throwable) {
                 // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
                 // which would leave collectors waiting
                 e
             }
-            end(number, error)
+            end(error)
         }.apply {
             // where the dispatcher takes nothing more, a run ends without a line of it
-            invokeOnCompletion { end(0, it) }
+            invokeOnCompletion { end(it) }
+        }
+
+        /** A box for another collector, with the latest reading where there is one. */
+        fun open(): Box = synchronized(this) {
+            val box = Channel<CompensatedReading>(capacity, BufferOverflow.DROP_OLDEST)
+            latest?.let { box.trySend(it) }
+            if (hasEnded) box.close() else boxes += box
+            Box(this, box, latest?.number ?: 0)
+        }
+
+        fun close(box: Box) = synchronized(this) {
+            boxes = boxes.filter { it !== box.readings }.toTypedArray()
+        }
+
+        private fun tell(reading: CompensatedReading) {
+            val now = synchronized(this) {
+                latest = reading
+                boxes
+            }
+            // outside: a collector may run in it
+            for (box in now) box.trySend(reading)
         }
 
         /** Ends what is collected, once. */
-        private fun end(number: Long, error: Throwable?) {
+        private fun end(error: Throwable?) {
             leave()
-            val isFirst = synchronized(this) { !hasEnded.also { hasEnded = true } }
-            if (isFirst) messages.tryEmit(Message(number, null, error.takeUnless { isClosed }))
+            val now = synchronized(this) {
+                if (hasEnded) return
+                hasEnded = true
+                this.error = error.takeUnless { isClosed }
+                boxes
+            }
+            for (box in now) box.close()
         }
 
         /** From now on a collector begins another run. */
@@ -83,23 +119,18 @@ internal class SharedReadings(
     }
 
     fun collected(): Flow<CompensatedReading> = flow {
-        val run = join()
+        val box = join()
         try {
-            // a run that is under way began with its latest reading
-            var next = if (run.job.isActive) null else 0L
-            val messages = run.messages.onSubscription { run.job.start() }
-            emitAll(
-                messages.transformWhile { message ->
-                    message.error?.let { throw it }
-                    val answer = message.answer ?: return@transformWhile false
-                    val dropped = message.number - (next ?: message.number)
-                    next = message.number + 1
-                    emit(if (dropped == 0L) answer else answer.copy(droppedBefore = dropped))
-                    true
-                },
-            )
+            box.run.job.start()
+            var next = box.next
+            for (reading in box.readings) {
+                val dropped = reading.number - next
+                next = reading.number + 1
+                emit(if (dropped == 0L) reading else reading.after(dropped))
+            }
+            box.run.error?.let { throw it }
         } finally {
-            part(run)?.let { withContext(NonCancellable) { it.join() } }
+            part(box)?.let { withContext(NonCancellable) { it.join() } }
         }
     }
 
@@ -121,17 +152,19 @@ internal class SharedReadings(
     }
 
     @Synchronized
-    private fun join(): Run {
+    private fun join(): Box {
         if (isClosed) throw MagcompException.Closed()
         val run = current ?: Run().also { current = it }
         run.collectors += 1
         run.ending?.cancel()
-        return run
+        return run.open()
     }
 
     /** One collector less; the job that ends now because it was the last, if so. */
     @Synchronized
-    private fun part(run: Run): Job? {
+    private fun part(box: Box): Job? {
+        val run = box.run
+        run.close(box)
         run.collectors -= 1
         if (run.collectors > 0 || current !== run) return null
         if (graceMs == 0L || !run.job.isActive) {

@@ -12,17 +12,19 @@ internal class Sleep {
     var hiddenS = 0.0
         private set
 
+    // NaN: there is none. Numbers that may be null would cost an object an event
+
     /** The smallest lag of the two clocks, s. */
-    private var leastS: Double? = null
+    private var leastS = Double.NaN
 
     /** The smallest lag since all have been others, s, and since when, ns. */
-    private var otherS: Double? = null
+    private var otherS = Double.NaN
     private var otherSinceNs = 0L
     private var latestNs = 0L
 
     /** How far the sensor's clock is behind the one that never stops, ns; 0 where they differ by no more than events are late. */
     @get:Synchronized
-    val behindNs: Long get() = leastS?.takeIf { abs(it) > LEAST_S }?.let { (it * 1e9).toLong() } ?: 0
+    val behindNs: Long get() = if (abs(leastS) > LEAST_S) (leastS * 1e9).toLong() else 0
 
     /** An event of this time was delivered now. */
     @Synchronized
@@ -30,22 +32,20 @@ internal class Sleep {
         // any two times may be subtracted
         val lagS = (nowNs.toDouble() - timeNs.toDouble()) * 1e-9
         // what came before a pause tells nothing of a batch after it
-        if (nowNs - latestNs > OTHER_FOR_NS) otherS = null
+        if (nowNs - latestNs > OTHER_FOR_NS) otherS = Double.NaN
         latestNs = nowNs
-        val least = leastS
-        if (least == null || abs(lagS - least) <= LEAST_S) {
-            leastS = minOf(lagS, least ?: lagS)
-            otherS = null
+        if (leastS.isNaN() || abs(lagS - leastS) <= LEAST_S) {
+            leastS = if (leastS < lagS) leastS else lagS
+            otherS = Double.NaN
             return
         }
-        if (otherS == null) otherSinceNs = nowNs
-        val other = minOf(lagS, otherS ?: lagS)
-        otherS = other
+        if (otherS.isNaN()) otherSinceNs = nowNs
+        otherS = if (otherS < lagS) otherS else lagS
         if (nowNs - otherSinceNs < OTHER_FOR_NS) return
         // less: the first events were delivered late
-        hiddenS += (other - least).coerceIn(0.0, LONGEST_S)
-        leastS = other
-        otherS = null
+        hiddenS += (otherS - leastS).coerceIn(0.0, LONGEST_S)
+        leastS = otherS
+        otherS = Double.NaN
     }
 
     private companion object {

@@ -81,8 +81,10 @@ class OrientationTest {
         assertEquals(0.0, Math.IEEEremainder(one.trueHeadingDeg!! - one.headingDeg!! - 3.0, 360.0), 1e-9)
         assertEquals(Pair(one.details.reading.timeNs, one.details.reading.status), Pair(one.timeNs, one.status))
         assertTrue("give or take" in one.spoken(englishResources()))
-        val same = CompassReading(one.details.copy())
+        val same = CompassReading(one.details.run { CompensatedReading(reading, sample, unseenDirections, droppedBefore, sensors, storeError, headingAid) })
         assertEquals(Pair(one, one.hashCode()), Pair(same, same.hashCode()))
+        assertEquals(listOf(one.headingDeg, one.headingSigmaDeg, one.trueHeadingDeg, one.attitude, "$one", "${one.details}"),
+            listOf(same.headingDeg, same.headingSigmaDeg, same.trueHeadingDeg, same.attitude, "$same", "${same.details}"))
         assertTrue(one != readings.first() && "headingDeg=${one.headingDeg}" in "$one", "$one")
     }
 }

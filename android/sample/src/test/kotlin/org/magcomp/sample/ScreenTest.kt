@@ -82,7 +82,14 @@ class ScreenTest {
         .allocateInstance(English::class.java) as Resources
     private val unseen = listOf(Vector3(1.0, 0.0, 0.0), Vector3(0.0, -1.0, 0.0), Vector3(0.0, 0.6, 0.8), Vector3(-0.7, 0.1, -0.7))
 
-    private fun answer(status: Status, headingDeg: Double? = 41.6, timeNs: Long = 0, event: Event? = null) = CompensatedReading(
+    private fun answer(
+        status: Status,
+        headingDeg: Double? = 41.6,
+        timeNs: Long = 0,
+        event: Event? = null,
+        unseen: List<Vector3> = this.unseen,
+        aid: HeadingAid? = null,
+    ) = CompensatedReading(
         Reading(
             timeNs = timeNs, fieldUt = headingDeg?.let { Vector3(20.0, 5.0, -40.0) }, fieldSigmaUt = null, filteredFieldUt = null,
             totalFieldUt = headingDeg?.let { 45.0 }, heading = headingDeg?.let { Heading(it, 12.4, it + 3, 60.0) }, attitude = null, sigmaT = null,
@@ -91,6 +98,7 @@ class ScreenTest {
         ),
         MagneticSample(timeNs, Vector3(1.0, 2.0, 3.0)),
         unseen,
+        headingAid = aid,
     )
 
     @Test
@@ -189,7 +197,7 @@ class ScreenTest {
 
     @Test
     fun `the sphere turns with the screen`() {
-        val up = answer(Status.Tracking).copy(unseenDirections = listOf(Vector3(1.0, 0.5, 0.2)))
+        val up = answer(Status.Tracking, unseen = listOf(Vector3(1.0, 0.5, 0.2)))
         fun on(rotation: ScreenRotation) = ScreenModel(resources).show(up, null, rotation).unseen.single()
         // of a screen that is turned left by 90 degrees the device's right edge is the top
         assertEquals(Vector3(1.0, 0.5, 0.2), on(ScreenRotation.DEG0))
@@ -277,7 +285,7 @@ class ScreenTest {
     @Test
     fun `a switch says whether a course helps, and sets it`() = runDesktopComposeUiTest(720, 1480) {
         val wanted = mutableListOf<Boolean>()
-        val state = ScreenModel(resources).show(answer(Status.Tracking).copy(headingAid = HeadingAid.DISAGREES), systemDeg = null)
+        val state = ScreenModel(resources).show(answer(Status.Tracking, aid = HeadingAid.DISAGREES), systemDeg = null)
         setContent { CompassScreen(state, letters, isDark = false, course = CourseSwitch(isOn = false, own.getValue("course_off")) { wanted += it }) }
         onNodeWithText("the heading from outside disagrees, and is ignored").assertExists()
         onNodeWithText("course of the GNSS: does not help").assertIsOff().performClick()

@@ -1,0 +1,47 @@
+package org.magcomp
+
+/**
+ * What the estimator answered to a sample. Kept as numbers, which take less than half of the records' room; a record is made when it is
+ * first asked for. Two threads may make one each, which are equal.
+ */
+internal class Answer private constructor(
+    /** As [ReadingBuffer] has them, then the raw sample; null: the records were given. */
+    private val numbers: DoubleArray?,
+    val timeNs: Long,
+    val status: Status,
+    private val event: Event?,
+    private val reported: Vector3?,
+    private var madeReading: Reading?,
+    private var madeSample: MagneticSample?,
+) {
+    constructor(buffer: ReadingBuffer, sample: RawEvent) : this(
+        buffer.slots.copyOf(ReadingBuffer.NUMBERS + 3).also {
+            it[ReadingBuffer.NUMBERS] = sample.x
+            it[ReadingBuffer.NUMBERS + 1] = sample.y
+            it[ReadingBuffer.NUMBERS + 2] = sample.z
+        },
+        buffer.timeNs,
+        buffer.status,
+        buffer.event,
+        sample.reported,
+        null,
+        null,
+    )
+
+    constructor(reading: Reading, sample: MagneticSample) :
+        this(null, reading.timeNs, reading.status, reading.event, sample.reportedHardIronUt, reading, sample)
+
+    val reading: Reading
+        get() = madeReading ?: ReadingBuffer.reading(numbers!!, 0, timeNs, event, status).also { madeReading = it }
+
+    val sample: MagneticSample
+        get() = madeSample ?: MagneticSample(timeNs, ReadingBuffer.vector(numbers!!, ReadingBuffer.NUMBERS), reported).also { madeSample = it }
+
+    val headingDeg: Double? get() = known(ReadingBuffer.HEADING) { headingDeg }
+    val headingSigmaDeg: Double? get() = known(ReadingBuffer.HEADING_SIGMA) { headingSigmaDeg }
+    val trueHeadingDeg: Double? get() = known(ReadingBuffer.TRUE_HEADING) { trueHeadingDeg }
+    val attitude: Attitude? get() = if (numbers == null) reading.attitude else ReadingBuffer.attitude(numbers)
+
+    private inline fun known(slot: Int, given: Heading.() -> Double?): Double? =
+        if (numbers == null) reading.heading?.given() else ReadingBuffer.known(numbers[slot])
+}
