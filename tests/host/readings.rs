@@ -3,7 +3,7 @@
 //! `MAGCOMP_WRITE_GOLDEN=1 cargo test -p magcomp-tests --test readings`.
 //!
 //! Hashes hold on the machines that made them (x86-64 Linux); elsewhere the mathematical library may round otherwise, and the last hard iron
-//! and heading of each run are compared instead.
+//! and heading of each run are compared instead. `tests/determinism.sh` has every reading written to the file that MAGCOMP_WRITE_READINGS names.
 
 use flate2::read::GzDecoder;
 use magcomp::nalgebra::{Rotation3, Vector3};
@@ -12,7 +12,7 @@ use magcomp_tests::{REF, Random, calibration};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, read_to_string, write};
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 
 const METHODS: [Method; 4] = [Method::Auto, Method::Adaptive, Method::Windowed, Method::Constant];
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/vectors/readings.json");
@@ -135,7 +135,7 @@ fn add(hash: &mut u64, text: &str) {
     }
 }
 
-fn run(events: &[Events], method: Method) -> Run {
+fn run(events: &[Events], method: Method, mut told: impl FnMut(&str)) -> Run {
     let mut compensator = Compensator::new(Config { method, ..Config::default() }).expect("a valid config");
     let (mut hash, mut last) = (0xcbf2_9ce4_8422_2325, None);
     for it in events {
@@ -147,7 +147,9 @@ fn run(events: &[Events], method: Method) -> Run {
             let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
         }
         let reading: Reading = compensator.push(MagneticSample { time_ns, field_ut });
-        add(&mut hash, &serde_json::to_string(&reading).expect("plain data"));
+        let text = serde_json::to_string(&reading).expect("plain data");
+        add(&mut hash, &text);
+        told(&text);
         last = reading.heading.map(|heading| heading.heading_deg).or(last);
     }
     let round = |v: f64| (v * 1e3).round() / 1e3;
@@ -161,9 +163,18 @@ fn run(events: &[Events], method: Method) -> Run {
 #[test]
 fn readings_are_those_of_the_golden_file() {
     let mut found = BTreeMap::new();
+    let mut readings = std::env::var_os("MAGCOMP_WRITE_READINGS")
+        .map(|path| BufWriter::new(File::create(path).expect("a file that can be written")));
     let mut add_runs = |name: &str, events: &[Events]| {
         for method in METHODS {
-            found.insert(format!("{name}, {method:?}"), run(events, method));
+            let name = format!("{name}, {method:?}");
+            let tell = |text: &str| {
+                if let Some(readings) = &mut readings {
+                    writeln!(readings, "{name}\t{text}").expect("room");
+                }
+            };
+            let run = run(events, method, tell);
+            found.insert(name, run);
         }
     };
     for (seed, (name, special)) in SPECIAL.into_iter().enumerate() {
