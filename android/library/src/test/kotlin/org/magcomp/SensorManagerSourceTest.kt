@@ -206,6 +206,16 @@ class SensorManagerSourceTest {
     }
 
     @Test
+    fun `the hard iron is that of its event, whichever number changes`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        val told = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, 3.0), Vector3(4.0, 5.0, 3.0), Vector3(4.0, 5.0, 6.0), null)
+        val samples = collectWhile(sensors, sensors.source(), told.size) {
+            told.forEachIndexed { k, it -> sensors.deliver(SensorSample.Magnetic(MagneticSample(k + 1L, Vector3(7.0, 8.0, 9.0), it))) }
+        }
+        assertEquals(told, samples.map { (it as SensorSample.Magnetic).sample.reportedHardIronUt })
+    }
+
+    @Test
     fun `a refused gyroscope is told, and the others go on`() = runBlocking {
         val sensors = FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GYROSCOPE }
         val source = sensors.source()
