@@ -79,7 +79,8 @@ object CostMain {
         }
         withTimeout(20_000) { while (sensors.registrations.size < 3) delay(1) }
         val player = Player(sensors, types)
-        player.play(4000)
+        // until the JVM has compiled it
+        player.play(SAMPLES)
         player.listenerNs = 0
         val (bytesBefore, cpuBefore, countBefore) = Triple(allocated(), cpuOfOthersNs(), count)
         player.play(SAMPLES)
