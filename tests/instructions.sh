@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Instructions per sample, counted by valgrind: the same on every run and every load of the machine.
+# Instructions per sample, counted by valgrind: the same on every run and every load of the machine. `tests/instructions.sh rates` counts those of a
+# hand-held phone by method and rate instead, beside VQF, as docs/dev/COST.md has them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -7,16 +8,29 @@ need instructions "${rust_tools[@]}" valgrind:valgrind
 cargo build -q --release -p magcomp --example instructions
 run=${CARGO_TARGET_DIR:-target}/release/examples/instructions
 
-count() { # CASE COUNT -> instructions of the whole run
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$run" "$1" "$2" 2>&1 |
+count() { # CASE COUNT RATE -> instructions of the whole run
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$run" "$1" "$2" "$3" 2>&1 |
         sed -n 's/.*I *refs: *//p' | tr -d ,
 }
-per_sample() { # CASE FEW MANY
+per_sample() { # CASE FEW MANY [RATE]
     local few many
-    few=$(count "$1" "$2")
-    many=$(count "$1" "$3")
+    few=$(count "$1" "$2" "${4:-100}")
+    many=$(count "$1" "$3" "${4:-100}")
     echo $(((many - few) / ($3 - $2)))
 }
+ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
+
+if [ "${1:-}" = rates ]; then
+    echo "| samples a second | with the gyroscope | times VQF | magnetometer alone | paper's method | VQF |"
+    echo "|---|---|---|---|---|---|"
+    for rate in 25 50 100 200; do # 40 s each, after 30
+        aided=$(per_sample aided 10 $((40 * rate + 10)) $rate)
+        vqf=$(per_sample vqf 10 $((40 * rate + 10)) $rate)
+        echo "| $rate | $aided | $(ratio "$aided" "$vqf") | $(per_sample adaptive 10 $((40 * rate + 10)) $rate) |" \
+            "$(per_sample windowed 10 $((40 * rate + 10)) $rate) | $vqf |"
+    done
+    exit
+fi
 
 fit_100=$(per_sample fit-100 100 1100)
 fit_2000=$(per_sample fit-2000 100 1100)
@@ -26,7 +40,6 @@ push_2000=$(per_sample push-2000 100 1100)
 aided=$(per_sample aided 10 4010)
 adaptive=$(per_sample adaptive 10 4010)
 vqf=$(per_sample vqf 10 4010)
-ratio() { awk -v a="$1" -v b="$2" 'BEGIN { printf "%.2f", a / b }'; }
 echo "instructions per sample"
 echo "  fitting part (moments and iterations), window 100    $fit_100"
 echo "  fitting part (moments and iterations), window 2000   $fit_2000   $(ratio "$fit_2000" "$fit_100") times that of 100"

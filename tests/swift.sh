@@ -40,6 +40,7 @@ case "${1:-}" in
         cp "$target/swift/symbols/"Magcomp.symbols.json "$target/swift/symbols/Magcomp/"
         swift_tool docc convert ios/Sources/Magcomp/Magcomp.docc --warnings-as-errors \
             --additional-symbol-graph-dir "$target/swift/symbols/Magcomp" --output-path "$target/swift/documentation"
+        tests/api.sh swift
         # the sample and the tutorial's files need SwiftUI: their grammar at least
         swift_tool swiftc -frontend -parse ios/Sample/Compass.swiftpm/*.swift
         for file in ios/Sources/Magcomp/Magcomp.docc/Resources/*.swift; do swift_tool swiftc -frontend -parse "$file"; done

@@ -63,7 +63,7 @@ fn push(criterion: &mut Criterion) {
             bencher.iter(|| compensator.push(black_box(next())));
         });
     }
-    let stream = turning(200_000);
+    let stream = turning(100, 200_000);
     let mut compensator = Compensator::new(Config::default()).expect("a valid config");
     let mut next = stream.iter().cycle();
     group.bench_function("aided, with the gyroscope and accelerometer event of each sample", |bencher| {

@@ -1,6 +1,7 @@
 //! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
 //!
-//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000 aided adaptive vqf.
+//! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000; or `instructions CASE COUNT RATE_HZ`, of: aided adaptive
+//! windowed vqf.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
@@ -13,17 +14,21 @@ use vqf_rs::VQF;
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
-        eprintln!("usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000|aided|adaptive|vqf COUNT");
+        eprintln!(
+            "usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000 COUNT, or aided|adaptive|windowed|vqf COUNT RATE_HZ"
+        );
         std::process::exit(2);
     };
+    let rate_hz = arguments.get(3).and_then(|rate| rate.parse().ok()).unwrap_or(100);
     match case.as_str() {
         "fit-100" => fit(100, count),
         "fit-2000" => fit(2000, count),
         "push-100" => push(100, count),
         "push-2000" => push(2000, count),
-        "aided" => hand_held(Method::Auto, count),
-        "adaptive" => hand_held(Method::Adaptive, count),
-        "vqf" => vqf(count),
+        "aided" => hand_held(Method::Auto, rate_hz, count),
+        "adaptive" => hand_held(Method::Adaptive, rate_hz, count),
+        "windowed" => hand_held(Method::Windowed, rate_hz, count),
+        "vqf" => vqf(rate_hz, count),
         _ => direct(count),
     }
 }
@@ -51,7 +56,7 @@ fn push(window: usize, count: usize) {
     }
 }
 
-fn hand_held(method: Method, count: usize) {
+fn hand_held(method: Method, rate_hz: usize, count: usize) {
     #[allow(clippy::field_reassign_with_default, reason = "outside its crate a config can't be written as one literal")]
     let config = {
         let mut config = Config::default();
@@ -60,8 +65,8 @@ fn hand_held(method: Method, count: usize) {
     };
     let mut compensator = Compensator::new(config).expect("a valid config");
     // made whole whatever the count is, so that its own cost is not in the difference of two counts
-    let stream = turning(8000);
-    for (rate, up, sample) in stream[..3000 + count].iter().copied() {
+    let stream = turning(rate_hz, 80 * rate_hz);
+    for (rate, up, sample) in stream[..30 * rate_hz + count].iter().copied() {
         compensator.push_rotation_rate(rate).expect("a plausible rate");
         compensator.push_up(up).expect("a plausible acceleration");
         black_box(compensator.push(sample));
@@ -69,9 +74,10 @@ fn hand_held(method: Method, count: usize) {
 }
 
 /// VQF on the same stream, for comparison.
-fn vqf(count: usize) {
-    let mut filter = VQF::new(0.01, Some(0.01), Some(0.01), None);
-    for (rate, up, sample) in turning(8000)[..3000 + count].iter().copied() {
+fn vqf(rate_hz: usize, count: usize) {
+    let dt_s = 1.0 / rate_hz as f64;
+    let mut filter = VQF::new(dt_s, Some(dt_s), Some(dt_s), None);
+    for (rate, up, sample) in turning(rate_hz, 80 * rate_hz)[..30 * rate_hz + count].iter().copied() {
         filter.update(rate.rate_rad_s.into(), up.up_m_s2.into(), Some(sample.field_ut.into()));
         black_box(filter.quat_9d());
     }

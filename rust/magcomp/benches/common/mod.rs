@@ -33,21 +33,21 @@ fn normal() -> impl FnMut() -> f64 {
     move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
 }
 
-/// A phone turned over in the hand at 100 Hz: gyroscope, gravity and magnetometer (0.5 uT of noise), hard iron stepping
-/// by 50 % every 1000 samples, so that a tenth of the samples or so run the hypotheses too.
-pub fn turning(count: usize) -> Vec<(RotationRateSample, UpSample, MagneticSample)> {
-    const DT_S: f64 = 0.01;
+/// A phone turned over in the hand, `rate_hz` samples a second: gyroscope, gravity and magnetometer (0.5 uT of noise), hard iron stepping
+/// by 50 % every 10 s, so that a tenth of the samples or so run the hypotheses too.
+pub fn turning(rate_hz: usize, count: usize) -> Vec<(RotationRateSample, UpSample, MagneticSample)> {
+    let dt_s = 1.0 / rate_hz as f64;
     let mut normal = normal();
     let mut noise = move |sd: f64| Vector3::new(normal(), normal(), normal()) * sd;
     let field_ut = Vector3::new(0.0, 25.0, -43.3);
     let mut attitude = Rotation3::identity();
     (0..count)
         .map(|k| {
-            let time_s = k as f64 * DT_S;
+            let time_s = k as f64 * dt_s;
             let rate = Vector3::new((1.1 * time_s).sin(), (0.7 * time_s).cos(), (0.5 * time_s + 1.0).sin());
-            attitude *= Rotation3::new(rate * DT_S);
-            let offset_ut = OFFSET_UT * if k / 1000 % 2 == 0 { 1.0 } else { 1.5 };
-            let time_ns = (k as i64 + 1) * 10_000_000;
+            attitude *= Rotation3::new(rate * dt_s);
+            let offset_ut = OFFSET_UT * if k / (10 * rate_hz) % 2 == 0 { 1.0 } else { 1.5 };
+            let time_ns = (k as i64 + 1) * 1_000_000_000 / rate_hz as i64;
             (
                 RotationRateSample { time_ns, rate_rad_s: rate + noise(0.003) },
                 UpSample { time_ns, up_m_s2: attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + noise(0.05) },
