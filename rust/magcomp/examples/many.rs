@@ -17,10 +17,7 @@ type Stream = [(RotationRateSample, UpSample, MagneticSample)];
 
 fn main() {
     let count: usize = std::env::args().nth(1).map_or(10_000, |count| count.parse().expect("a count"));
-    let stream = turning(RATE_HZ, EACH * count.max(100));
-    let mut alone = vec![made()];
-    run(&mut alone, &stream[..1000]);
-    let ns_alone = run(&mut alone, &stream[1000..]);
+    let stream = turning(RATE_HZ, 2 * EACH);
 
     let before = resident_bytes();
     let mut many: Vec<_> = (0..count).map(|_| made()).collect();
@@ -31,7 +28,7 @@ fn main() {
         size_of::<Compensator>()
     );
     let ns_many = run(&mut many, &stream[EACH / 2..EACH]);
-    println!("  in turns on one thread: {:.2} times the processor time of one alone", ns_many / ns_alone);
+    println!("  in turns on one thread: {:.2} times the processor time of one alone", ns_many / alone(&stream, EACH / 2, EACH));
 
     let cores = std::thread::available_parallelism().expect("a number of cores").get();
     let parts = many.chunks_mut(count.div_ceil(cores));
@@ -40,11 +37,21 @@ fn main() {
         threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });
     let ns_parallel = times.iter().sum::<f64>() / times.len() as f64;
-    println!("  over {} threads at once: {:.2} times, each", times.len(), ns_parallel / ns_alone);
+    println!("  over {} threads at once: {:.2} times, each", times.len(), ns_parallel / alone(&stream, EACH, 2 * EACH));
 }
 
 fn made() -> Compensator {
     Compensator::new(Config::default()).expect("a valid config")
+}
+
+/// A hundred, one after the other, over the same samples.
+fn alone(stream: &Stream, from: usize, to: usize) -> f64 {
+    let times = (0..100).map(|_| {
+        let mut one = [made()];
+        run(&mut one, &stream[..from]);
+        run(&mut one, &stream[from..to])
+    });
+    times.sum::<f64>() / 100.0
 }
 
 /// Each sample to every compensator, then the next; ns of this thread's processor time a sample and compensator.
