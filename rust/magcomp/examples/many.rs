@@ -28,7 +28,10 @@ fn main() {
         size_of::<Compensator>()
     );
     let ns_many = run(&mut many, &stream[EACH / 2..EACH]);
-    println!("  in turns on one thread: {:.2} times the processor time of one alone", ns_many / alone(&stream, EACH / 2, EACH));
+    println!(
+        "  in turns on one thread: {:.2} times the processor time of one alone",
+        ns_many / alone(&stream, EACH / 2, EACH)
+    );
 
     let cores = std::thread::available_parallelism().expect("a number of cores").get();
     let parts = many.chunks_mut(count.div_ceil(cores));
