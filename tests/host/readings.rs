@@ -190,7 +190,8 @@ fn readings_are_those_of_the_golden_file() {
     let expected: BTreeMap<String, Run> =
         serde_json::from_str(&read_to_string(GOLDEN).expect("the golden file")).expect("what this test wrote");
     assert!(expected.keys().eq(found.keys()), "other runs than in the golden file");
-    let rounds_alike = cfg!(all(target_arch = "x86_64", target_os = "linux"));
+    // who has them written compares machines that may round otherwise
+    let rounds_alike = cfg!(all(target_arch = "x86_64", target_os = "linux")) && readings.is_none();
     let differs = |name: &&String| {
         let (a, b) = (&expected[*name], &found[*name]);
         let near = |a: Option<f64>, b: Option<f64>| {

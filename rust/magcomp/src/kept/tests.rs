@@ -89,3 +89,41 @@ fn a_covariance_that_is_none_is_not_kept() {
         assert_eq!(KeptCalibration::learned(calibration, covariance, None, 0), None, "{bad}");
     }
 }
+
+/// By hand: 0.3 % of M for each uT, 8 % at most; half of that beside the diagonal (a variance, so a half).
+#[test]
+fn how_sure_a_given_calibration_is() {
+    let calibration = *kept().calibration();
+    for (sigma_ut, iron) in [(2.0, 0.006), (10.0, 0.03), (900.0, 0.08)] {
+        let given = KeptCalibration::given(calibration, sigma_ut).unwrap();
+        let of = |k: usize| given.covariance()[(k, k)];
+        for (found, expected) in [(of(1), sigma_ut * sigma_ut), (of(4), iron * iron), (of(8), iron * iron / 2.0)] {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{sigma_ut} uT: {found:e} is not {expected:e}");
+        }
+    }
+    assert_eq!((kept().inclination_deg(), kept().unix_time_s()), (Some(64.8), Some(1_795_560_000)));
+}
+
+/// Correlations of 0.9, 0.9 and -0.9: each pair could be, the three together can't.
+#[test]
+fn a_covariance_is_positive_as_a_whole() {
+    let three = |c: f64| Matrix3::new(4.0, 5.4, 1.8, 5.4, 9.0, c * 3.0, 1.8, c * 3.0, 1.0);
+    assert!(crate::calibration::is_covariance(&three(0.9)) && !crate::calibration::is_covariance(&three(-0.9)));
+    // what is known has no variance, and correlates with nothing
+    assert!(crate::calibration::is_covariance(&Matrix3::from_diagonal(&Vector3::new(1.0, 0.0, 2.0))));
+    let mut covariance = SMatrix::<f64, 9, 9>::identity() * 0.01;
+    covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&three(0.9));
+    let given = crate::calibration::Given { calibration: *kept().calibration(), covariance };
+    assert!((given.hard_iron_ut2() - 14.0 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_soft_iron_that_is_nearly_flat_is_refused() {
+    let flat = |least: f64| {
+        Calibration::from_any(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, least)), Vector3::zeros(), 48.0)
+    };
+    assert!(
+        matches!(flat(1e-9), Err(crate::CalibrationError::Singular { ratio }) if (ratio / 1e-9 - 1.0).abs() < 1e-3)
+    );
+    assert!(flat(0.5).is_ok());
+}

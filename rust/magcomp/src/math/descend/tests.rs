@@ -159,3 +159,69 @@ fn what_is_not_positive_definite_is_damped_until_it_is() {
     let found = descend(&Saddle, Vector2::new(0.1, 3.0), PATIENT, |step| step.size < 1e-10);
     assert!((found.place - Vector2::new(1.0, 0.0)).amax() < 1e-9, "{found:?}");
 }
+
+/// Every step taken from there, and where it led.
+fn steps(from: f64) -> Vec<(Step, f64)> {
+    let mut steps = Vec::new();
+    descend(&arc_tangent(), Vector1::new(from), PATIENT, |step| {
+        steps.push(*step);
+        step.size < 1e-9
+    });
+    let after =
+        |iterations| descend(&arc_tangent(), Vector1::new(from), Limits { iterations, ..PATIENT }, |_| false).place.x;
+    let places: Vec<f64> = (1..=steps.len()).map(after).collect();
+    steps.into_iter().zip(places).collect()
+}
+
+/// (H + mu D) dx = -g by hand: H = D = j^2, g = j r.
+#[test]
+fn a_damped_step_is_marquardts_and_the_damping_falls_by_tenths() {
+    let (mut strong, mut weak) = (0, 0);
+    for from in [1.391_76, 1.391_78, 1.3918, 1.392, 1.4, 1.45, 2.0, 6.0, 20.0] {
+        let steps = steps(from);
+        let mut x = from;
+        for (step, to) in &steps {
+            let j = 1.0 / (1.0 + x * x);
+            let expected = x - x.atan() / (j * (1.0 + step.damping));
+            assert!((to - expected).abs() < 1e-9 * x.abs().max(1.0), "from {x} to {to}, not {expected}");
+            let gain = x.atan().powi(2) - to.atan().powi(2);
+            assert!((step.gain - gain).abs() < 1e-12, "{} is not {gain}", step.gain);
+            x = *to;
+        }
+        for pair in steps.windows(2) {
+            let (before, after) = (pair[0].0.damping, pair[1].0.damping);
+            // it starts a tenth lower, and at the least damping with none
+            if before > 1.5 * FIRST_DAMPING {
+                strong += 1;
+                assert!(after > 0.09 * before, "{after:e} after {before:e}");
+            } else if before > 0.0 && before <= FIRST_DAMPING {
+                weak += 1;
+                assert_eq!(after, 0.0);
+            }
+        }
+    }
+    assert!(strong > 3 && weak > 0, "{strong} {weak}");
+}
+
+/// f = 1 + (x - 1)^2 at its minimum: no step lowers it, and rounding may not ask for damping.
+#[test]
+fn at_the_minimum_a_step_of_nothing_is_taken_without_damping() {
+    struct Bowl;
+    impl Cost<1> for Bowl {
+        type Place = Vector1<f64>;
+        fn value(&self, at: &Vector1<f64>) -> f64 {
+            1.0 + (at.x - 1.0).powi(2)
+        }
+        fn derivatives(&self, at: &Vector1<f64>) -> Derivatives<1> {
+            Derivatives { gradient: Vector1::new(at.x - 1.0), hessian: SMatrix::from([[1.0]]) }
+        }
+        fn after(&self, from: &Vector1<f64>, step: &Vector1<f64>) -> Option<Vector1<f64>> {
+            Some(from + step)
+        }
+    }
+    let found = descend(&Bowl, Vector1::new(1.0), PATIENT, |step| {
+        assert_eq!((step.damping, step.size, step.gain), (0.0, 0.0, 0.0));
+        true
+    });
+    assert_eq!((found.place.x, found.termination), (1.0, Termination::Converged));
+}

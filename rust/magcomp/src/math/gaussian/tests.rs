@@ -124,6 +124,7 @@ fn noise_without_end_teaches_nothing_and_noise_of_nothing_all() {
 fn parts_follow_one_another_and_change_alone() {
     assert_eq!([A.range(), B.range(), C.range()], [0..2, 2..6, 6..7]);
     assert_eq!(A.with_next::<6>().range(), 0..6);
+    assert_eq!((B.start(), B.least_variance(), C.least_variance()), (2, 1e-6, 1e-3));
     let before = Case::new(3).prior;
     let mut after = before.clone();
     after.set_part(C, &SVector::from([5.0]));

@@ -28,6 +28,20 @@ fn a_turn_is_the_matrix_exponential() {
     }
 }
 
+/// Beside the diagonal no 1 hides what the last terms of the series add.
+#[test]
+fn small_turns_are_exact_to_rounding() {
+    for v in vectors().filter(|v| v.norm() < 1e-4) {
+        let turn = Turn::by(&v);
+        for (found, expected) in [(turn.rotation, series(&v, 0)), (turn.left_jacobian, series(&v, 1))] {
+            for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+                let (found, expected) = (found[(i, j)], expected[(i, j)]);
+                assert!((found - expected).abs() <= 1e-15 * expected.abs(), "{v:?}: {found:e} is not {expected:e}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_left_jacobian_is_its_series() {
     for v in vectors() {
