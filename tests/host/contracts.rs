@@ -338,3 +338,16 @@ fn factory_errors_compose_to_numbers_or_are_refused() {
     let flat = FactoryErrors { axes: Matrix3::repeat(1.0), ..good };
     assert!(matches!(flat.compose(&disturbance), Err(CalibrationError::Singular { .. })));
 }
+
+#[test]
+fn a_rejected_sample_still_tells_sensors_and_window() {
+    for method in METHODS {
+        let mut compensator = compensator(&Config { method, ..Config::default() });
+        let mut phone = Phone::new(13, calibration(&REF, 45.0));
+        phone.run(&mut compensator, 2000);
+        let good = phone.advance(&mut compensator);
+        let bad = compensator.push(MagneticSample { time_ns: phone.time_ns + 1, field_ut: Vector3::repeat(f64::NAN) });
+        assert!(matches!(bad.status, Status::Rejected(_)) && good.window > 0, "{method:?}: {}", bad.status);
+        assert_eq!((bad.mode, bad.window), (good.mode, good.window), "{method:?}");
+    }
+}

@@ -293,3 +293,14 @@ impl Device {
         self.attitude.inverse() * Vector3::new(20.0 * sin, 20.0 * cos, -40.0)
     }
 }
+
+#[test]
+fn a_pause_forgets_north_and_keeps_what_was_learned_of_mounting_and_declination() {
+    let (mut north, mut device) = (North::default(), Device::new(12.0, 10.0));
+    let offset = |sd_rad| Some(Offset::unknown(sd_rad, Vector3::y()));
+    (north.mounting, north.declination) = (offset(0.3), offset(0.1));
+    play(&mut north, &mut device, 5, |device| Some(device.told(0.0, 1.0)));
+    assert!(north.carried.is_some() && north.heard.is_some());
+    north.pause();
+    assert_eq!(north, North { mounting: offset(0.3), declination: offset(0.1), ..North::default() });
+}
