@@ -1,5 +1,6 @@
-//! A long run of mixed motion through one method, for days of a phone's time: `cargo run --release -p magcomp-tests --example soak --`. What it must show: no change of the hard
-//! iron is missed, headings are as sure as they say, memory stays what it was.
+//! A long run of mixed motion through one method, for days of a phone's time, by name:
+//! `cargo run --release -p magcomp-tests --example soak -- ...`. What it must show: no change of the hard iron is missed, headings are as sure as
+//! they say, memory stays what it was.
 //!
 //! `soak METHOD SAMPLES STATE.json` goes on from STATE.json, where there is one, and writes it every million samples with one line of progress. A run
 //! that goes on adopts the kept calibration, as an app does that was closed. `soak METHOD rest SAMPLES` lies still for that long, then b
