@@ -133,7 +133,7 @@ import Testing
     /// Whether help or a question meets it, while somebody reads or between two runs.
     @Test(arguments: [true, false], [true, false])
     func aDefectThatHelpMeetsEndsTheRunAndSparesTheNext(isAsked: Bool, isRead: Bool) async throws {
-        let source = SharingTests.Live()
+        let source = Live()
         let compass = Compass(source: source)
         let seen = Shared<[CompensatedReading]>([])
         let pose = AttitudeSample(timeNs: 1, w: 1, x: 0, y: 0, z: 0, yaw: .relative)
@@ -151,7 +151,7 @@ import Testing
             #expect(try !compass.aid(pose), "there is nothing to help")
             #expect(try compass.foundDeclination() == nil)
         }
-        let task = SharingTests().reader(compass, seen)
+        let task = reader(compass, seen)
         try await source.started(1)
         try await play(flat(0))
         if isRead {
@@ -164,7 +164,7 @@ import Testing
             await compass.settled()
             try breakIt()
         }
-        let again = SharingTests().reader(compass, seen)
+        let again = reader(compass, seen)
         try await source.started(2)
         try await play(flat(2))
         again.cancel()

@@ -116,9 +116,9 @@ final class CameraHelp: NSObject, ARSessionDelegate {
     }
 
     /// Sensors that count from the start of the device, as a phone's.
-    private func driven(_ compass: Compass, _ source: SharingTests.Live, _ body: () throws -> Void) async throws {
+    private func driven(_ compass: Compass, _ source: Live, _ body: () throws -> Void) async throws {
         let seen = Shared<[CompensatedReading]>([])
-        let task = SharingTests().reader(compass, seen)
+        let task = reader(compass, seen)
         try await source.started(1)
         let timeNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
         source.play([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(x: 1, y: 2, z: 3)))])
@@ -129,7 +129,7 @@ final class CameraHelp: NSObject, ARSessionDelegate {
     }
 
     @Test func aFixHelpsByItsCourseAtItsOwnTime() async throws {
-        let source = SharingTests.Live()
+        let source = Live()
         let compass = Compass(source: source)
         try onFix(compass, fix(course: 90))
         #expect(try compass.declinationDeg == GeomagneticField(at: fix(course: 90)).declinationDeg)
@@ -144,7 +144,7 @@ final class CameraHelp: NSObject, ARSessionDelegate {
 
     #if canImport(ARKit) && !os(macOS)
     @Test func aCameraHelpsWhileItTracks() async throws {
-        let source = SharingTests.Live()
+        let source = Live()
         let compass = Compass(source: source)
         let help = CameraHelp(compass)
         // flat, the top edge along -z of ARKit's world
