@@ -46,7 +46,7 @@ pub fn turning(rate_hz: usize, count: usize) -> Vec<(RotationRateSample, UpSampl
             let time_s = k as f64 * dt_s;
             let rate = Vector3::new((1.1 * time_s).sin(), (0.7 * time_s).cos(), (0.5 * time_s + 1.0).sin());
             attitude *= Rotation3::new(rate * dt_s);
-            let offset_ut = OFFSET_UT * if k / (10 * rate_hz) % 2 == 0 { 1.0 } else { 1.5 };
+            let offset_ut = OFFSET_UT * if (k / (10 * rate_hz)).is_multiple_of(2) { 1.0 } else { 1.5 };
             let time_ns = (k as i64 + 1) * 1_000_000_000 / rate_hz as i64;
             (
                 RotationRateSample { time_ns, rate_rad_s: rate + noise(0.003) },
