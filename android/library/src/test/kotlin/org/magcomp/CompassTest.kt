@@ -207,6 +207,7 @@ class CompassTest {
         val readings = samples.map { SensorSample.Magnetic(it) }.asFlow().compensated(config, capacity = samples.size).toList()
         assertNotNull(readings.first().reading.fieldUt, "the system's estimate is the first calibration")
         assertEquals(Compensator(config).use { c -> samples.map { c.push(it) } }, readings.map { it.reading })
+        assertEquals(samples, readings.map { it.sample })
     }
 
     @Test

@@ -28,6 +28,23 @@ class RustAgreementTest {
     }
 
     @Test
+    fun `a buffer that is used again shows the event of its latest reading`() {
+        val buffer = ReadingBuffer()
+        val later = 1_000_000_000_000
+        val (first, second) = listOf(0, later).map { shift ->
+            Compensator().use { compensator ->
+                for (event in events) when (event) {
+                    is SensorSample.Magnetic -> with(event.sample) { compensator.push(timeNs + shift, fieldUt.x, fieldUt.y, fieldUt.z, buffer) }
+                    is SensorSample.RotationRate -> push(compensator, SensorSample.RotationRate(with(event.sample) { copy(timeNs = timeNs + shift) }))
+                    is SensorSample.Up -> push(compensator, SensorSample.Up(with(event.sample) { copy(timeNs = timeNs + shift) }))
+                }
+            }
+            buffer.event!!
+        }
+        assertEquals(first.copy(sinceNs = first.sinceNs + later, decidedNs = first.decidedNs + later), second)
+    }
+
+    @Test
     fun `a recording over uniffi`() {
         val readings = NativeCompensator(Config()).use { native ->
             events.mapNotNull {
