@@ -63,6 +63,8 @@ impl InertialSensor {
     ) -> impl Iterator<Item = (i64, Vector3<f64>)> {
         let count = (duration_s * self.rate_hz).ceil() as usize + 1;
         let (mut bias, walk) = (self.bias, self.bias_walk / self.rate_hz.sqrt());
+        // a dead axis reads its bias, to the last bit
+        let lives = self.scale.map(|scale| f64::from(u8::from(scale != 0.0)));
         (0..count).filter_map(move |k| {
             let time_s = k as f64 / self.rate_hz;
             let truth = truth(time_s - self.delay_s);
@@ -70,7 +72,8 @@ impl InertialSensor {
             if walk > 0.0 {
                 bias += random.normal3() * walk;
             }
-            let event = (time_ns(time_s), read + bias + random.normal3() * self.noise);
+            let strayed = bias - self.bias + random.normal3() * self.noise;
+            let event = (time_ns(time_s), read + self.bias + strayed.component_mul(&lives));
             let is_silent = self.silent_s.is_some_and(|(every_s, for_s)| time_s % every_s > every_s - for_s);
             (!is_silent).then_some(event)
         })

@@ -219,7 +219,7 @@ impl Compensator {
     fn look_at_axes(&mut self, time_ns: i64, previous_ns: Option<i64>, paired: &PairedInertial) {
         match (paired.rotation, previous_ns, paired.up_m_s2) {
             (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
-                self.axes.see(&rotation.increment_rad, (time_ns - previous_ns) as f64 * 1e-9, &up_m_s2);
+                self.axes.see(&rotation, (time_ns - previous_ns) as f64 * 1e-9, &up_m_s2);
             }
             _ => self.axes.pause(),
         }
@@ -230,7 +230,7 @@ impl Compensator {
         self.guidance.see(&sample.field_ut, answer.counted.through.as_ref(), answer.counted.samples);
         if let Some(gyroscope) = self.estimator.gyroscope() {
             self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
-            self.presence.judge(gyroscope.is_useless || self.axes.is_flipped());
+            self.presence.judge(gyroscope.is_useless || self.axes.is_wrong());
         }
         self.mode = answer.mode;
         self.event = answer.event.or(self.event);

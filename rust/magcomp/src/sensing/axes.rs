@@ -1,23 +1,35 @@
-//! Whether each axis of the gyroscope turns the way gravity does: an app that flips an axis, or takes one for another, makes a gyroscope that is sure and
-//! wrong. No magnet has a part in this.
+//! Whether the axes of the gyroscope turn the way gravity does: an axis that an app flips, or that is dead, makes a gyroscope that is sure and wrong. No magnet
+//! has a part in this.
 //!
 //! ```text
 //! du/dt = -w x u   for gravity u in the device;   ū: means over windows of T, A and then B, so that motion averages out
 //! ū_B - ū_A = -sum_i k_i C_i + noise,   C_i = integral of tri(t) w_i (e_i x u) dt         tri rises over A and falls over B, 0 to 1 to 0
-//! k = (sum C^T C)^-1 sum C^T d,   its covariance (sum C^T C)^-1 (sum C^T r r^T C) (sum C^T C)^-1,   r = d - C k       1: a sound axis, -1: a flipped one
+//! for each set of axes:   c = -sum of the C_i of the set,   y = ū_B - ū_A + the other C_i
+//! k = sum c.y / sum |c|^2,   its variance n / (n - 1) sum (c.y - k |c|^2)^2 / (sum |c|^2)^2,   n = (sum |c|^2)^2 / sum |c|^4    1: sound, -1: flipped
 //! ```
-//! r is taken with the k of before. The covariance is that of White (1980): the noise of a window in motion is not that at rest. The pairs of windows count
-//! as (sum |C|^2)^2 / sum |C|^4. Motion that goes with the turns, as a runner's, does not average out. Were all of it turned alike, k would be off by at
-//! most sum |C_i| A / sum |C_i|^2: A^2 is twice what the mean size of the acceleration differs from g by, in squares (`across`).
-//! An axis is flipped where k lies below 0 by that and as many of its standard deviations as Student's t asks for: once in 30 000 by chance. What is not turned about, or turns about the vertical alone, leaves
-//! its k unknown.
+//! The axes outside the set are taken for sound. A device that is carried turns about the vertical, where gravity does not turn: a flipped axis then shows since
+//! gravity would have to turn. A pair counts where |c| / g is above 0.1 rad: no bias of the gyroscope can turn the sign of its k. The variance is that of White
+//! (1980): the noise of a window in motion is not that at rest. So many pairs n count. Motion that goes with the turns, as a runner's, does not average out.
+//! Were all of it turned alike, k would be off by at most sum |c| A / sum |c|^2: A^2 is twice what the mean size of the acceleration differs from g by, in
+//! squares (`across`).
+//! A set is flipped where k lies below 0, half way between sound and flipped, by that and as many of its standard deviations as Student's t asks for: once in
+//! 30 000 by chance. A set that is not turned about leaves its k unknown.
+//!
+//! An axis is dead where it has read one value, to the last bit, while what the others leave of the changes of gravity is larger across the axis, where a turn
+//! about it would be, than along it: ln(sum across^2 / sum along^2) has the standard deviation (4 / pairs)^0.5 where both are noise, and a walk may sway up to
+//! three times as far one way as the other.
 
+use super::pairing::Rotation;
 use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
 use nalgebra::{Matrix3, Vector3};
 
 /// Mathematics: a normal variable is so many standard deviations below its mean once in 30 000.
 const NORMAL: f64 = 4.0;
+/// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
+const LARGEST_BIAS_RAD_S: f64 = 0.1;
+/// Data sheet: how much more of a walk's motion may lie along one horizontal direction than along the other, in squares: 8 was the most in 45 walks.
+const SWAY: f64 = 9.0;
 /// Mathematics: pairs of windows that tell the noise at all.
 const FEWEST: f64 = 2.0;
 
@@ -27,14 +39,32 @@ pub(crate) struct Axes {
     window: Window,
     /// A, once it is full: its mean, and C as it rises.
     before: Option<(Vector3<f64>, Matrix3<f64>)>,
-    /// Sums over pairs: C^T C, C^T d, C^T r r^T C, |C_i| A, |C|^2 and |C|^4.
-    information: Matrix3<f64>,
-    seen: Vector3<f64>,
-    left: Matrix3<f64>,
-    aligned: Vector3<f64>,
+    /// One for each set of axes, by the bits of its number less one: x, y, xy, z, ...
+    sets: [Turning; 7],
+    constants: [Constant; 3],
+}
+
+/// How a set of axes turns beside gravity: sums over pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Turning {
+    /// |c|^2 and c.y, the squares and the product of these, and |c| A.
     weight: f64,
+    along: f64,
     weight_squares: f64,
-    is_flipped: bool,
+    along_squares: f64,
+    products: f64,
+    aligned: f64,
+}
+
+/// An axis while it reads the same: sums over pairs that it did so for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Constant {
+    rate_rad_s: f64,
+    for_s: f64,
+    /// What is left of gravity's changes, across the axis and along it, in squares.
+    across: f64,
+    along: f64,
+    pairs: f64,
 }
 
 /// Sums over the window in the making.
@@ -49,8 +79,12 @@ struct Window {
 }
 
 impl Axes {
-    /// One sample: the turn since the one before, rad, and how long it took, s; what the accelerometer reads, m/s^2.
-    pub fn see(&mut self, turn_rad: &Vector3<f64>, span_s: f64, up_m_s2: &Vector3<f64>) {
+    /// One sample: the rotation since the one before, and how long it took, s; what the accelerometer reads, m/s^2.
+    pub fn see(&mut self, rotation: &Rotation, span_s: f64, up_m_s2: &Vector3<f64>) {
+        let turn_rad = &rotation.increment_rad;
+        for (constant, rate_rad_s) in self.constants.iter_mut().zip(&rotation.rate_rad_s) {
+            constant.read(*rate_rad_s, span_s);
+        }
         let share = ((self.window.length_s + 0.5 * span_s) / Tuning::USED.tilt_s).min(1.0);
         let levers = Matrix3::from_columns(&[
             Vector3::x().cross(up_m_s2) * turn_rad.x,
@@ -70,21 +104,20 @@ impl Axes {
         let mean = up / length_s;
         if let Some((before, was_rising)) = self.before.replace((mean, rising)) {
             let beyond = Tuning::USED.across.sqrt() * (size / length_s - GRAVITY_M_S2).abs();
-            self.compare(-(was_rising + falling), mean - before, beyond);
+            self.compare(-(was_rising + falling), mean - before, &(mean + before), beyond);
         }
     }
 
-    /// A pair of windows: C, d and A.
-    fn compare(&mut self, lever: Matrix3<f64>, change: Vector3<f64>, beyond: f64) {
-        let factors = self.information.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * self.seen);
-        let left = lever.transpose() * (change - lever * factors);
-        self.information += lever.transpose() * lever;
-        self.seen += lever.transpose() * change;
-        self.left += left * left.transpose();
-        self.aligned += Vector3::from_fn(|i, _| lever.column(i).norm() * beyond);
-        self.weight += lever.norm_squared();
-        self.weight_squares += lever.norm_squared().powi(2);
-        self.is_flipped = self.has_flipped();
+    /// A pair of windows: -C, how gravity changed, where it is, and A.
+    fn compare(&mut self, lever: Matrix3<f64>, change: Vector3<f64>, up: &Vector3<f64>, beyond: f64) {
+        let unexplained = change - lever.column_sum();
+        for (axis, constant) in self.constants.iter_mut().enumerate() {
+            constant.see(axis, &unexplained, up);
+        }
+        for (set, number) in self.sets.iter_mut().zip(1_u8..) {
+            let turned = lever * Vector3::from_fn(|axis, _| f64::from(number >> axis & 1));
+            set.see(&turned, &(unexplained + turned), beyond);
+        }
     }
 
     /// The chain of rotations broke: no window reaches across.
@@ -92,24 +125,65 @@ impl Axes {
         (self.window, self.before) = (Window::default(), None);
     }
 
-    /// Whether an axis turns the other way. Of axes that were hardly turned about nothing is known.
-    pub fn is_flipped(&self) -> bool {
-        self.is_flipped
+    /// Whether axes turn the other way, or one not at all. Of axes that were hardly turned about nothing is known.
+    pub fn is_wrong(&self) -> bool {
+        self.sets.iter().any(Turning::is_flipped) || self.constants.iter().any(Constant::is_dead)
+    }
+}
+
+impl Turning {
+    /// A pair of windows: c, y and A.
+    fn see(&mut self, turned: &Vector3<f64>, change: &Vector3<f64>, beyond: f64) {
+        let (weight, along) = (turned.norm_squared(), turned.dot(change));
+        if weight < (LARGEST_BIAS_RAD_S * Tuning::USED.tilt_s * GRAVITY_M_S2).powi(2) {
+            return;
+        }
+        self.weight += weight;
+        self.along += along;
+        self.weight_squares += weight * weight;
+        self.along_squares += along * along;
+        self.products += along * weight;
+        self.aligned += weight.sqrt() * beyond;
     }
 
-    fn has_flipped(&self) -> bool {
-        let Some(inverse) = self.information.try_inverse() else { return false };
+    fn is_flipped(&self) -> bool {
         let pairs = self.weight * self.weight / self.weight_squares;
         // not a number where there are none
         if pairs.is_nan() || pairs <= FEWEST {
             return false;
         }
-        let sigmas = student(3.0 * pairs - 3.0);
-        let (factors, covariance) = (inverse * self.seen, inverse * self.left * inverse);
-        (0..3).any(|i| {
-            let most_off = self.aligned[i] / self.information[(i, i)];
-            factors[i] + most_off + sigmas * covariance[(i, i)].max(0.0).sqrt() < 0.0
-        })
+        let factor = self.along / self.weight;
+        let left = self.along_squares - 2.0 * factor * self.products + factor * factor * self.weight_squares;
+        let sigma = (left.max(0.0) * pairs / (pairs - 1.0)).sqrt();
+        self.along + self.aligned + student(pairs - 1.0) * sigma < 0.0
+    }
+}
+
+impl Constant {
+    fn read(&mut self, rate_rad_s: f64, span_s: f64) {
+        if rate_rad_s != self.rate_rad_s {
+            *self = Self { rate_rad_s, ..Self::default() };
+        }
+        self.for_s += span_s;
+    }
+
+    /// A pair of windows: what the turns leave of gravity's change, and where gravity is.
+    fn see(&mut self, axis: usize, unexplained: &Vector3<f64>, up: &Vector3<f64>) {
+        // a pair counts that lies within
+        if self.for_s < 2.0 * Tuning::USED.tilt_s {
+            return;
+        }
+        let across = Vector3::ith(axis, 1.0).cross(up);
+        let along = up.cross(&across);
+        let square =
+            |direction: Vector3<f64>| direction.try_normalize(0.0).map_or(0.0, |it| it.dot(unexplained).powi(2));
+        self.across += square(across);
+        self.along += square(along);
+        self.pairs += 1.0;
+    }
+
+    fn is_dead(&self) -> bool {
+        self.pairs > FEWEST && self.across > SWAY * self.along * (NORMAL * (4.0 / self.pairs).sqrt()).exp()
     }
 }
 
@@ -126,6 +200,11 @@ mod tests {
     use super::*;
     use nalgebra::Rotation3;
 
+    /// What the gyroscope makes of a rate at 100 Hz, rad/s.
+    fn read(rate_rad_s: Vector3<f64>) -> Rotation {
+        Rotation { increment_rad: rate_rad_s * 0.01, rate_rad_s, variance_rad2: 0.0 }
+    }
+
     /// A hand turns the device about for so many seconds, shaken by 1 m/s^2; each axis of its gyroscope reads so much of what it should.
     fn turned(seconds: f64, reads: Vector3<f64>) -> Axes {
         turned_in(seconds, reads, 9.81)
@@ -141,7 +220,7 @@ mod tests {
             attitude *= Rotation3::new(rate * 0.01);
             let shaken = Vector3::new((11.9 * t).sin(), (12.3 * t).cos(), (23.0 * t).sin());
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, size_m_s2) + shaken;
-            axes.see(&(rate.component_mul(&reads) * 0.01), 0.01, &up);
+            axes.see(&read(rate.component_mul(&reads)), 0.01, &up);
         }
         axes
     }
@@ -150,12 +229,12 @@ mod tests {
     fn a_flipped_axis_is_found_and_a_sound_one_is_not() {
         for axis in 0..3 {
             let mut reads = Vector3::repeat(1.0);
-            assert!(!turned(60.0, reads).is_flipped());
+            assert!(!turned(60.0, reads).is_wrong());
             reads[axis] = -1.0;
-            assert!(turned(20.0, reads).is_flipped(), "{axis}");
+            assert!(turned(20.0, reads).is_wrong(), "{axis}");
             // a scale that is off by half is no flip
             reads[axis] = 0.5;
-            assert!(!turned(60.0, reads).is_flipped(), "{axis}");
+            assert!(!turned(60.0, reads).is_wrong(), "{axis}");
         }
     }
 
@@ -171,16 +250,56 @@ mod tests {
     #[test]
     fn in_a_run_nothing_is_told() {
         let reads = Vector3::new(1.0, -1.0, 1.0);
-        assert!(turned_in(60.0, reads, 9.81).is_flipped());
-        assert!(!turned_in(60.0, reads, 19.62).is_flipped());
+        assert!(turned_in(60.0, reads, 9.81).is_wrong());
+        assert!(!turned_in(60.0, reads, 19.62).is_wrong());
     }
 
     #[test]
-    fn the_factors_are_those_of_the_axes() {
-        let reads = Vector3::new(0.8, 1.0, 1.25);
-        let axes = turned(120.0, reads);
-        let factors = axes.information.try_inverse().unwrap() * axes.seen;
-        assert!((factors - reads.map(f64::recip)).amax() < 0.05, "{factors}");
+    fn the_factor_of_an_axis_is_the_turn_over_the_reading() {
+        for axis in 0..3 {
+            let mut reads = Vector3::repeat(1.0);
+            reads[axis] = 0.8;
+            let axes = turned(120.0, reads);
+            let set = axes.sets[(1 << axis) - 1];
+            assert!((set.along / set.weight * 0.8 - 1.0).abs() < 0.05, "{axis}");
+        }
+    }
+
+    #[test]
+    fn a_dead_axis_is_found() {
+        for axis in 0..3 {
+            let mut reads = Vector3::repeat(1.0);
+            reads[axis] = 0.0;
+            assert!(turned(30.0, reads).is_wrong(), "{axis}");
+        }
+    }
+
+    /// Signs that an app takes from another system: two axes, or all three.
+    #[test]
+    fn several_flipped_axes_are_found() {
+        for reads in [Vector3::new(-1.0, -1.0, 1.0), Vector3::new(1.0, -1.0, -1.0), Vector3::repeat(-1.0)] {
+            assert!(turned(20.0, reads).is_wrong(), "{reads}");
+        }
+    }
+
+    /// A pedestrian with the device in the hand turns left and right about the vertical: gravity stays in the device, and a flipped axis would turn it.
+    #[test]
+    fn a_walk_round_corners_shows_a_flipped_axis() {
+        let up = Vector3::new(0.0, 0.64, 0.77);
+        let walked = |reads: Vector3<f64>| {
+            let mut axes = Axes::default();
+            for k in 0..6000 {
+                let t = f64::from(k) * 0.01;
+                let rate = up * (0.7 * t).sin();
+                let shaken = Vector3::new((11.9 * t).sin(), (12.3 * t).cos(), (23.0 * t).sin());
+                axes.see(&read(rate.component_mul(&reads)), 0.01, &(up * 9.81 + shaken));
+            }
+            axes.is_wrong()
+        };
+        assert!(!walked(Vector3::repeat(1.0)));
+        assert!(walked(Vector3::new(1.0, -1.0, 1.0)) && walked(Vector3::new(1.0, 1.0, -1.0)));
+        // gravity says nothing of an axis that was not turned about, nor of turns about itself alone
+        assert!(!walked(Vector3::new(-1.0, 1.0, 1.0)) && !walked(Vector3::repeat(-1.0)));
     }
 
     #[test]
@@ -188,8 +307,8 @@ mod tests {
         let mut axes = Axes::default();
         for k in 0..6000 {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
-            axes.see(&(Vector3::z() * -0.01 + noise * 0.01), 0.01, &(Vector3::z() * 9.81 + noise));
+            axes.see(&read(noise - Vector3::z()), 0.01, &(Vector3::z() * 9.81 + noise));
         }
-        assert!(!axes.is_flipped());
+        assert!(!axes.is_wrong());
     }
 }
