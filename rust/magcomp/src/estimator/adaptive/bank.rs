@@ -32,7 +32,7 @@ const LOG_RARE: f64 = -6.0;
 /// Choice: a window of so many frames that is known to [`KNOWN_DEG`] is cut to half.
 const KNOWN_FRAMES: u64 = 96;
 /// Choice: what counts as known, degrees.
-const KNOWN_DEG: f64 = 0.8;
+pub(super) const KNOWN_DEG: f64 = 0.8;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bank {

@@ -1,14 +1,13 @@
 //! What is told of changes.
 
-use super::bank::Bank;
+use super::bank::{Bank, KNOWN_DEG};
 use super::filter::{Filter, Kind};
-use super::parameters::{Gaussian, Tau, beyond_earth};
+use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
+use crate::estimator::LEAST_TOLD_UT;
 use crate::reading::{Event, EventKind, ModelOrder};
 
-/// Choice: least change of directions that is told, degrees; least change of strength or vertical part.
-const TOLD_DEG: f64 = 1.5;
-/// Choice: the same of the place, relative to its strength.
+/// Choice: least change of strength or vertical part of the place that is told, relative to its strength.
 const TOLD_PLACE: f64 = 0.1;
 
 /// The latest decision.
@@ -52,9 +51,9 @@ impl Decision {
         if self.change.is_some_and(same) {
             self.id = best.id;
         }
-        let matters = |it: &Filter| {
-            it.error > TOLD_DEG.to_radians().powi(2) || turned(&before, &it.now.tau()) > TOLD_DEG.to_radians().powi(2)
-        };
+        let least = LEAST_TOLD_UT / unit_ut;
+        let moved = |it: &Tau| (centre(it) - centre(&before)).norm() > least;
+        let matters = |it: &Filter| it.error > KNOWN_DEG.to_radians().powi(2) || moved(&it.now.tau());
         if best.id != self.id && matters(best) {
             self.suspected_ns = Some(best.onset_ns);
         } else if best.now.odd > 0 {
@@ -79,7 +78,7 @@ impl Decision {
         }
         self.take(best);
         self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
-        if turned(&before, &known) > TOLD_DEG.to_radians().powi(2) {
+        if moved(&known) {
             let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
             let told = self.event.is_some_and(|told| {
                 (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
@@ -95,10 +94,4 @@ impl Decision {
     fn take(&mut self, best: &Filter) {
         (self.id, self.change, self.told) = (best.id, Some((best.kind, best.onset_ns)), Some(best.now.tau()));
     }
-}
-
-/// Mean square angle between directions corrected by the one and by the other, rad^2.
-fn turned(a: &Tau, b: &Tau) -> f64 {
-    let off = b - a;
-    Gaussian { mean: *a, covariance: off * off.transpose() }.error()
 }

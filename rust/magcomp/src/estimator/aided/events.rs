@@ -14,6 +14,7 @@ use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
+use crate::estimator::LEAST_TOLD_UT;
 use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::reading::EventKind;
 use crate::strength::STRONGEST_AXIS_UT;
@@ -121,8 +122,8 @@ impl Trial {
     /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
     pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
         let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
-        // less than half a step is an error of one's own; after a pause b may have walked
-        let least_ut = tuning.smallest_step_ut * if self.began.is_blind { 1.0 } else { 0.5 };
+        // after a pause b may have walked
+        let least_ut = if self.began.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
         let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
         (!self.began.is_young && moved_ut > least_ut).then_some(kind)
     }
