@@ -66,6 +66,12 @@ const SPECIAL: [(&str, Special); 12] = [
     ("spikes", Special::Spikes),
 ];
 
+/// As a sensor gives it: in steps, within which the platforms' sines and logarithms differ, so that the stream is the same on all.
+fn read(v: Vector3<f64>) -> Vector3<f64> {
+    const STEPS: f64 = 16384.0;
+    v.map(|v| (v * STEPS).round() / STEPS)
+}
+
 fn stream(special: Special, seed: u64) -> Vec<Events> {
     let mut random = Random::new(seed);
     let start = calibration(&REF.map(|v| v * 0.5 + 0.5 * f64::from(u8::from(v > 0.9))), 48.0);
@@ -100,11 +106,13 @@ fn stream(special: Special, seed: u64) -> Vec<Events> {
         let field = attitude.inverse() * (Vector3::new(0.0, 21.0, -43.0) + place_ut);
         let is_gone = matches!(special, Special::NoGyroscope) && (500..800).contains(&k);
         let rate_rad_s = rate + Vector3::new(0.01, -0.02, 0.015) + random.normal3() * 0.003;
+        let up_m_s2 = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + random.normal3() * 0.05;
+        let field_ut = truth.distort(&field) + random.normal3() * 0.5 + Vector3::new(spike, 0.0, -spike);
         Events {
             time_ns,
-            rate_rad_s: (!is_gone).then_some(rate_rad_s),
-            up_m_s2: Some(attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + random.normal3() * 0.05),
-            field_ut: truth.distort(&field) + random.normal3() * 0.5 + Vector3::new(spike, 0.0, -spike),
+            rate_rad_s: (!is_gone).then_some(read(rate_rad_s)),
+            up_m_s2: Some(read(up_m_s2)),
+            field_ut: read(field_ut),
         }
     };
     (0..1000).map(event).collect()
