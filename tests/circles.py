@@ -31,9 +31,9 @@ FLOORS = {
         "calibration": "",
         "ellipsoid": "math calibration tuning",
         "coverage": "math calibration ellipsoid tuning",
-        "heading": "tuning",
-        "attitude": "heading",
-        "sensing": "range sample tuning",
+        "heading": "math tuning",
+        "attitude": "heading math",
+        "sensing": "math range sample tuning",
         "kept": "calibration range tuning",
     },
     "rust/magcomp/src/estimator/mod.rs": {

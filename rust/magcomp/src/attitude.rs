@@ -10,6 +10,7 @@
 //! The sum of the three variances is the same in every frame.
 
 use crate::heading::{VERTICAL, across_ut2, angle_sigma_deg, unit};
+use crate::math::elementary::hypot;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
@@ -55,6 +56,6 @@ pub fn attitude_sigma_deg(
     let leans_ut = field_ut.dot(&up) * tilt_sigma_deg.to_radians();
     let variance_ut2 = across_ut2(field_ut, &up, covariance_ut2)? + leans_ut * leans_ut;
     let about_up_deg = angle_sigma_deg(variance_ut2, field_ut.cross(&up).norm())?;
-    let sigma = about_up_deg.hypot(tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
+    let sigma = hypot(about_up_deg, tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)
 }

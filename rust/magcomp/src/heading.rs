@@ -16,6 +16,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::math::elementary::{atan2, hypot};
 use crate::tuning::choices;
 use nalgebra::{Matrix3, Vector3};
 
@@ -132,12 +133,12 @@ pub fn heading(
     let (up, field) = (unit(up)?, unit(field_ut)?);
     let horizontal = field.cross(&up).norm();
     let level = Level::of(&field, &up, axis, rotation);
-    if horizontal < VERTICAL || level.east.hypot(level.north) < VERTICAL * horizontal {
+    if horizontal < VERTICAL || hypot(level.east, level.north) < VERTICAL * horizontal {
         return None;
     }
-    let inclination_deg = (-field.dot(&up)).atan2(horizontal).to_degrees();
+    let inclination_deg = atan2(-field.dot(&up), horizontal).to_degrees();
     Some(Heading {
-        heading_deg: wrap_360(level.east.atan2(level.north).to_degrees()),
+        heading_deg: wrap_360(atan2(level.east, level.north).to_degrees()),
         heading_sigma_deg: None,
         true_heading_deg: None,
         inclination_deg,
@@ -200,9 +201,9 @@ pub fn heading_sigma_deg(
         let (one, other) = (tilted(-TILT_STEP_RAD), tilted(TILT_STEP_RAD));
         let (sin, cos) =
             (other.east * one.north - other.north * one.east, one.east * other.east + one.north * other.north);
-        sin.atan2(cos) / (2.0 * TILT_STEP_RAD)
+        atan2(sin, cos) / (2.0 * TILT_STEP_RAD)
     };
-    let tilt = tilt_sigma_deg.to_radians() * slope(across).hypot(slope(up.cross(&across))) * horizontal;
+    let tilt = tilt_sigma_deg.to_radians() * hypot(slope(across), slope(up.cross(&across))) * horizontal;
     let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
     angle_sigma_deg(variance, horizontal)
 }

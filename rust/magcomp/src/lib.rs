@@ -41,8 +41,17 @@
 //!
 //! The gauge: samples of a magnetometer determine M only up to a rotation. The symmetric positive definite M is reported.
 //!
-//! The core needs `std`: without it f64 has no `sqrt`, `sin` or `atan2`, and with `libm` in their place every file of mathematics
-//! would change, for targets that no phone is.
+//! A reading has the same bits on every platform: sines, exponentials and their like come from the crate `libm` (`math/elementary.rs`).
+//!
+//! The core needs `std`: without it f64 has no `sqrt`, `powi` or `round`, and each call would change, for targets that no phone is.
+
+#![cfg_attr(
+    test,
+    allow(
+        clippy::disallowed_methods,
+        reason = "tests compare with the platform's functions or make their own streams with them"
+    )
+)]
 
 pub use nalgebra;
 

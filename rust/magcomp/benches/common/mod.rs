@@ -1,5 +1,7 @@
 //! Samples and the direct fit that both the benchmark and the instruction count use.
 
+#![allow(clippy::disallowed_methods, reason = "no reading is compared to the bit here")]
+
 use magcomp::nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 use magcomp::{
     Compensator, Config, FitOptions, MagneticSample, Method, Moments, Residual, RotationRateSample, UpSample,

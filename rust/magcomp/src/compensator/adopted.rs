@@ -16,6 +16,7 @@
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, Given, independent, iron_rows};
 use crate::kept::{self, CalibrationSource, KeptCalibration};
+use crate::math::elementary::{exp, ln, sin_cos};
 use crate::math::symmetric::symmetric;
 use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
@@ -63,7 +64,7 @@ impl Adopted {
     pub fn new(kept: &KeptCalibration, unix_time_s: Option<i64>) -> Self {
         let is_learned = kept.source() == CalibrationSource::Learned;
         let at_once = if is_learned { Tuning::USED.changed_between } else { Tuning::USED.never_held };
-        let holds = (1.0 - at_once) * (-age_s(kept, unix_time_s) / Tuning::USED.changes_s).exp();
+        let holds = (1.0 - at_once) * exp(-age_s(kept, unix_time_s) / Tuning::USED.changes_s);
         let summands = std::array::from_fn(|k| {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
@@ -72,7 +73,7 @@ impl Adopted {
             };
             let iron = (kept::Tuning::USED.iron_per_ut * size_ut).min(kept::Tuning::USED.unseen_iron);
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
-            Summand { log_weight: weight.ln(), mean: Vector9::zeros(), covariance }
+            Summand { log_weight: ln(weight), mean: Vector9::zeros(), covariance }
         });
         let inclination_deg = kept.inclination_deg();
         Self {
@@ -105,7 +106,7 @@ impl Adopted {
         // the same length of c, or of both its parts
         let parts = match self.inclination_deg.zip(up) {
             Some((dip_deg, up)) => {
-                let (sin, cos) = dip_deg.to_radians().sin_cos();
+                let (sin, cos) = sin_cos(dip_deg.to_radians());
                 let vertical = up * up.dot(&c);
                 let down = Part { found_ut: -vertical.dot(up), direction: *up * -1.0, expected_ut: strength_ut * sin };
                 [down, Part::along(c - vertical, strength_ut * cos)]
@@ -136,7 +137,7 @@ impl Adopted {
     /// What is believed now; `None` where so little is left of it that a start from nothing is as good.
     pub fn believed(&self) -> Option<Given> {
         let most = self.summands.iter().fold(f64::NEG_INFINITY, |most, it| most.max(it.log_weight));
-        let weights = self.summands.map(|it| (it.log_weight - most).exp());
+        let weights = self.summands.map(|it| exp(it.log_weight - most));
         let sum: f64 = weights.iter().sum();
         let shares = || self.summands.iter().zip(weights.map(|weight| weight / sum));
         let mean = shares().fold(Vector9::zeros(), |mean, (it, share)| mean + it.mean * share);
@@ -177,7 +178,7 @@ impl Summand {
         let variance = h * self.covariance * h.transpose() + noise;
         let Some(cholesky) = variance.cholesky() else { return };
         let gain = cholesky.solve(&(h * self.covariance)).transpose();
-        self.log_weight -= 0.5 * (v.dot(&cholesky.solve(&v)) + cholesky.determinant().ln());
+        self.log_weight -= 0.5 * (v.dot(&cholesky.solve(&v)) + ln(cholesky.determinant()));
         self.mean += gain * v;
         self.covariance -= gain * variance * gain.transpose();
     }

@@ -4,6 +4,7 @@ use super::Compensator;
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
 use crate::estimator::answer::Answer;
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
+use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};
 use nalgebra::{Matrix3, Vector3};
 
@@ -56,7 +57,7 @@ impl Compensator {
             Some(tilt_rad2) => (answer.up, tilt_rad2),
             None => (answer.up.and_then(|_| self.tilt.up()), self.tilt.variance_rad2()),
         };
-        let tilt_sigma_deg = self.config.heading.tilt_sigma_deg.hypot(motion_rad2.sqrt().to_degrees());
+        let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
         let pointing = Pointing::of(&answer, up, tilt_sigma_deg);
         Reading {
             time_ns,

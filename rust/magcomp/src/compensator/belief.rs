@@ -5,6 +5,7 @@ use super::tuning::Tuning;
 use crate::calibration::{Given, independent};
 use crate::heading::Heading;
 use crate::kept;
+use crate::math::elementary::exp;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,7 +29,7 @@ impl Belief {
     /// The dip that is kept is a mean over some time: a walk's accelerations pass.
     pub fn see_dip(&mut self, heading: &Heading, since_s: f64) {
         let dip_deg = self.inclination_deg.get_or_insert(heading.inclination_deg);
-        *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - (-since_s / Tuning::USED.dip_s).exp());
+        *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - exp(-since_s / Tuning::USED.dip_s));
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.

@@ -1,6 +1,7 @@
 //! What something else than the phone's own sensors knows: headings and orientations from outside.
 
 use super::Compensator;
+use crate::math::elementary::atan2;
 use crate::reading::HeadingAid;
 use crate::sample::{AttitudeSample, HeadedAxis, HeadingSample, Yaw};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
@@ -36,7 +37,7 @@ impl Compensator {
         if let Yaw::Absolute { sigma_deg, reference } = yaw {
             let axis = Vector3::ith((to_world.inverse() * Vector3::z()).iamin(), 1.0);
             let pointing = to_world * axis;
-            let heading_deg = pointing.x.atan2(pointing.y).to_degrees();
+            let heading_deg = atan2(pointing.x, pointing.y).to_degrees();
             let axis = HeadedAxis::Device(axis);
             self.push_heading(HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis })?;
         }

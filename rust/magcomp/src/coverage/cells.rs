@@ -1,5 +1,6 @@
 //! When each direction of the sphere was last seen: 48 cells of equal area.
 
+use crate::math::elementary::{cos, sin};
 use nalgebra::Vector3;
 
 /// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
@@ -67,7 +68,7 @@ impl Coverage {
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
         let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
         let flat = (1.0 - z * z).sqrt();
-        Vector3::new(flat * phi.cos(), flat * phi.sin(), z)
+        Vector3::new(flat * cos(phi), flat * sin(phi), z)
     }
 
     /// The next sample, whose direction (any length) may not be known.

@@ -10,6 +10,7 @@ use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::tuning::Tuning;
 use crate::calibration::Calibration;
 use crate::math::descend::Termination;
+use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
@@ -152,7 +153,7 @@ impl Roots {
             t: turned(roots),
             t_inverse: turned(roots.map(|v| 1.0 / v)),
             axis_ratio: high / low,
-            radius: roots.product().cbrt().recip(),
+            radius: cbrt(roots.product()).recip(),
         })
     }
 

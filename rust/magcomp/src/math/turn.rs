@@ -8,6 +8,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::math::elementary::sin_cos;
 use nalgebra::{Matrix3, Vector3};
 
 /// Mathematics: below this angle the series is more exact than the closed form, rad: what it leaves out is 1e-18.
@@ -30,7 +31,7 @@ impl Turn {
         let (first, second, third) = if angle < SMALL_RAD {
             (1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0, 1.0 / 6.0 - angle2 / 120.0)
         } else {
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = sin_cos(angle);
             (sin / angle, (1.0 - cos) / angle2, (angle - sin) / (angle2 * angle))
         };
         let k = v.cross_matrix();

@@ -10,6 +10,8 @@
 //! ```
 //! The clock is the caller's: that of a place's unevenness runs while the device moves, so that a rest says nothing of it.
 
+use crate::math::elementary::{exp, ln};
+
 /// Choice: cells of s.
 const SIZES: usize = 7;
 /// Choice: cells of tau.
@@ -40,7 +42,7 @@ pub(crate) struct Process {
 impl Process {
     /// What lasts over so many seconds.
     pub fn over(&self, seconds: f64) -> Lasting {
-        Lasting { phi: (-seconds / self.lasts_s).exp(), variance: self.size * self.size }
+        Lasting { phi: exp(-seconds / self.lasts_s), variance: self.size * self.size }
     }
 }
 
@@ -82,26 +84,26 @@ impl Markov {
         let (mut top, mut sum, mut size, mut lasts) = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
         for i in 0..LASTS {
             let tau = on_grid(self.believed.1, i, LASTS);
-            let phi = (-seconds / tau).exp();
-            let by_tau = (tau / self.believed.1).ln();
+            let phi = exp(-seconds / tau);
+            let by_tau = ln(tau / self.believed.1);
             for k in 0..SIZES {
                 let s = on_grid(self.believed.0, k, SIZES);
-                let by_size = (s / self.believed.0).ln();
+                let by_size = ln(s / self.believed.0);
                 let cell = &mut self.cells[i][k];
                 cell.add(miss, white, phi, s * s);
                 let log = cell.log - 0.5 * (by_size * by_size + by_tau * by_tau) / (SPREAD * SPREAD);
                 if log > top {
-                    let less = (top - log).exp();
+                    let less = exp(top - log);
                     (top, sum, size, lasts) = (log, sum * less, size * less, lasts * less);
                 }
-                let weight = (log - top).exp();
+                let weight = exp(log - top);
                 sum += weight;
                 size += weight * by_size;
                 lasts += weight * by_tau;
             }
         }
-        self.size = self.believed.0 * (size / sum).exp();
-        self.lasts_s = self.believed.1 * (lasts / sum).exp();
+        self.size = self.believed.0 * exp(size / sum);
+        self.lasts_s = self.believed.1 * exp(lasts / sum);
     }
 }
 
@@ -111,7 +113,7 @@ impl Cell {
         self.variance = phi * phi * self.variance + (1.0 - phi * phi) * variance;
         let total = self.variance + white;
         let nu = miss - self.mean;
-        self.log += -self.log / MEMORY - 0.5 * ((nu * nu / total).min(CLIP) + total.ln());
+        self.log += -self.log / MEMORY - 0.5 * ((nu * nu / total).min(CLIP) + ln(total));
         let gain = self.variance / total;
         self.mean += gain * nu;
         self.variance *= 1.0 - gain;

@@ -3,6 +3,7 @@
 use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
 use crate::heading::{VERTICAL, across_ut2};
+use crate::math::elementary::{atan2, cos, hypot, sin, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 /// East, north and up, device frame, of length 1.
@@ -24,7 +25,7 @@ impl Level {
     /// Clockwise from north, rad; `None` for an axis that is nearly vertical, whose heading no source tells.
     pub fn bearing(&self, axis: &Vector3<f64>) -> Option<f64> {
         let (east, north) = (axis.dot(&self.east), axis.dot(&self.north));
-        (east.hypot(north) > Tuning::USED.least_horizontal * axis.norm()).then(|| east.atan2(north))
+        (hypot(east, north) > Tuning::USED.least_horizontal * axis.norm()).then(|| atan2(east, north))
     }
 
     /// Of the device's three axes the one that is the most horizontal.
@@ -39,7 +40,7 @@ impl Level {
 
     /// Turned clockwise about up.
     fn turned(&self, by_rad: f64) -> Self {
-        let (sin, cos) = by_rad.sin_cos();
+        let (sin, cos) = sin_cos(by_rad);
         let north = self.north * cos + self.east * sin;
         Self { east: north.cross(&self.up), north, up: self.up }
     }
@@ -181,5 +182,5 @@ impl Carried {
 
 /// An angle in [-pi, pi].
 pub(super) fn wrap(rad: f64) -> f64 {
-    rad.sin().atan2(rad.cos())
+    atan2(sin(rad), cos(rad))
 }

@@ -1,6 +1,7 @@
 //! How the device turned in the last seconds, so that a heading that comes late is used at the time it was true.
 
 use super::tuning::Tuning;
+use crate::math::elementary::rotation_vector;
 use crate::math::turn::Turn;
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -47,7 +48,7 @@ impl History {
         let to = self.turns.get(after).unwrap_or(&latest);
         let share = (time_ns - from.time_ns) as f64 / ((to.time_ns - from.time_ns) as f64).max(1.0);
         let whole = Rotation3::from_matrix_unchecked(to.turn * from.turn.transpose());
-        let whole_rad = UnitQuaternion::from_rotation_matrix(&whole).scaled_axis();
+        let whole_rad = rotation_vector(&UnitQuaternion::from_rotation_matrix(&whole));
         let between = Turn::by(&(whole_rad * share.clamp(0.0, 1.0))).rotation;
         Some(latest.turn * (between * from.turn).transpose() * vector)
     }

@@ -15,8 +15,9 @@
 mod tests;
 
 use super::tuning::Tuning;
+use crate::math::elementary::{exp, quaternion, rotation_vector};
 use arrayvec::ArrayVec;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::mem::take;
 
 /// Choice: rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
@@ -183,7 +184,7 @@ impl InertialPairing {
         let bend = slope - before;
         let Some(bend_before) = self.bend.replace(bend) else { return };
         let seen = -bend.dot(&bend_before) * span_s / 3.0;
-        self.wander += (1.0 - (-span_s / Tuning::USED.wander_s).exp()) * (seen - self.wander);
+        self.wander += (1.0 - exp(-span_s / Tuning::USED.wander_s)) * (seen - self.wander);
         self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
     }
 
@@ -313,7 +314,7 @@ fn then(first: &Vector3<f64>, next: &Vector3<f64>) -> Vector3<f64> {
     if *next == Vector3::zeros() {
         return *first;
     }
-    (UnitQuaternion::from_scaled_axis(*first) * UnitQuaternion::from_scaled_axis(*next)).scaled_axis()
+    rotation_vector(&(quaternion(first) * quaternion(next)))
 }
 
 /// `to - from`, seconds; saturating, so that no pair of times can overflow.

@@ -1,5 +1,6 @@
 //! The turns of a camera's pose in place of a gyroscope that is missing.
 
+use crate::math::elementary::rotation_vector;
 use crate::sensing::pairing::{EventRejection, InertialPairing, STALE_S};
 use nalgebra::UnitQuaternion;
 
@@ -39,7 +40,7 @@ impl StandIn {
             return;
         };
         // the mean rate of the time between is that of its middle; a turn that comes too late for its sample is missing, as any event of a gyroscope
-        let rate_rad_s = (before.inverse() * to_world).scaled_axis() / since_s(before_ns);
+        let rate_rad_s = rotation_vector(&(before.inverse() * to_world)) / since_s(before_ns);
         _ = pairing.push_rotation_rate(before_ns + (time_ns - before_ns) / 2, rate_rad_s);
     }
 }

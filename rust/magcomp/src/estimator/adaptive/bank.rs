@@ -8,6 +8,7 @@ use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
+use crate::math::elementary::{exp, ln};
 use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -157,7 +158,7 @@ impl Bank {
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
     fn spawn(&mut self, parent: &Filter, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let known = parent.known();
-        let log = |per_h: f64| parent.log_joint() + (per_h * seconds.max(0.05) / 3600.0).ln();
+        let log = |per_h: f64| parent.log_joint() + ln(per_h * seconds.max(0.05) / 3600.0);
         let mut state = parent.now.clone();
         state.odd = 0;
         let number = self.frames.next;
@@ -288,7 +289,7 @@ impl Bank {
     /// Mean and second moment of all hypotheses by their probability.
     pub fn mixture(&self) -> Option<Gaussian> {
         let top = self.best()?.log_joint();
-        let weight = |it: &Filter| (it.log_joint() - top).exp();
+        let weight = |it: &Filter| exp(it.log_joint() - top);
         let sum: f64 = self.all.iter().map(weight).sum();
         let parts = || self.all.iter().map(|it| (it.now.honest(), weight(it) / sum)).filter(|(_, share)| *share > 1e-5);
         let mean: Tau = parts().map(|(known, share)| known.mean * share).sum();
@@ -308,7 +309,7 @@ impl Bank {
     /// Probability of all hypotheses for which `is` holds.
     pub fn probability(&self, is: impl Fn(&Filter) -> bool) -> f64 {
         let Some(top) = self.best().map(Filter::log_joint) else { return 0.0 };
-        let of = |it: &Filter| (it.log_joint() - top).exp();
+        let of = |it: &Filter| exp(it.log_joint() - top);
         let all: f64 = self.all.iter().map(of).sum();
         self.all.iter().filter(|it| is(it)).map(of).sum::<f64>() / all
     }

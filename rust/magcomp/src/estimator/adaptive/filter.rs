@@ -6,6 +6,7 @@ use super::frame::{Frame, Frames};
 use super::parameters::{Gaussian, Tau, beyond_earth, is_bounded, see};
 use super::state::{Numbers, State, Way, innovation, update};
 use super::tuning::Tuning;
+use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
 use nalgebra::Vector3;
 
@@ -159,7 +160,7 @@ impl Filter {
             let scale = (self.lin[0] + self.lin[1] + self.lin[2]) / 3.0;
             let mut g = Numbers::zeros();
             (0..3).for_each(|i| g[i] = 1.0 / (3.0 * scale));
-            let (nu, s, pg) = innovation(&state, &self.lin, scale.ln(), &g, sd * sd);
+            let (nu, s, pg) = innovation(&state, &self.lin, ln(scale), &g, sd * sd);
             update(&mut state, nu, s, &pg);
             state.begin_spread();
         }
@@ -179,7 +180,7 @@ impl Filter {
         let mut log = -0.5 * d.dot(&factors.solve(&d));
         if let Some(sd) = self.scale_sd {
             let scale = (tau[0] + tau[1] + tau[2]) / 3.0;
-            log -= 0.5 * (scale.ln() / sd).powi(2);
+            log -= 0.5 * (ln(scale) / sd).powi(2);
         }
         log
     }

@@ -1,6 +1,7 @@
 //! What is stored of the stream: frames. A frame is the mean of neighbouring samples, with the noise that was believed of it.
 //! Hypotheses are judged on the same stored frames, so that any of them can be worked out again from its beginning.
 
+use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
 use nalgebra::Vector3;
 
@@ -43,7 +44,7 @@ pub(super) struct Noise {
 impl Noise {
     /// Whether the frames would be judged otherwise with another.
     pub fn differs(&self, other: &Self) -> bool {
-        let far = |a: f64, b: f64| (a / b).ln().abs() > MOVED;
+        let far = |a: f64, b: f64| ln(a / b).abs() > MOVED;
         far(self.white.sqrt(), other.white.sqrt())
             || far(self.uneven.size, other.uneven.size)
             || far(self.tilt_white.sqrt(), other.tilt_white.sqrt())

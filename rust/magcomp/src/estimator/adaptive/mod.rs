@@ -19,6 +19,7 @@ mod tuning;
 use crate::calibration::{Calibration, Given, typical_field_ut};
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::math::elementary::hypot;
 use crate::noise::{Markov, MeanSquare, Process, Stays};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sensing::tilt::GRAVITY_M_S2;
@@ -186,7 +187,7 @@ impl Adaptive {
         let (uneven, tilt) = (self.uneven.process(), self.tilt.process());
         Noise {
             white: self.white(),
-            uneven: Process { size: uneven.size.hypot(tuning.floor_ut / self.unit_ut), ..uneven },
+            uneven: Process { size: hypot(uneven.size, tuning.floor_ut / self.unit_ut), ..uneven },
             tilt_white: self.tilt_white.value().max(0.005_f64.powi(2)),
             tilt: Process { size: tilt.size.max(tuning.least_tilt_rad), lasts_s: tilt.lasts_s.max(tuning.tilt_s) },
         }

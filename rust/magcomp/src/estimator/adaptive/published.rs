@@ -4,6 +4,7 @@
 
 use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use crate::calibration::Calibration;
+use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -31,7 +32,7 @@ impl Published {
 
     /// |h| in uT: as given, or the geometric mean of the half axes.
     fn strength_of(&self, t: &Matrix3<f64>) -> f64 {
-        self.strength_ut.unwrap_or_else(|| self.unit_ut / t.determinant().cbrt())
+        self.strength_ut.unwrap_or_else(|| self.unit_ut / cbrt(t.determinant()))
     }
 
     /// A sample corrected, uT, and its covariance, uT^2. Of `noise` a sample tells by what it misses the ellipsoid, of `elsewhere` it tells

@@ -15,6 +15,7 @@ use super::frame::{Frame, Frames};
 use super::parameters::{Gaussian, Tau, gradient, see, shape};
 use super::spread::{Before, Spread};
 use super::tuning::Tuning;
+use crate::math::elementary::ln;
 use crate::noise::Lasting;
 use nalgebra::{SMatrix, SVector, Vector3};
 use std::ops::Range;
@@ -92,7 +93,7 @@ pub(super) fn update(state: &mut State, nu: f64, s: f64, pg: &Numbers) {
     let k = pg / s;
     state.x -= k * nu;
     state.p -= k * pg.transpose();
-    state.log -= 0.5 * (nu * nu / s + (std::f64::consts::TAU * s).ln());
+    state.log -= 0.5 * (nu * nu / s + ln(std::f64::consts::TAU * s));
 }
 
 fn reset(state: &mut State, at: usize, variance: f64) {
@@ -177,9 +178,9 @@ impl State {
         if is_odd(nu, s) {
             self.odd += 1;
             if self.odd < 2 {
-                self.log += (tuning.spikes * 0.5).ln();
+                self.log += ln(tuning.spikes * 0.5);
                 if v.is_some() {
-                    self.log += 0.5_f64.ln();
+                    self.log += ln(0.5);
                 }
                 return true;
             }
@@ -187,7 +188,7 @@ impl State {
             let variance = tuning.place * tuning.place;
             reset(self, LEVEL, variance);
             reset(self, TILTED, variance);
-            self.log += (tuning.places_per_h / 3600.0 * 0.2).ln();
+            self.log += ln(tuning.places_per_h / 3600.0 * 0.2);
             self.place_ns = Some(frame.time_ns);
             (nu, s, pg) = innovation(self, lin, e, &g, frame.white);
         }
@@ -203,7 +204,7 @@ impl State {
         if let Some((e, g)) = v {
             let (nu, s, pg) = innovation(self, lin, e, &g, frame.tilt_white);
             if nu * nu > OUTLIER * (s + across) {
-                self.log += 0.05_f64.ln();
+                self.log += ln(0.05);
             } else {
                 update(self, nu, s, &pg);
             }

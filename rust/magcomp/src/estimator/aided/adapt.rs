@@ -13,6 +13,7 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
+use crate::math::elementary::exp;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
@@ -104,7 +105,7 @@ impl Adaptation {
         let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
         // f remembers what it has followed
-        self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * (-dt_s / tuning.settled_s).exp());
+        self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * exp(-dt_s / tuning.settled_s));
     }
 
     /// U^2, uT^2.

@@ -9,6 +9,7 @@
 //! What was found to be the device's doing counts as none of it. Source: docs/dev/METHOD-AIDED.md, Bursts.
 
 use super::tuning::Tuning;
+use crate::math::elementary::{exp, ln};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +32,7 @@ struct Misfits {
 impl Bursts {
     /// A sample in motion.
     pub(super) fn pass(&mut self, is_gated: bool, dt_s: f64, tuning: &Tuning) {
-        let keep = (-dt_s / tuning.burst_memory_s).exp();
+        let keep = exp(-dt_s / tuning.burst_memory_s);
         self.seconds = self.seconds * keep + dt_s;
         for misfits in [&mut self.known, &mut self.open] {
             misfits.count *= keep;
@@ -63,7 +64,7 @@ impl Bursts {
             return 0.0;
         }
         let rate_h = 3600.0 * (self.known.count + self.open.count) / (self.seconds + tuning.burst_memory_s);
-        tuning.hold_s * (1.0 + rate_h / tuning.device_rate_h).ln()
+        tuning.hold_s * ln(1.0 + rate_h / tuning.device_rate_h)
     }
 
     /// Variance per axis of what bursts leave in samples that fit, uT^2.

@@ -8,6 +8,7 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md.
 
+use crate::math::elementary::{exp, hypot};
 use nalgebra::{Matrix3, Vector3};
 
 use super::state::{BIAS, FIELD, Filter};
@@ -55,15 +56,15 @@ impl Earth {
         let bias_rad_s = filter.variances(BIAS).max().sqrt();
         let size_ut = self.field_ut.norm();
         let drifted_ut = self.sd_ut + size_ut * bias_rad_s * step.dt_s;
-        self.sd_ut = drifted_ut.hypot(size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
-        self.probability *= (-step.dt_s * step.motion / tuning.new_place_time_s).exp();
+        self.sd_ut = hypot(drifted_ut, size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
+        self.probability *= exp(-step.dt_s * step.motion / tuning.new_place_time_s);
         self.field_ut = step.turn * self.field_ut;
     }
 
     /// Whether m has been as strong and as deep as h for long, and is no further from it than h may have drifted: then m is h, and what was
     /// carried has been led astray.
     pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
-        let off_ut = (m.norm() - self.field_ut.norm()).hypot((m - self.field_ut).dot(up));
+        let off_ut = hypot(m.norm() - self.field_ut.norm(), (m - self.field_ut).dot(up));
         let may_have_drifted = (m - self.field_ut).norm() < 3.0 * self.sd_ut;
         let is_alike = !self.is_lost && may_have_drifted && off_ut < 0.5 * tuning.smallest_step_ut;
         self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
@@ -73,7 +74,7 @@ impl Earth {
     /// The chain of rotations is broken, and the field of the place, which was `m`, is `now`: how far it is off is still known,
     /// which way is not.
     pub(crate) fn lose(&mut self, m: &Vector3<f64>, now: &Vector3<f64>) {
-        self.sd_ut = self.sd_ut.hypot((self.field_ut - m).norm() / 3.0_f64.sqrt());
+        self.sd_ut = hypot(self.sd_ut, (self.field_ut - m).norm() / 3.0_f64.sqrt());
         self.field_ut = *now;
         self.is_lost = true;
     }

@@ -9,6 +9,7 @@
 //! B is the second-order term of the bilinear E h. U is the part of V that belongs to states which an update holds (Schmidt): they
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/dev/METHOD-AIDED.md.
 
+use crate::math::elementary::ln;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
@@ -133,7 +134,7 @@ impl Filter {
         let v = raw_ut - model.raw_ut;
         let whitened = l_inverse * v;
         let nis = whitened.norm_squared();
-        let ln_det = 2.0 * (l.m11 * l.m22 * l.m33).ln();
+        let ln_det = 2.0 * ln(l.m11 * l.m22 * l.m33);
         (nis.is_finite() && ln_det.is_finite()).then(|| Innovation {
             v,
             nis,

@@ -9,6 +9,7 @@
 //! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T meanwhile.
 //! Source: docs/dev/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
+use crate::math::elementary::cbrt;
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
@@ -103,7 +104,7 @@ impl Motion {
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (LARGEST_TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
-        let best_s = (self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2)).cbrt();
+        let best_s = cbrt(self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2));
         let up_time_s = best_s.max(time_s).min(self.up_age_s);
         let up = carried + (self.felt - carried) * share(up_time_s);
         self.slow += (reads - up - self.slow) * share(time_s);

@@ -13,6 +13,7 @@
 //! ```
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/dev/METHOD-AIDED.md.
 
+use crate::math::elementary::exp;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
 use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES};
@@ -76,7 +77,7 @@ impl Filter {
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let x = self.parts();
         let turn = Turn::by(&-x.turned(increment_rad, dt_s));
-        let fade = (-dt_s / noise.local_time_s).exp();
+        let fade = exp(-dt_s / noise.local_time_s);
         self.carry(&turn, fade, |dx| dx.axes * increment_rad + dx.bias * dt_s);
         self.widen(&StepNoise {
             turn_rad2: noise.turn_rad2(dt_s),

@@ -8,6 +8,7 @@
 //! The turns are added up as those of a group of a start are (`groups`), so that a copy costs little until it is needed. A copy is used once: were
 //! it kept, a filter whose samples misfit every second would learn nothing. Source: docs/dev/METHOD-AIDED.md, Bursts.
 
+use crate::math::elementary::exp;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::propagate::{ProcessNoise, StepNoise};
@@ -120,7 +121,7 @@ impl Way {
     fn bring(&self, mut filter: Filter, noise: &ProcessNoise) -> Filter {
         let own = Turn::by(&self.added(&filter.parts()));
         let turn = Turn { rotation: own.rotation * self.turn, ..own };
-        let fade = (-self.seconds / noise.local_time_s).exp();
+        let fade = exp(-self.seconds / noise.local_time_s);
         filter.carry(&turn, fade, |dx| self.added(dx));
         filter.widen(&StepNoise {
             turn_rad2: self.turn_rad2,

@@ -6,6 +6,7 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md.
 
+use crate::math::elementary::hypot;
 use nalgebra::Vector3;
 
 use super::Aided;
@@ -44,7 +45,7 @@ impl Aided {
         let noise = ProcessNoise {
             bridged_rad2: rotation.variance_rad2,
             offset_ut: if tuning.hard_iron_walk { walk_ut2.sqrt() } else { 0.0 },
-            local_ut: self.adaptation.local_ut().hypot(self.bursts.left_ut2(tuning).sqrt()),
+            local_ut: hypot(self.adaptation.local_ut(), self.bursts.left_ut2(tuning).sqrt()),
             local_time_s: tuning.local_time_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);

@@ -6,6 +6,7 @@
 //! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
 use crate::calibration::Calibration;
+use crate::math::elementary::{atan2, hypot};
 use nalgebra::Vector3;
 use std::f64::consts::SQRT_2;
 
@@ -38,8 +39,8 @@ pub fn uniformity(corrected: impl IntoIterator<Item = Vector3<f64>>, normalisati
     let (mut phi, mut theta) = (Spread::default(), Spread::default());
     for h in corrected {
         // (12) acos(h_z / |h|), by the form that is exact near the poles too
-        theta.add(h.x.hypot(h.y).atan2(h.z).to_degrees() / theta_unit);
-        phi.add(h.y.atan2(h.x).to_degrees() / phi_unit);
+        theta.add(atan2(hypot(h.x, h.y), h.z).to_degrees() / theta_unit);
+        phi.add(atan2(h.y, h.x).to_degrees() / phi_unit);
     }
     (phi.variance() + theta.variance()).sqrt()
 }
