@@ -244,6 +244,8 @@ mod tests {
         for (freedom, exact) in [(9.0, 7.00), (21.0, 4.98), (60.0, 4.30), (1e9, 4.0)] {
             assert!((student(freedom) / exact - 1.0).abs() < 0.06, "{freedom}: {}", student(freedom));
         }
+        // by hand: 4 + (64 + 4) / 4 / 10 + (5 * 1024 + 16 * 64 + 3 * 4) / 96 / 100
+        assert!((student(10.0) - 6.341_25).abs() < 1e-12, "{}", student(10.0));
     }
 
     /// An acceleration that is no gravity may go with the turns: a runner's has 2 g in the mean.

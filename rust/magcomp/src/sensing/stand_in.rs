@@ -1,5 +1,8 @@
 //! The turns of a camera's pose in place of a gyroscope that is missing.
 
+#[cfg(test)]
+mod tests;
+
 use crate::math::elementary::rotation_vector;
 use crate::sensing::pairing::{EventRejection, InertialPairing, STALE_S};
 use nalgebra::UnitQuaternion;

@@ -234,3 +234,59 @@ fn what_a_wandering_rate_did_between_its_events_is_counted_and_smooth_motion_is_
         assert!(share < 1e-3, "{share} of a smooth motion at {period_ns} ns");
     }
 }
+
+/// By hand: the rate changes by 1, -1, 3 and 4 rad/s^2, so its slope by -2, 4 and 1. -d d' T / 3 is 0.8 / 3 and then -0.4 / 3, and is remembered for half a
+/// second.
+#[test]
+fn the_wander_between_events_is_that_of_the_changes_of_slope() {
+    let mut pairing = InertialPairing::default();
+    let mut told = |k: i64, x: f64| {
+        pairing.push_rotation_rate(k * 100 * MS, Vector3::new(x, 0.0, 0.0)).unwrap();
+        pairing.pair(k * 100 * MS).rotation.map(|rotation| rotation.variance_rad2)
+    };
+    assert_eq!([told(0, 0.0), told(1, 0.1), told(2, 0.0)], [None, Some(0.0), Some(0.0)]);
+    let learns = 1.0 - (-0.2_f64).exp();
+    let first = learns * 0.8 / 3.0;
+    let next = first + learns * (-0.4 / 3.0 - first);
+    assert!((told(3, 0.3).unwrap() / (first * 1e-3 / 12.0) - 1.0).abs() < 1e-9);
+    assert!((told(4, 0.7).unwrap() / (next * 1e-3 / 12.0) - 1.0).abs() < 1e-9);
+    // slopes of 7 and 14, which are 3 and 7 more: the mean falls below 0 and counts as 0
+    assert_eq!((told(5, 1.4), told(6, 2.8)), (Some(0.0), Some(0.0)));
+}
+
+/// After a hole the slope, and how it changed, begin anew: three events tell nothing, as at the beginning.
+#[test]
+fn a_hole_says_nothing_of_how_the_rate_wanders() {
+    let told = |hole_ms: i64| {
+        let mut pairing = InertialPairing::default();
+        let mut all = Vec::new();
+        for (time_ms, x) in
+            [(0, 0.0), (100, 0.1), (200, 0.0), (200 + hole_ms, 0.5), (300 + hole_ms, 0.1), (400 + hole_ms, 0.6)]
+        {
+            pairing.push_rotation_rate(time_ms * MS, Vector3::new(x, 0.0, 0.0)).unwrap();
+            all.push(pairing.pair(time_ms * MS).rotation.map(|rotation| rotation.variance_rad2));
+        }
+        all
+    };
+    assert!(told(250)[3].unwrap() > 0.0);
+    assert_eq!(told(251)[3..], [None, Some(0.0), Some(0.0)]);
+}
+
+#[test]
+fn a_pause_keeps_the_errors_of_the_gyroscope_and_the_time_alone() {
+    let errors = |pairing: &mut InertialPairing| {
+        pairing.assume(Vector3::new(0.05, -0.08, 0.02), Vector3::new(0.01, -0.02, 0.015));
+    };
+    let mut pairing = InertialPairing::default();
+    errors(&mut pairing);
+    for k in 0..10 {
+        pairing.push_rotation_rate(k * 10 * MS, rate(k as f64 * 0.01)).unwrap();
+        pairing.push_up(k * 10 * MS, Vector3::z()).unwrap();
+    }
+    pairing.pair(55 * MS);
+    pairing.pause();
+    let mut fresh = InertialPairing::default();
+    errors(&mut fresh);
+    fresh.pair(55 * MS);
+    assert_eq!(pairing, fresh);
+}
