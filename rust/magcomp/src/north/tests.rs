@@ -304,3 +304,50 @@ fn a_pause_forgets_north_and_keeps_what_was_learned_of_mounting_and_declination(
     north.pause();
     assert_eq!(north, North { mounting: offset(0.3), declination: offset(0.1), ..North::default() });
 }
+
+/// 60 s speak for the magnetometer; the first heading counts for 10 s and each after it for 1 s.
+#[test]
+fn another_north_is_believed_after_more_seconds_than_speak_for_this_one() {
+    let at = |headings| {
+        let (mut north, mut device) = (North::default(), Device::new(90.0, 5.0));
+        play(&mut north, &mut device, headings, |device| Some(device.told(0.0, 8.0)))
+    };
+    assert!((at(51) - 90.0).abs() < 1e-6 && at(52).abs() < 1.0, "{} {}", at(51), at(52));
+}
+
+/// Ten seconds of a vehicle's headings say that the device lies elsewhere in its holder: where each counts for 1 s, the eleventh second; where each counts
+/// for 4 s, the twelfth or the thirteenth.
+#[test]
+fn a_mounting_is_another_after_more_than_ten_seconds() {
+    let vehicle = |mounted_deg: f64, period_s: i64| {
+        move |device: &Device| {
+            let heading = HeadingSample { axis: HeadedAxis::Vehicle, ..device.told(mounted_deg, 3.0) };
+            (device.time_ns / 1_000_000_000 % period_s == 0).then_some(heading)
+        }
+    };
+    let (mut north, mut device) = (North::default(), Device::new(0.0, 6.0));
+    play(&mut north, &mut device, 60, vehicle(40.0, 1));
+    device.rate_rad_s = -100.0_f64.to_radians();
+    play(&mut north, &mut device, 1, |_| None);
+    device.rate_rad_s = 0.4;
+    for period_s in [1, 4] {
+        let (mut north, mut device) = (north.clone(), Device { ..device });
+        let learned = north.mounting.unwrap().angle_rad;
+        let is_another = |north: &North| wrap(north.mounting.unwrap().angle_rad - learned).abs() > 1.0;
+        let mut speaks_s = 0.0;
+        for _ in 0..20 {
+            let before = north.rival.clone();
+            play(&mut north, &mut device, 1, vehicle(-60.0, period_s));
+            if let Some(rival) = &north.rival {
+                speaks_s = rival.support_s;
+            }
+            assert_eq!(is_another(&north), before.is_some() && north.rival.is_none(), "{speaks_s} s");
+            if is_another(&north) {
+                break;
+            }
+        }
+        assert!(is_another(&north));
+        let expected_s = if period_s == 1 { 10.0 } else { 9.0 };
+        assert_eq!(speaks_s, expected_s, "none but the next is beyond ten");
+    }
+}
