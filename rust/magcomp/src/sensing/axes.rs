@@ -22,6 +22,7 @@
 use super::pairing::Rotation;
 use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
+use crate::math::elementary::exp;
 use nalgebra::{Matrix3, Vector3};
 
 /// Mathematics: a normal variable is so many standard deviations below its mean once in 30 000.
@@ -183,7 +184,7 @@ impl Constant {
     }
 
     fn is_dead(&self) -> bool {
-        self.pairs > FEWEST && self.across > SWAY * self.along * (NORMAL * (4.0 / self.pairs).sqrt()).exp()
+        self.pairs > FEWEST && self.across > SWAY * self.along * exp(NORMAL * (4.0 / self.pairs).sqrt())
     }
 }
 
