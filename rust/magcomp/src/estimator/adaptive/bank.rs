@@ -2,7 +2,7 @@
 //!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + its own evidence
 //! What is published is the mean and the second moment of the mixture.
 
-use super::filter::{Filter, Kind};
+use super::filter::{Filter, Kind, Leap};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
 use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
 use super::state::State;
@@ -26,6 +26,8 @@ const HOPELESS: f64 = 25.0;
 const BUDGET: i64 = 700;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
+/// Choice: frames by which is told how fast the device turns.
+const LATELY: u64 = 8;
 /// Choice: frames between cold starts while nothing is known well.
 const COLD_EVERY: u64 = 40;
 /// Choice: log odds of a cold start, and of a vertical that contradicts the field: one in 400.
@@ -177,21 +179,19 @@ impl Bank {
             let step = tuning.step_ut * part;
             let mut base = state.clone();
             base.take_for_known(&honest);
-            for i in 0..3 {
-                base.p[(i, i)] += (tuning.iron_per_ut * step * scale).powi(2);
-                base.p[(3 + i, 3 + i)] += (0.7 * tuning.iron_per_ut * step * scale).powi(2);
-                base.p[(6 + i, 6 + i)] += (step / self.unit_ut).powi(2);
-            }
+            base.widen(step / self.unit_ut, tuning.iron(step) * scale);
             base.begin_spread();
             base.log = log(tuning.devices_per_h) - std::f64::consts::LN_2;
-            let mut lin = known.mean;
-            if size == 9 && number > 1 {
-                // a step that is sudden is what the field jumped by
-                let jump = frame.u - self.frames.at(number - 1).u;
-                (0..3).for_each(|i| lin[6 + i] += jump[i]);
-            }
+            let lin = known.mean;
             let mut child = child(Kind::Device, base, lin, device, size);
             child.takes_time = takes_time;
+            child.leap = (size == 9 && number > LATELY).then(|| Leap {
+                known: honest,
+                from: self.frames.at(number - 1).u,
+                from_ns: self.frames.at(number - 1).time_ns,
+                turning: self.turning(),
+                step: step / self.unit_ut,
+            });
             self.all.push(child);
         }
         for (size, part) in [(0, 0.15), (1, 1.0)] {
@@ -213,6 +213,16 @@ impl Bank {
             self.all.retain(|it| it.moves != moves);
             self.all.push(parent.fork(moves, number));
         }
+    }
+
+    /// How fast the field turned of late, root mean square, units a second.
+    fn turning(&self) -> f64 {
+        let squares = |number: u64| {
+            let (before, now) = (self.frames.at(number - 1), self.frames.at(number));
+            (now.u - before.u).norm_squared() / (now.seconds * now.seconds).max(1e-6)
+        };
+        let numbers = self.frames.next - LATELY..self.frames.next;
+        (numbers.map(squares).sum::<f64>() / LATELY as f64).sqrt()
     }
 
     /// Starts on the other side of the best hypothesis' samples.

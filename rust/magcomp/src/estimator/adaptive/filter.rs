@@ -24,6 +24,18 @@ pub(super) enum Kind {
     Former,
 }
 
+/// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Leap {
+    pub known: Gaussian,
+    pub from: Vector3<f64>,
+    pub from_ns: i64,
+    /// How fast the field turns, units a second.
+    pub turning: f64,
+    /// Standard deviation of the change before it is seen, units.
+    pub step: f64,
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Filter {
     pub kind: Kind,
@@ -43,6 +55,7 @@ pub(super) struct Filter {
     pub now: State,
     pub age: f64,
     pub former: Option<Gaussian>,
+    pub leap: Option<Leap>,
     /// Expected direction error, rad^2.
     pub error: f64,
     /// The strength of the field before anything is known, as a standard deviation of its logarithm about the unit.
@@ -75,6 +88,7 @@ impl Filter {
             now,
             age: 0.0,
             former: None,
+            leap: None,
             error: f64::MAX,
             scale_sd: None,
             stuck: false,
@@ -138,9 +152,35 @@ impl Filter {
             self.frames += 1.0;
         }
         let way = self.way(tuning, unit_ut);
+        if frame.time_ns >= way.done_ns
+            && let Some(leap) = self.leap.take()
+        {
+            self.leap_to(frame, &leap, tuning, unit_ut);
+        }
         if !self.now.step(&self.lin, frame, way, tuning) || !self.fixed.step(&self.lin, frame, way.fixed(), tuning) {
             self.kill();
         }
+    }
+
+    /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.
+    fn leap_to(&mut self, frame: &Frame, leap: &Leap, tuning: &Tuning, unit_ut: f64) {
+        let by = frame.u - leap.from;
+        let seconds = frame.time_ns.saturating_sub(leap.from_ns) as f64 * 1e-9;
+        let iron = tuning.iron(by.norm() * unit_ut);
+        let variance = (leap.turning * seconds).powi(2) + iron * iron + 2.0 * frame.white;
+        if variance >= leap.step * leap.step {
+            return;
+        }
+        let mut known = leap.known;
+        (0..3).for_each(|i| known.mean[6 + i] += by[i]);
+        let log = self.base.log + 0.5 * ln(variance / (leap.step * leap.step));
+        self.base = self.base.with(&known);
+        let scale = (known.mean[0] + known.mean[1] + known.mean[2]) / 3.0;
+        self.base.widen(variance.sqrt(), iron * scale);
+        self.base.log = log;
+        self.base.begin_spread();
+        self.lin = known.mean;
+        (self.now, self.fixed) = (self.base.clone(), self.base.fixed_at(&self.lin));
     }
 
     fn off(&self) -> Tau {
@@ -245,7 +285,8 @@ impl Filter {
     /// that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
         let is_twin = || (self.now.tau() - other.now.tau()).norm() < SAME_PLACE;
-        if (self.moves, self.heeds_vertical) != (other.moves, other.heeds_vertical) {
+        let means = |it: &Self| (it.moves, it.heeds_vertical, it.leap.is_some());
+        if means(self) != means(other) {
             return false;
         }
         if self.id == other.id {

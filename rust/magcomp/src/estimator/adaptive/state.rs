@@ -255,6 +255,15 @@ impl State {
         });
     }
 
+    /// b may be off by so much more, units per axis, and T, an element on the diagonal.
+    pub fn widen(&mut self, step: f64, iron: f64) {
+        for i in 0..3 {
+            self.p[(i, i)] += iron.powi(2);
+            self.p[(3 + i, 3 + i)] += (0.7 * iron).powi(2);
+            self.p[(6 + i, 6 + i)] += step.powi(2);
+        }
+    }
+
     /// Takes what is known of T, beta and mu for as sure as this.
     pub fn take_for_known(&mut self, honest: &Gaussian) {
         self.p.fixed_view_mut::<10, 10>(0, 0).copy_from(&honest.covariance);
