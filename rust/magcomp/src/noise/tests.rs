@@ -113,3 +113,29 @@ fn outliers_hardly_move_a_mean_square() {
     assert!((clean.value() / 4.0 - 1.0).abs() < 0.15, "{}", clean.value());
     assert!(spoilt.value() < 1.35 * clean.value(), "{}", spoilt.value());
 }
+
+/// v <- v + (min(x^2, 4 v) / 0.9205 - v) / n by hand, n = 21 and 22.
+#[test]
+fn a_mean_square_counts_from_twenty_on() {
+    let mut mean = MeanSquare::new(1.0);
+    mean.add(2.0);
+    let first = 1.0 + (2.0 / 0.9205 - 1.0) / 21.0;
+    assert!((mean.value() - first).abs() < 1e-12);
+    mean.add(50.0);
+    assert!((mean.value() - (first + (4.0 * first / 0.9205 - first) / 22.0)).abs() < 1e-12);
+}
+
+#[test]
+fn what_lasts_decays_by_its_time_and_has_the_square_of_its_size() {
+    let lasting = Process { size: 3.0, lasts_s: 0.6 }.over(0.3);
+    assert!((lasting.phi - (-0.5_f64).exp()).abs() < 1e-15 && lasting.variance == 9.0);
+}
+
+/// By hand: the half squared difference of 0 and 10 is 50, which counts as nine times what was believed, 2, in a mean of eleven.
+#[test]
+fn a_jump_within_a_stay_counts_as_three_standard_deviations() {
+    let mut stays = Stays::new(2.0);
+    stays.add(0.0);
+    stays.add(10.0);
+    assert!((stays.variance(0).unwrap() - (2.0 + (18.0 - 2.0) / 11.0)).abs() < 1e-12);
+}

@@ -1,5 +1,8 @@
 //! A direction of north that the gyroscope carries.
 
+#[cfg(test)]
+mod tests;
+
 use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
 use crate::heading::{VERTICAL, across_ut2};

@@ -1,3 +1,5 @@
+mod by_hand;
+
 use super::carried::Level;
 use super::*;
 use crate::estimator::answer::Carry;
@@ -349,5 +351,7 @@ fn a_mounting_is_another_after_more_than_ten_seconds() {
         assert!(is_another(&north));
         let expected_s = if period_s == 1 { 10.0 } else { 9.0 };
         assert_eq!(speaks_s, expected_s, "none but the next is beyond ten");
+        let known_rad2 = north.carried.as_ref().unwrap().variance_rad2() + 3.0_f64.to_radians().powi(2);
+        assert!((north.mounting.unwrap().variance_rad2 / known_rad2 - 1.0).abs() < 1e-9);
     }
 }

@@ -1,0 +1,80 @@
+//! Every number by hand.
+
+use super::*;
+use nalgebra::Rotation3;
+
+fn level() -> Level {
+    Level::of(&Vector3::y(), &Vector3::z()).unwrap()
+}
+
+fn own(variance_rad2: f64) -> Own {
+    Own { level: level(), variance_rad2 }
+}
+
+fn carried(own_rad2: f64, common_rad2: f64) -> Carried {
+    Carried { common_rad2, ..Carried::of(&own(own_rad2)) }
+}
+
+#[test]
+fn a_field_is_level_by_its_angle_to_the_vertical_whatever_its_length() {
+    for length in [1e-3, 1.0, 50.0] {
+        let is_level = |sine: f64| Level::of(&(Vector3::new(0.0, sine, -1.0) * length), &Vector3::z()).is_some();
+        assert!(is_level(1.1e-6) && !is_level(0.9e-6), "{length}");
+    }
+}
+
+#[test]
+fn an_axis_has_a_bearing_below_an_elevation_of_60_degrees_whatever_its_length() {
+    for length in [0.2, 1.0, 3.0] {
+        let bearing = |horizontal: f64| {
+            let up = (1.0 - horizontal * horizontal).sqrt();
+            level().bearing(&(Vector3::new(-horizontal, 0.0, up) * length))
+        };
+        assert_eq!(bearing(0.49), None);
+        assert!((bearing(0.51).unwrap() + 90.0_f64.to_radians()).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_turn_takes_north_along_and_adds_drift_to_its_sigma_and_noise_to_its_variance() {
+    let mut north = carried(0.04, 0.01);
+    let turn = Rotation3::new(Vector3::z() * 0.3).into_inner();
+    north.step(&Carry { turn, drift_rad: 0.1, noise_rad2: 0.02 }, None);
+    // (0.2 + 0.1)^2 + 0.02, and what is common stays
+    assert!((north.variance_rad2() - 0.12).abs() < 1e-12);
+    let expected = Vector3::new(-0.3_f64.sin(), 0.3_f64.cos(), 0.0);
+    assert!((north.level(&Vector3::z()).north - expected).norm() < 1e-12);
+}
+
+#[test]
+fn a_heading_agrees_within_three_standard_deviations() {
+    let north = carried(0.5, 0.25);
+    assert!(north.agrees(2.99, 0.25) && north.agrees(-2.99, 0.25));
+    assert!(!north.agrees(3.0, 0.25) && !north.agrees(-3.0, 0.25));
+}
+
+#[test]
+fn a_rival_loses_once_as_much_speaks_against_it_as_for_it() {
+    let mut rival = Carried { support_s: 5.0, ..carried(0.04, 0.0) };
+    assert!(!rival.loses(3.0) && !rival.loses(1.5));
+    assert!(rival.loses(0.5));
+}
+
+#[test]
+fn north_leads_where_it_is_surer_than_the_magnetometer_or_excluded_by_it() {
+    assert!(carried(0.04, 0.0).is_no_better_than(&own(0.04)));
+    assert!(!carried(0.03, 0.0).is_no_better_than(&own(0.04)));
+    assert!(carried(0.03, 0.02).is_no_better_than(&own(0.04)));
+    // 90 degrees off, and both know it to 12 degrees
+    let off = |own_rad2| Carried { level: level().turned(1.57), ..carried(own_rad2, 0.0) };
+    assert!(!off(0.05).is_no_better_than(&own(0.04)) && off(0.3).is_no_better_than(&own(0.04)));
+}
+
+#[test]
+fn the_published_one_lies_between_both_as_their_variances_ask_for() {
+    // 0.3 rad clockwise; variances 0.04 and 0.16: a fifth of the way to the magnetometer's
+    let north = Carried { level: level().turned(0.3), ..carried(0.03, 0.01) };
+    let (towards, variance_rad2) = north.published(&own(0.16));
+    assert!((level().bearing(&towards.north).unwrap() - 0.8 * 0.3).abs() < 1e-12);
+    assert!((variance_rad2.sqrt() - (0.2 * 0.8 + 0.4 * 0.2)).abs() < 1e-12);
+}
