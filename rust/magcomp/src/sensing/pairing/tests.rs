@@ -290,3 +290,113 @@ fn a_pause_keeps_the_errors_of_the_gyroscope_and_the_time_alone() {
     fresh.pair(55 * MS);
     assert_eq!(pairing, fresh);
 }
+
+fn x(value: f64) -> Vector3<f64> {
+    Vector3::new(value, 0.0, 0.0)
+}
+
+/// A pairing with the latest gyroscope event, and the latest sample, at 0: 1 rad/s.
+fn begun() -> InertialPairing {
+    let mut pairing = InertialPairing::default();
+    pairing.push_rotation_rate(0, x(1.0)).unwrap();
+    pairing.pair(0);
+    pairing
+}
+
+/// Increment (rad) and rate (rad/s) about x of the sample at this time.
+fn told(pairing: &mut InertialPairing, time_ms: i64) -> Option<(f64, f64)> {
+    pairing.pair(time_ms * MS).rotation.map(|it| (it.increment_rad.x, it.rate_rad_s.x))
+}
+
+fn assert_told(told: Option<(f64, f64)>, expected: (f64, f64)) {
+    let (increment, rate) = told.unwrap();
+    assert!((increment - expected.0).abs() < 1e-12 && (rate - expected.1).abs() < 1e-12, "{increment} {rate}");
+}
+
+#[test]
+fn between_two_events_the_rate_is_on_the_line_through_them() {
+    let mut pairing = begun();
+    pairing.push_rotation_rate(100 * MS, x(3.0)).unwrap();
+    assert_told(told(&mut pairing, 25), (0.5 * (1.0 + 1.5) * 0.025, 1.5));
+    assert_told(told(&mut pairing, 100), (0.5 * (1.5 + 3.0) * 0.075, 3.0));
+}
+
+#[test]
+fn across_a_hole_the_rate_is_held_for_a_quarter_of_a_second() {
+    for (hole_ms, expected) in [(250, (0.5 * (1.0 + 1.2) * 0.025, 1.2)), (251, (0.025, 1.0))] {
+        let mut pairing = begun();
+        pairing.push_rotation_rate(hole_ms * MS, x(3.0)).unwrap();
+        assert_told(told(&mut pairing, 25), expected);
+    }
+    assert_told(told(&mut begun(), 250), (0.25, 1.0));
+    assert_eq!(told(&mut begun(), 251), None);
+}
+
+/// 40 events from 10 to 400 ms: of them 24, until 240 ms, are folded. Until 100 ms the turn was handed out already.
+#[test]
+fn of_a_flood_each_sample_gets_its_share_less_what_it_has() {
+    let flooded = |rate: fn(i64) -> f64| {
+        let mut pairing = begun();
+        assert_told(told(&mut pairing, 100), (0.1, 1.0));
+        (1..=40).for_each(|k| pairing.push_rotation_rate(k * 10 * MS, x(rate(k))).unwrap());
+        pairing
+    };
+    let mut even = flooded(|_| 1.0);
+    assert_told(told(&mut even, 120), (0.02, 1.0));
+    assert_told(told(&mut even, 130), (0.01, 1.0));
+    assert_told(told(&mut even, 240), (0.11, 1.0));
+    let mut wandering = flooded(|k| 1.0 + 0.1 * (k % 3 - 1) as f64);
+    let all_rad2 = wandering.gathered_rad2;
+    let mut variance = |time_ms: i64| wandering.pair(time_ms * MS).rotation.unwrap().variance_rad2 / all_rad2;
+    // of 140 ms
+    for (time_ms, share) in [(120, 20.0 / 140.0), (170, 50.0 / 140.0), (240, 70.0 / 140.0)] {
+        assert!((variance(time_ms) - share).abs() < 1e-9, "{time_ms}");
+    }
+}
+
+#[test]
+fn a_flood_behind_a_hole_tells_nothing() {
+    let mut pairing = begun();
+    (30..=60).for_each(|k| pairing.push_rotation_rate(k * 10 * MS, x(1.0)).unwrap());
+    assert_eq!(told(&mut pairing, 200), None);
+}
+
+#[test]
+fn up_between_two_events_is_on_the_line_through_them_unless_they_are_far_apart() {
+    for (next_ms, expected) in [(100, 0.5), (250, 0.2), (251, 0.0)] {
+        let mut pairing = InertialPairing::default();
+        pairing.push_up(0, Vector3::new(0.0, 0.0, 10.0)).unwrap();
+        pairing.push_up(next_ms * MS, Vector3::new(2.0, 0.0, 10.0)).unwrap();
+        let up = pairing.pair(25 * MS).up_m_s2.unwrap();
+        assert!((up - Vector3::new(expected, 0.0, 10.0)).norm() < 1e-12, "{next_ms}: {up}");
+    }
+}
+
+#[test]
+fn the_limits_of_what_is_taken_are_inside() {
+    let mut pairing = begun();
+    assert_eq!(pairing.push_rotation_rate(10 * MS, x(60.0)), Ok(()));
+    assert_eq!(pairing.push_rotation_rate(20 * MS, x(-60.1)), Err(EventRejection::OutOfRange));
+    assert_eq!(pairing.push_up(10 * MS, x(-200.0)), Ok(()));
+    assert_eq!(pairing.push_up(20 * MS, x(200.1)), Err(EventRejection::OutOfRange));
+    assert_eq!(pairing.push_rotation_rate(10_000 * MS, x(1.0)), Ok(()));
+    assert_eq!(pairing.push_rotation_rate(10_001 * MS, x(1.0)), Err(EventRejection::Ahead));
+}
+
+#[test]
+fn a_full_ring_refuses_what_is_older_than_all_and_names_a_duplicate() {
+    let mut pairing = InertialPairing::default();
+    (10..26).for_each(|k| pairing.push_rotation_rate(k * 10 * MS, x(1.0)).unwrap());
+    assert_eq!(pairing.push_rotation_rate(50 * MS, x(1.0)), Err(EventRejection::Late));
+    assert_eq!(pairing.push_rotation_rate(100 * MS, x(1.0)), Err(EventRejection::Duplicate));
+}
+
+#[test]
+fn an_event_far_before_the_others_says_that_they_were_stamped_ahead() {
+    for (ahead_ms, held) in [(250, 2), (251, 1), (1000, 1)] {
+        let mut pairing = InertialPairing::default();
+        pairing.push_rotation_rate(ahead_ms * MS, x(5.0)).unwrap();
+        pairing.push_rotation_rate(0, x(1.0)).unwrap();
+        assert_eq!(pairing.rates.len(), held, "{ahead_ms}");
+    }
+}
