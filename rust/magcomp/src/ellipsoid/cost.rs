@@ -9,6 +9,9 @@
 //! With Q = S or S - (cost/slope) B the half gradient is J^T Q p and the Hessian J^T Q J (exact at the minimum of the second,
 //! Gauss-Newton for the first). An iteration costs the same for 100 samples as for 2000. Source: docs/dev/METHOD-PAPER.md.
 
+#[cfg(test)]
+mod tests;
+
 use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};
 use crate::math::descend::{Cost, Derivatives, Descent, Limits, Step, Termination, descend};

@@ -1,5 +1,8 @@
 //! The least-squares ellipsoid (eq. 9, 10) of a set of samples or of the window of a stream: start, descent (`cost`), report.
 
+#[cfg(test)]
+mod tests;
+
 use super::cost::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};

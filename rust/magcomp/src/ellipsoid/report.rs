@@ -4,6 +4,9 @@
 //! parameters x = [b, M] follow with dx/dy: M = T^-1 in units of the field, A = T^2, b = centre + beta, where
 //!     d beta = A^-1 (da - dA beta),  T dT + dT T = dA,  dM = -T^-1 dT T^-1.
 
+#[cfg(test)]
+mod tests;
+
 use super::cost::{Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};

@@ -7,6 +7,9 @@
 //! 4 J - I^2 = 1, with I = a + b + c and J = ab + bc + ca - f^2 - g^2 - h^2, which only ellipsoids satisfy.
 //! A wrong previous calibration plays no part in either, so it cannot send the descent away.
 
+#[cfg(test)]
+mod tests;
+
 use crate::math::ldl;
 use crate::math::symmetric::{six, symmetric};
 use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};

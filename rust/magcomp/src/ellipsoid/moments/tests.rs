@@ -84,3 +84,19 @@ fn adding_and_removing_is_exact() {
     }
     assert_eq!(moments, before);
 }
+
+/// By hand: four points, 3, 3, 4 and 4 from their mean.
+#[test]
+fn a_slice_is_centred_on_its_mean_and_scaled_by_its_spread() {
+    let mean = Vector3::new(100.0, -20.0, 5.0);
+    let points = [Vector3::x() * 3.0, Vector3::x() * -3.0, Vector3::y() * 4.0, Vector3::y() * -4.0].map(|it| it + mean);
+    let moments = Moments::of(&points);
+    assert!((moments.centre_ut() - mean).norm() < 1e-12 && (moments.scale_ut() - 12.5_f64.sqrt()).abs() < 1e-12);
+    let expected = Matrix3::from_diagonal(&Vector3::new(4.5, 8.0, 0.0));
+    assert!((moments.cloud_covariance_ut2() - expected).amax() < 1e-9);
+    // about another centre it is the same
+    let mut moments = Moments::new(mean + Vector3::new(7.0, -3.0, 2.0), 11.0);
+    points.iter().for_each(|point| moments.add(point));
+    assert!((moments.cloud_covariance_ut2() - expected).amax() < 1e-9);
+    assert_eq!(Moments::of(&points[..1]).scale_ut(), 1.0);
+}
