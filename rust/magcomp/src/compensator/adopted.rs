@@ -13,6 +13,9 @@
 //! with. So a total field or a dip that disagrees widens or moves the hard iron, and an offset that neither can show stays as likely as its age
 //! makes it. Source: ours; the same phones differ from day to day by 3 to 50 uT, and by less than 3 within a day's hours.
 
+#[cfg(test)]
+mod tests;
+
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, Given, independent, iron_rows};
 use crate::kept::{self, CalibrationSource, KeptCalibration};

@@ -1,5 +1,8 @@
 //! What is believed of the calibration in force: where it comes from, and how sure one may be of it.
 
+#[cfg(test)]
+mod tests;
+
 use super::adopted::Adopted;
 use super::tuning::Tuning;
 use crate::calibration::{Given, independent};

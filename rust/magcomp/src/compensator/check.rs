@@ -1,5 +1,8 @@
 //! Whether a sample can be used, and what rejected samples tell together.
 
+#[cfg(test)]
+mod tests;
+
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;

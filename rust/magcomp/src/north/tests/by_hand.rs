@@ -24,7 +24,7 @@ fn headings_wait_in_the_order_of_their_times_and_the_oldest_makes_room() {
 #[test]
 fn a_heading_may_be_ten_seconds_ahead_and_five_late() {
     let device = Device::new(0.0, 5.0);
-    let mut push = |time_ns| North::default().push(HeadingSample { time_ns, ..device.told(0.0, 5.0) }, Some(0));
+    let push = |time_ns| North::default().push(HeadingSample { time_ns, ..device.told(0.0, 5.0) }, Some(0));
     assert_eq!([push(10_000_000_000), push(-5_000_000_000)], [Ok(()), Ok(())]);
     assert_eq!([push(10_000_000_001), push(-5_000_000_001)], [Err(EventRejection::Ahead), Err(EventRejection::Late)]);
 }
