@@ -1,5 +1,8 @@
 //! The settings of the paper's method, and what its fits accept.
 
+#[cfg(test)]
+mod tests;
+
 use super::tuning::Tuning;
 use super::uniformity::Normalisation;
 use crate::ellipsoid::{FitOptions, Residual};

@@ -1,5 +1,8 @@
 //! Constant-field compensation (section III): one calibration from a set of orientations, P samples averaged at each.
 
+#[cfg(test)]
+mod tests;
+
 use crate::calibration::{Calibration, LARGEST_RAW_UT};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments, fit_ellipsoid};

@@ -5,6 +5,9 @@
 //! are normalised; both readings are offered. sigma_T uses angles about z only, so it misses uneven sets such as a cone about z
 //! or a great circle through z; `EllipsoidFit::direction_sigma_deg` sees them.
 
+#[cfg(test)]
+mod tests;
+
 use crate::calibration::Calibration;
 use crate::math::elementary::{atan2, hypot};
 use nalgebra::Vector3;

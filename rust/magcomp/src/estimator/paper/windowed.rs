@@ -9,6 +9,9 @@
 //! with its reason and the parameters stay; and when the window holds samples that lie on no one ellipsoid, it is cut to
 //! the latest N_min and grows from there.
 
+#[cfg(test)]
+mod tests;
+
 use super::config::WindowedConfig;
 use super::tuning::Tuning;
 use super::uniformity::{Evenness, evenness};
