@@ -97,4 +97,21 @@ mod tests {
         presence.see(2_010_000_000, Some(2_000_000_000), true);
         assert_eq!(presence.is_usable(2_010_000_000, Some(2_000_000_000)), Some(true));
     }
+
+    #[test]
+    fn a_pause_that_is_told_is_a_gap_and_no_gyroscope_is_known_after_it() {
+        let mut presence = present();
+        assert_eq!((presence.gaps(), presence.is_usable(PERIOD_NS, Some(0))), (0, Some(true)));
+        presence.pause();
+        assert_eq!((presence.gaps(), presence.is_usable(PERIOD_NS, Some(0))), (1, None));
+        presence.pause();
+        assert_eq!(presence.gaps(), 2);
+    }
+
+    #[test]
+    fn it_is_gone_a_nanosecond_after_a_second() {
+        let mut presence = present();
+        assert_eq!(presence.is_usable(1_000_000_000, Some(990_000_000)), Some(true));
+        assert_eq!(presence.is_usable(1_000_000_001, Some(990_000_000)), Some(false));
+    }
 }

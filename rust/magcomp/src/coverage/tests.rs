@@ -133,3 +133,26 @@ fn a_long_rest_before_the_first_calibration_is_forgotten() {
     let fields: Vec<_> = (500..1000).map(turned).collect();
     assert!((guidance.coverage().share() - share_of(&fields)).abs() < 0.1);
 }
+
+#[test]
+fn after_a_restart_guidance_is_as_new() {
+    let mut guidance = Guidance::new(200, Some(50.0));
+    (0..120).for_each(|k| guidance.see(&turned(k), None, k + 1));
+    assert_ne!(guidance, Guidance::new(200, Some(50.0)));
+    guidance.restart();
+    assert_eq!(guidance, Guidance::new(200, Some(50.0)));
+}
+
+/// The first of the samples that count is the only one of its direction.
+#[test]
+fn the_oldest_sample_that_counts_is_seen_anew_too() {
+    let mut guidance = Guidance::new(200, Some(50.0));
+    let through = |off_ut: f64| Calibration::about(Vector3::x() * off_ut, 50.0);
+    let field = |k: usize| if k == 10 { Vector3::z() * -50.0 } else { Vector3::z() * 50.0 };
+    (0..30).for_each(|k| guidance.see(&field(k), Some(&through(0.0)), 20));
+    assert_eq!(guidance.coverage().share(), 2.0 / 48.0);
+    guidance.look_through(Some(&through(10.1)), 20);
+    assert_eq!(guidance.coverage().share(), 2.0 / 48.0);
+    guidance.look_through(Some(&through(0.0)), 19);
+    assert_eq!(guidance.coverage().share(), 1.0 / 48.0);
+}

@@ -161,4 +161,16 @@ fn what_was_kept_for_years_is_no_better_than_a_start_from_nothing() {
     assert_eq!(Adopted::new(&learned(None), Some(1_000_000_000)).believed(), None);
     let given = KeptCalibration::given(calibration(), 3.0).unwrap();
     assert_believed(&Adopted::new(&given, None), &with_mean(prior(&given, 0.9975, false)));
+    // 20 uT, beside 10 uT of what changes: a variance of 22^2 is less than 39^2
+    let unsure = KeptCalibration::given(calibration(), 20.0).unwrap();
+    assert_believed(&Adopted::new(&unsure, None), &with_mean(prior(&unsure, 0.9975, false)));
+}
+
+#[test]
+fn a_calibration_that_was_learned_at_an_unknown_time_is_of_any_age() {
+    let text = learned(None).to_json().replace("1000", "null");
+    let undated = KeptCalibration::from_json(&text).unwrap();
+    assert_eq!((undated.unix_time_s(), age_s(&undated, Some(5))), (None, f64::INFINITY));
+    assert_eq!(age_s(&KeptCalibration::given(calibration(), 3.0).unwrap(), Some(5)), 0.0);
+    assert_eq!([age_s(&learned(None), Some(1007)), age_s(&learned(None), Some(999))], [7.0, f64::INFINITY]);
 }

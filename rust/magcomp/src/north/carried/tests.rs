@@ -78,3 +78,10 @@ fn the_published_one_lies_between_both_as_their_variances_ask_for() {
     assert!((level().bearing(&towards.north).unwrap() - 0.8 * 0.3).abs() < 1e-12);
     assert!((variance_rad2.sqrt() - (0.2 * 0.8 + 0.4 * 0.2)).abs() < 1e-12);
 }
+
+#[test]
+fn what_begins_anew_at_the_magnetometer_keeps_what_speaks_for_it() {
+    let mut north = Carried { support_s: 100.0, level: level().turned(0.3), ..carried(0.05, 0.01) };
+    north.begin_at(&own(0.04));
+    assert_eq!(north, Carried { support_s: 100.0, ..Carried::of(&own(0.04)) });
+}
