@@ -2,6 +2,9 @@
 //!     M = (unit / |h|) T^-1, b = unit beta, c = |h| T (u - beta)
 //! |h| as given, or the geometric mean of the half axes, so that det M = 1.
 
+#[cfg(test)]
+mod tests;
+
 use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;

@@ -58,3 +58,14 @@ fn the_error_is_the_mean_square_angle_over_the_sphere() {
     let error = Gaussian { mean: tau, covariance: root * root.transpose() }.error();
     assert!((error / square - 1.0).abs() < 1e-6, "{error} against {square}");
 }
+
+/// 18 to 72 uT are taken for the Earth's; the mean half axis of a trace of 3 is one unit.
+#[test]
+fn a_field_is_beyond_the_earths_by_its_share() {
+    let beyond = |trace: f64, unit_ut: f64| {
+        beyond_earth(&tau_of(&(Matrix3::identity() * (trace / 3.0)), &Vector3::zeros()), unit_ut)
+    };
+    assert_eq!([beyond(3.0, 18.0), beyond(3.0, 45.0), beyond(3.0, 72.0)], [0.0; 3]);
+    assert!((beyond(1.5, 45.0) - (1.0 - 72.0 / 90.0)).abs() < 1e-12);
+    assert!((beyond(6.0, 27.0) - (1.0 - 13.5 / 18.0)).abs() < 1e-12);
+}
