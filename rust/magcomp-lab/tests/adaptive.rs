@@ -180,3 +180,13 @@ fn fewer_than_one_false_alarm_in_a_million_samples() {
         }
     }
 }
+
+/// A magnet of 150 uT put on a phone in a walking hand: the direction of the field stays meanwhile, and tells b at once.
+#[test]
+fn a_strong_magnet_in_a_walking_hand_is_followed() {
+    let found = figures("steps.b150", 4, 811);
+    let lost = found.iter().flat_map(|it| &it.stretches).filter(|it| it.is_lost).count();
+    let worst = found.iter().filter_map(|it| it.error.heading_deg).fold(0.0, f64::max);
+    assert!(lost == 0 && worst > 0.5 && worst < 20.0, "{lost} lost, {worst} degrees");
+    assert!(found.iter().all(|it| it.missed == 0 && it.false_steps == 0), "{found:?}");
+}

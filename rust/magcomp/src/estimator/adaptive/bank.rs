@@ -179,7 +179,7 @@ impl Bank {
             let step = tuning.step_ut * part;
             let mut base = state.clone();
             base.take_for_known(&honest);
-            base.widen(step / self.unit_ut, tuning.iron(step) * scale);
+            base.widen(step / self.unit_ut, tuning.iron_per_ut * step * scale);
             base.begin_spread();
             base.log = log(tuning.devices_per_h) - std::f64::consts::LN_2;
             let lin = known.mean;

@@ -2,6 +2,9 @@
 //! it, the filter runs again from its beginning about the new point (iterated filter = Gauss-Newton); all stored frames are always linear
 //! about the same point.
 
+#[cfg(test)]
+mod tests;
+
 use super::frame::{Frame, Frames};
 use super::parameters::{Gaussian, Tau, beyond_earth, is_bounded, see};
 use super::state::{Numbers, State, Way, innovation, update};
@@ -166,7 +169,7 @@ impl Filter {
     fn leap_to(&mut self, frame: &Frame, leap: &Leap, tuning: &Tuning, unit_ut: f64) {
         let by = frame.u - leap.from;
         let seconds = frame.time_ns.saturating_sub(leap.from_ns) as f64 * 1e-9;
-        let iron = tuning.iron(by.norm() * unit_ut);
+        let iron = tuning.iron_per_ut * unit_ut * by.norm().min(leap.step);
         let variance = (leap.turning * seconds).powi(2) + iron * iron + 2.0 * frame.white;
         if variance >= leap.step * leap.step {
             return;

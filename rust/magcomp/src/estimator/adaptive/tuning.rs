@@ -59,10 +59,3 @@ choices! {
         new_place_s: 30.0, "s", "a room";
     }
 }
-
-impl Tuning {
-    /// How far M changes with b by so much, uT, relative. The device is a phone still.
-    pub(super) fn iron(&self, step_ut: f64) -> f64 {
-        (self.iron_per_ut * step_ut).min(self.soft_iron)
-    }
-}
