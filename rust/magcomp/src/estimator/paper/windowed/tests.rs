@@ -78,6 +78,7 @@ fn where_nothing_turns_the_window_stays() {
     let raw_ut = truth(iron()).distort(&(Vector3::x() * FIELD_UT));
     (50..90).for_each(|k| _ = push(&mut windowed, k, raw_ut));
     let (window, fit) = (windowed.counted().samples, *windowed.fit().unwrap());
+    assert!(window < 60);
     for k in 90..95 {
         let (status, answer) = push(&mut windowed, k, raw_ut);
         assert_eq!((status, answer.window), (Status::Held(HoldReason::LowUniformity), window));
