@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Instructions per sample, counted by valgrind: the same on every run and every load of the machine. `tests/instructions.sh rates` counts those of a
-# hand-held phone by method and rate instead, beside VQF, as docs/dev/COST.md has them.
+# hand-held phone by method and rate instead, beside VQF, `tests/instructions.sh borders` those of a sample with its gyroscope's and accelerometer's from C,
+# both as docs/dev/COST.md has them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -8,9 +9,11 @@ need instructions "${rust_tools[@]}" valgrind:valgrind
 cargo build -q --release -p magcomp --example instructions
 run=${CARGO_TARGET_DIR:-target}/release/examples/instructions
 
+counted() { # COMMAND... -> instructions of the whole run
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$@" 2>&1 | sed -n 's/.*I *refs: *//p' | tr -d ,
+}
 count() { # CASE COUNT RATE -> instructions of the whole run
-    valgrind --tool=callgrind --callgrind-out-file=/dev/null "$run" "$1" "$2" "$3" 2>&1 |
-        sed -n 's/.*I *refs: *//p' | tr -d ,
+    counted "$run" "$1" "$2" "$3"
 }
 per_sample() { # CASE FEW MANY [RATE]
     local few many
@@ -28,6 +31,33 @@ if [ "${1:-}" = rates ]; then
         vqf=$(per_sample vqf 10 $((40 * rate + 10)) $rate)
         echo "| $rate | $aided | $(ratio "$aided" "$vqf") | $(per_sample adaptive 10 $((40 * rate + 10)) $rate) |" \
             "$(per_sample windowed 10 $((40 * rate + 10)) $rate) | $vqf |"
+    done
+    exit
+fi
+
+if [ "${1:-}" = borders ]; then
+    home=$(realpath -m "${CARGO_TARGET_DIR:-target}")/borders
+    need instructions cc:gcc cmake:cmake make:make pkg-config:pkg-config
+    cmake -S c -B "$home/c" >/dev/null
+    cmake --build "$home/c" >/dev/null
+    cmake --install "$home/c" --prefix "$home/prefix" >/dev/null
+    # shellcheck disable=SC2046 # its words are options
+    cc -O2 -std=c99 -Wall -Wextra -Werror c/tests/cost.c -o "$home/cost" \
+        $(PKG_CONFIG_PATH=$home/prefix/lib/pkgconfig pkg-config --cflags --libs magcomp)
+    "$run" events 4000 100 >"$home/events.txt"
+    between() { # COMMAND... -> instructions a sample, of 4000 after 3000
+        local few many
+        few=$(counted "$@" 3000 <"$home/events.txt")
+        many=$(counted "$@" 7000 <"$home/events.txt")
+        echo $(((many - few) / 4000))
+    }
+    export LD_LIBRARY_PATH=$home/prefix/lib
+    echo "| method | Rust | C | times |"
+    echo "|---|---|---|---|"
+    for method in Auto:aided Windowed:windowed Constant:constant; do
+        rust=$(per_sample "${method#*:}" 0 4000)
+        c=$(between "$home/cost" "${method%:*}")
+        echo "| ${method%:*} | $rust | $c | $(ratio "$c" "$rust") |"
     done
     exit
 fi

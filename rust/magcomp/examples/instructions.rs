@@ -1,12 +1,13 @@
 //! Work to count instructions of: `tests/instructions.sh` runs it under valgrind with two counts and takes the difference.
 //!
 //! `instructions CASE COUNT`, CASE one of: fit-100 fit-2000 direct-2000 push-100 push-2000; or `instructions CASE COUNT RATE_HZ`, of: aided adaptive
-//! windowed vqf.
+//! windowed constant vqf. `instructions events COUNT RATE_HZ` prints the events of the latter for other languages, as c/examples/stream.c reads them.
 
 #[path = "../benches/common/mod.rs"]
 mod common;
 
 use common::{FIELD_UT, OFFSET_UT, compensator, direct_fit, samples, stream_options, turning, warm_start};
+use magcomp::nalgebra::Vector3;
 use magcomp::{Compensator, Config, MagneticSample, Method, Moments, Residual};
 use std::hint::black_box;
 use vqf_rs::VQF;
@@ -15,7 +16,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (Some(case), Some(count)) = (arguments.get(1), arguments.get(2).and_then(|count| count.parse().ok())) else {
         eprintln!(
-            "usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000 COUNT, or aided|adaptive|windowed|vqf COUNT RATE_HZ"
+            "usage: instructions fit-100|fit-2000|direct-2000|push-100|push-2000 COUNT, or aided|adaptive|windowed|constant|vqf|events COUNT RATE_HZ"
         );
         std::process::exit(2);
     };
@@ -28,6 +29,8 @@ fn main() {
         "aided" => hand_held(Method::Auto, rate_hz, count),
         "adaptive" => hand_held(Method::Adaptive, rate_hz, count),
         "windowed" => hand_held(Method::Windowed, rate_hz, count),
+        "constant" => hand_held(Method::Constant, rate_hz, count),
+        "events" => events(rate_hz, count),
         "vqf" => vqf(rate_hz, count),
         _ => direct(count),
     }
@@ -70,6 +73,16 @@ fn hand_held(method: Method, rate_hz: usize, count: usize) {
         compensator.push_rotation_rate(rate).expect("a plausible rate");
         compensator.push_up(up).expect("a plausible acceleration");
         black_box(compensator.push(sample));
+    }
+}
+
+/// Those of `hand_held`.
+fn events(rate_hz: usize, count: usize) {
+    for (rate, up, sample) in &turning(rate_hz, 80 * rate_hz)[..30 * rate_hz + count] {
+        let line = |sensor, time_ns, v: &Vector3<f64>| println!("{sensor} {time_ns} {} {} {}", v.x, v.y, v.z);
+        line('g', rate.time_ns, &rate.rate_rad_s);
+        line('a', up.time_ns, &up.up_m_s2);
+        line('m', sample.time_ns, &sample.field_ut);
     }
 }
 
