@@ -176,9 +176,8 @@ impl Filter {
         }
         let mut known = leap.known;
         (0..3).for_each(|i| known.mean[6 + i] += by[i]);
-        // what the change was is known for each equation of the frame: its probability is paid here
-        let equations = if self.heeds_vertical && frame.up.is_some() { 2.0 } else { 1.0 };
-        let log = self.base.log + 0.5 * equations * ln(variance / (leap.step * leap.step));
+        // how probable such a change is, in three numbers; another place may turn the field by about as much as the device turns
+        let log = self.base.log + 1.5 * ln(variance / (leap.step * leap.step));
         self.base = self.base.with(&known);
         let scale = (known.mean[0] + known.mean[1] + known.mean[2]) / 3.0;
         self.base.widen(variance.sqrt(), iron * scale);

@@ -43,8 +43,8 @@ fn after_a_large_change_b_is_what_the_field_changed_by() {
     assert!((p[(6, 6)] - 1e-4 - variance).abs() < 1e-12, "{}", p[(6, 6)]);
     assert!((p[(0, 0)] - 1e-4 - iron * iron).abs() < 1e-12, "{}", p[(0, 0)]);
     assert!((p[(3, 3)] - 1e-4 - 0.49 * iron * iron).abs() < 1e-12, "{}", p[(3, 3)]);
-    // one equation, without a vertical: what it told of b is paid
-    assert!((filter.base.log - log - 0.5 * (variance / 4.0).ln()).abs() < 1e-12, "{}", filter.base.log);
+    // all three numbers of b are told
+    assert!((filter.base.log - log - 1.5 * (variance / 4.0).ln()).abs() < 1e-12, "{}", filter.base.log);
     assert!(filter.leap.is_none());
 }
 
@@ -64,7 +64,11 @@ fn a_change_that_takes_time_is_told_by_the_frame_after_it() {
     filter.add(&frame(320_000_000, Vector3::new(3.1, 0.2, -0.3)), &Tuning::USED, UNIT_UT);
     assert!((filter.base.tau()[6] - 2.1).abs() < 1e-12, "{}", filter.base.tau()[6]);
     // the turn of 0.4 s
-    assert!((filter.base.p[(7, 7)] - 1e-4 - (0.2 * 0.2 + 0.27 * 0.27 + 2e-4)).abs() < 1e-12, "{}", filter.base.p[(7, 7)]);
+    assert!(
+        (filter.base.p[(7, 7)] - 1e-4 - (0.2 * 0.2 + 0.27 * 0.27 + 2e-4)).abs() < 1e-12,
+        "{}",
+        filter.base.p[(7, 7)]
+    );
 }
 
 #[test]
