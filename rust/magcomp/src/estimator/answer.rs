@@ -4,6 +4,9 @@ use crate::calibration::Calibration;
 use crate::reading::{Event, ModelOrder, SensorMode};
 use nalgebra::{Matrix3, Vector3};
 
+/// Choice: a change of the device that moves b by less is an error of the estimate, and no event, uT: half of what a cover does.
+pub(crate) const LEAST_TOLD_UT: f64 = 4.0;
+
 /// What an estimator says of one sample, before a heading is formed from it.
 #[derive(Default)]
 pub(crate) struct Answer {

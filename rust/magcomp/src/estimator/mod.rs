@@ -21,9 +21,6 @@ use ours::{GyroscopeErrors, Ours};
 use paper::{Windowed, WindowedConfig};
 pub use tunings::Tunings;
 
-/// Choice: a change of the device that moves b by less is an error of the estimate, and no event, uT: half of what a cover does.
-const LEAST_TOLD_UT: f64 = 4.0;
-
 /// The estimator that a config asks for.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "there is one, and it stands in a box")]

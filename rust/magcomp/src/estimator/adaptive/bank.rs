@@ -26,7 +26,7 @@ const HOPELESS: f64 = 25.0;
 const BUDGET: i64 = 700;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
-/// Choice: frames by which is told how fast the device turns.
+/// Mathematics: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).
 const LATELY: u64 = 8;
 /// Choice: frames between cold starts while nothing is known well.
 const COLD_EVERY: u64 = 40;

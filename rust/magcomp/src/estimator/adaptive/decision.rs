@@ -4,7 +4,7 @@ use super::bank::{Bank, KNOWN_DEG};
 use super::filter::{Filter, Kind};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
-use crate::estimator::LEAST_TOLD_UT;
+use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::reading::{Event, EventKind, ModelOrder};
 
 /// Choice: least change of strength or vertical part of the place that is told, relative to its strength.

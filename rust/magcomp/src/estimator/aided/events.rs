@@ -14,7 +14,7 @@ use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
-use crate::estimator::LEAST_TOLD_UT;
+use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::reading::EventKind;
 use crate::strength::STRONGEST_AXIS_UT;
