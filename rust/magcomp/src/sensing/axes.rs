@@ -43,6 +43,7 @@ pub(crate) struct Axes {
     /// One for each set of axes, by the bits of its number less one: x, y, xy, z, ...
     sets: [Turning; 7],
     constants: [Constant; 3],
+    is_wrong: bool,
 }
 
 /// How a set of axes turns beside gravity: sums over pairs.
@@ -119,6 +120,7 @@ impl Axes {
             let turned = lever * Vector3::from_fn(|axis, _| f64::from(number >> axis & 1));
             set.see(&turned, &(unexplained + turned), beyond);
         }
+        self.is_wrong = self.sets.iter().any(Turning::is_flipped) || self.constants.iter().any(Constant::is_dead);
     }
 
     /// The chain of rotations broke: no window reaches across.
@@ -128,7 +130,7 @@ impl Axes {
 
     /// Whether axes turn the other way, or one not at all. Of axes that were hardly turned about nothing is known.
     pub fn is_wrong(&self) -> bool {
-        self.sets.iter().any(Turning::is_flipped) || self.constants.iter().any(Constant::is_dead)
+        self.is_wrong
     }
 }
 
