@@ -194,3 +194,14 @@ fn a_strong_magnet_in_a_walking_hand_is_followed() {
     assert!(errors[0] > 1.0 && errors[2] < 20.0, "{errors:?}");
     assert!(found.iter().all(|it| it.within.is_some_and(|[_, two]| two > 0.95)), "{found:?}");
 }
+
+/// Less than 4 uT is an error of the estimate more often than a change of the device.
+#[test]
+fn small_changes_are_followed_without_an_event_and_larger_ones_are_told() {
+    let told = |name| {
+        let found = figures(name, 4, 821);
+        assert!(found.iter().all(|it| it.false_steps == 0), "{name}: {found:?}");
+        found.iter().flat_map(|it| &it.stretches[1..]).filter(|it| it.declared_s.is_some()).count()
+    };
+    assert_eq!((told("steps.b2"), told("steps.b10")), (0, 4));
+}

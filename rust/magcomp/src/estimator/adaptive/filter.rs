@@ -30,7 +30,9 @@ pub(super) enum Kind {
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Leap {
+    /// What was known before it.
     pub known: Gaussian,
+    /// The last frame before it: where, units, and when.
     pub from: Vector3<f64>,
     pub from_ns: i64,
     /// How fast the field turns, units a second.
@@ -58,6 +60,7 @@ pub(super) struct Filter {
     pub now: State,
     pub age: f64,
     pub former: Option<Gaussian>,
+    /// Until the first frame after a large change.
     pub leap: Option<Leap>,
     /// Expected direction error, rad^2.
     pub error: f64,
