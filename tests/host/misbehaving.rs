@@ -17,6 +17,7 @@ struct Phone {
     truth: Calibration,
     time_ns: i64,
     tick: i64,
+    full_scale_ut: f64,
 }
 
 impl Phone {
@@ -25,7 +26,7 @@ impl Phone {
         let axis = Unit::new_normalize(random.normal3());
         let attitude = Rotation3::from_axis_angle(&axis, random.between(-3.1, 3.1));
         let truth = calibration(&REF.map(|v| v * 0.5 + 0.5 * f64::from(u8::from(v > 0.9))), FIELD_UT.norm());
-        Self { random, attitude, truth, time_ns: 0, tick: 0 }
+        Self { random, attitude, truth, time_ns: 0, tick: 0, full_scale_ut: f64::MAX }
     }
 
     /// One sample; its gyroscope event is delivered where `gyroscope` says so.
@@ -42,6 +43,7 @@ impl Phone {
         let up_m_s2 = self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + self.random.normal3() * 0.05;
         to.push_up(UpSample { time_ns, up_m_s2 }).unwrap();
         let field_ut = self.truth.distort(&(self.attitude.inverse() * FIELD_UT)) + self.random.normal3() * 0.5;
+        let field_ut = field_ut.map(|v| v.clamp(-self.full_scale_ut, self.full_scale_ut));
         to.push(MagneticSample { time_ns, field_ut })
     }
 
@@ -167,6 +169,72 @@ fn a_saturated_sample_names_its_axis() {
         assert!(matches!(reason, RejectReason::Saturated { axis: found, .. } if found == axis), "{reason:?}");
         assert!(reason.to_string().starts_with(&format!("field component {name} ")), "{reason}");
     }
+}
+
+/// Charging for three seconds: 900 uT along x, which reads no more than 300.
+fn charged(phone: &mut Phone, it: &mut Compensator, gyroscope: bool) -> Vec<Reading> {
+    let truth = phone.truth;
+    let hard_iron_ut = truth.hard_iron_ut() + Vector3::new(900.0, 0.0, 0.0);
+    phone.truth = Calibration::new(*truth.soft_iron(), hard_iron_ut, truth.field_strength_ut()).unwrap();
+    phone.full_scale_ut = 300.0;
+    let readings = (0..300).map(|_| phone.advance(it, |_| gyroscope)).collect();
+    phone.truth = truth;
+    readings
+}
+
+#[test]
+fn at_full_scale_the_gyroscope_carries_heading_and_field_and_nothing_is_learned() {
+    for rail_ut in [Some(300.0), None] {
+        let (mut phone, mut it) = (Phone::new(3), Compensator::new(Config { rail_ut, ..Config::default() }).unwrap());
+        (0..1500).for_each(|_| _ = phone.advance(&mut it, |_| true));
+        let before = it.calibration().unwrap();
+        let readings = charged(&mut phone, &mut it, true);
+        let is_saturated = |it: &Reading| matches!(it.status, Status::Rejected(RejectReason::Saturated { .. }));
+        // it takes some samples until a full scale that nobody told is found
+        assert!(readings.iter().skip(50).all(is_saturated), "{rail_ut:?}");
+        for reading in readings.iter().filter(|it| is_saturated(it)) {
+            assert_eq!((reading.field_ut, reading.mode), (None, SensorMode::GyroscopeAndGravity));
+            let (carried_ut, heading) = (reading.filtered_field_ut.unwrap(), reading.attitude.unwrap());
+            assert!((carried_ut.norm() - FIELD_UT.norm()).abs() < 2.0, "{rail_ut:?}: {carried_ut}");
+            assert!(heading.sigma_deg.unwrap() < 10.0);
+        }
+        let reading = readings.last().unwrap();
+        let carried_ut = phone.attitude * reading.filtered_field_ut.unwrap();
+        assert!(carried_ut.angle(&FIELD_UT).to_degrees() < 2.0, "{rail_ut:?}: {carried_ut}");
+        let moved_ut = (it.calibration().unwrap().hard_iron_ut() - before.hard_iron_ut()).norm();
+        assert!(moved_ut < 1.0, "{rail_ut:?}: {moved_ut}");
+        assert_eq!(reading.event, None);
+        // the charger is gone
+        let readings: Vec<Reading> = (0..300).map(|_| phone.advance(&mut it, |_| true)).collect();
+        assert!(readings.iter().all(|it| !is_saturated(it)) && readings.iter().all(|it| it.event.is_none()));
+        let (error_deg, sigma_deg) = phone.error_deg(readings.last().unwrap()).unwrap();
+        assert!(error_deg < 3.0 && sigma_deg < 6.0, "{rail_ut:?}: {error_deg} at {sigma_deg}");
+    }
+}
+
+#[test]
+fn at_full_scale_the_magnetometer_alone_says_nothing() {
+    let mut it = Compensator::new(Config { rail_ut: Some(300.0), ..Config::default() }).unwrap();
+    let mut phone = Phone::new(4);
+    (0..1500).for_each(|_| _ = phone.advance(&mut it, |_| false));
+    let readings = charged(&mut phone, &mut it, false);
+    assert!(readings.iter().all(|it| it.heading.is_none() && it.filtered_field_ut.is_none()));
+}
+
+/// The chain of rotations breaks while the sensor is at its full scale: the calibration is kept, and where the field points is found anew.
+#[test]
+fn a_gyroscope_that_stops_at_full_scale_loses_the_heading_and_not_the_calibration() {
+    let mut it = Compensator::new(Config { rail_ut: Some(300.0), ..Config::default() }).unwrap();
+    let mut phone = Phone::new(5);
+    (0..1500).for_each(|_| _ = phone.advance(&mut it, |_| true));
+    let before = it.calibration().unwrap();
+    let last = *charged(&mut phone, &mut it, false).last().unwrap();
+    assert!(last.heading.is_none() && last.filtered_field_ut.is_none(), "{last:?}");
+    (0..500).for_each(|_| _ = phone.advance(&mut it, |_| true));
+    let reading = phone.advance(&mut it, |_| true);
+    let (error_deg, sigma_deg) = phone.error_deg(&reading).unwrap();
+    assert!(error_deg < 4.0 + 2.0 * sigma_deg, "{error_deg} at {sigma_deg}");
+    assert!((it.calibration().unwrap().hard_iron_ut() - before.hard_iron_ut()).norm() < 3.0);
 }
 
 /// What is documented for every method is there with a gyroscope, too.

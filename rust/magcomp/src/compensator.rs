@@ -10,6 +10,7 @@ mod check;
 mod keep;
 mod outside;
 mod presence;
+mod rails;
 mod tuning;
 
 use crate::calibration::Calibration;
@@ -167,11 +168,13 @@ impl Compensator {
     /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
     /// stays then, and all else begins anew.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
-        if let Err(reason) = self.check(&sample) {
-            if !self.stream.stray(sample.time_ns, reason) {
-                return self.rejected(sample.time_ns, reason);
+        match self.check(&sample) {
+            Ok(()) => {}
+            Err(reason @ RejectReason::Saturated { .. }) if self.estimator.carries() => {
+                return self.carry(sample.time_ns, reason);
             }
-            self.begin_another_clock();
+            Err(reason) if self.stream.stray(sample.time_ns, reason) => self.begin_another_clock(),
+            Err(reason) => return self.rejected(sample.time_ns, reason),
         }
         let previous_ns = self.stream.accept(sample);
         let mut paired = self.pairing.pair(sample.time_ns);
@@ -228,15 +231,35 @@ impl Compensator {
     /// What an answer tells the other parts.
     fn note(&mut self, sample: &MagneticSample, answer: &Answer) {
         self.guidance.see(&sample.field_ut, answer.counted.through.as_ref(), answer.counted.samples);
-        if let Some(gyroscope) = self.estimator.gyroscope() {
-            self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
-            self.presence.judge(gyroscope.is_useless || self.axes.is_wrong());
-        }
+        self.note_gyroscope();
         self.mode = answer.mode;
         self.event = answer.event.or(self.event);
         if self.estimator.has_learned() {
             self.belief.learn();
         }
+    }
+
+    fn note_gyroscope(&mut self) {
+        if let Some(gyroscope) = self.estimator.gyroscope() {
+            self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
+            self.presence.judge(gyroscope.is_useless || self.axes.is_wrong());
+        }
+    }
+
+    /// The field of a sample is of no use: the gyroscope carries on what is known.
+    fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
+        let previous_ns = self.stream.pass(time_ns);
+        let mut paired = self.pairing.pair(time_ns);
+        self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
+        self.look_at_axes(time_ns, previous_ns, &paired);
+        if self.hand_over(time_ns, previous_ns) {
+            paired.rotation = None;
+        }
+        let answer = self.estimator.carry(time_ns, &paired);
+        self.note_gyroscope();
+        let answer = Answer { mode: answer.mode, window: self.estimator.window(), ..answer };
+        let answer = self.north.step(time_ns, answer, self.config.heading.declination_deg);
+        self.assemble(time_ns, Status::Rejected(reason), answer)
     }
 
     fn rejected(&self, time_ns: i64, reason: RejectReason) -> Reading {

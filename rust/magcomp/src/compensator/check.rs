@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::rails::Rails;
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
@@ -13,6 +14,7 @@ pub(super) struct Stream {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.
     repeats: usize,
+    rails: Rails,
     /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
     astray: u32,
     astray_ns: i64,
@@ -21,7 +23,7 @@ pub(super) struct Stream {
 /// Whether two will judge alike, but for samples of another clock that were refused so far.
 impl PartialEq for Stream {
     fn eq(&self, other: &Self) -> bool {
-        (self.latest, self.repeats) == (other.latest, other.repeats)
+        (self.latest, self.repeats, self.rails) == (other.latest, other.repeats, other.rails)
     }
 }
 
@@ -34,10 +36,18 @@ impl Stream {
     /// A sample is used; the time of the one before, ns.
     pub fn accept(&mut self, sample: MagneticSample) -> Option<i64> {
         (self.astray, self.astray_ns) = (0, 0);
+        self.rails.see(&sample.field_ut);
         let previous = self.latest.replace(sample);
         let is_same = previous.is_some_and(|previous| previous.field_ut == sample.field_ut);
         self.repeats = if is_same { self.repeats.saturating_add(1) } else { 0 };
         previous.map(|previous| previous.time_ns)
+    }
+
+    /// A sample's field is of no use, but its time is; the time of the one before, ns.
+    pub fn pass(&mut self, time_ns: i64) -> Option<i64> {
+        (self.astray, self.astray_ns) = (0, 0);
+        let latest = self.latest.as_mut()?;
+        Some(std::mem::replace(&mut latest.time_ns, time_ns))
     }
 
     /// A sample was rejected: whether there were so many in a row, each for its time, that the clock is another one.
@@ -57,6 +67,7 @@ impl Stream {
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
         }
+        self.check_time(sample.time_ns)?;
         let largest = field.iamax();
         let value_ut = field[largest];
         if let Some(rail_ut) = rail_ut.filter(|rail| value_ut.abs() >= *rail) {
@@ -65,17 +76,23 @@ impl Stream {
         if value_ut.abs() > range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: range_ut });
         }
-        let Some(latest) = self.latest else { return Ok(()) };
-        if sample.time_ns <= latest.time_ns {
-            return Err(RejectReason::TimeNotAfter { time_ns: sample.time_ns, latest_ns: latest.time_ns });
+        self.rails.check(field)?;
+        let repeats = self.repeats.saturating_add(1);
+        let is_same = self.latest.is_some_and(|latest| latest.field_ut == *field);
+        if is_same && repeats as f64 >= Tuning::USED.run_samples {
+            return Err(RejectReason::Stuck { repeats });
         }
-        let (gap_s, limit_s) = (seconds(latest.time_ns, sample.time_ns), Tuning::USED.longest_gap_s);
+        Ok(())
+    }
+
+    fn check_time(&self, time_ns: i64) -> Result<(), RejectReason> {
+        let Some(latest_ns) = self.latest_ns() else { return Ok(()) };
+        if time_ns <= latest_ns {
+            return Err(RejectReason::TimeNotAfter { time_ns, latest_ns });
+        }
+        let (gap_s, limit_s) = (seconds(latest_ns, time_ns), Tuning::USED.longest_gap_s);
         if gap_s > limit_s {
             return Err(RejectReason::TimeJump { gap_s, limit_s });
-        }
-        let repeats = self.repeats.saturating_add(1);
-        if latest.field_ut == *field && repeats as f64 >= Tuning::USED.run_samples {
-            return Err(RejectReason::Stuck { repeats });
         }
         Ok(())
     }

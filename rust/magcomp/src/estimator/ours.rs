@@ -120,6 +120,18 @@ impl Ours {
         (status, Answer { window: self.window(), ..answer })
     }
 
+    pub fn carries(&self) -> bool {
+        !matches!(self.gyroscope, Gyroscope::Missing)
+    }
+
+    /// A sample whose field is of no use: the gyroscope carries on where it points. The magnetometer alone has nothing to say.
+    pub fn carry(&mut self, time_ns: i64, paired: &PairedInertial) -> Answer {
+        match &mut self.gyroscope {
+            Gyroscope::InUse(aided) | Gyroscope::Starting(aided) => aided.carry(time_ns, paired),
+            Gyroscope::Missing => Answer::default(),
+        }
+    }
+
     fn speaker(&self) -> Speaker<'_> {
         self.gyroscope.speaker(&self.adaptive)
     }

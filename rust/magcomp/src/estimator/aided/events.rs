@@ -152,6 +152,12 @@ impl Trial {
         Self { onset_ns: watch.since_ns(), device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
+    /// The device turns.
+    pub(crate) fn turn(&mut self, step: &Step<'_>) {
+        self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
+        self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
+    }
+
     /// One sample. `filter` is the filter as it was, predicted to now.
     pub(crate) fn step(
         &mut self,
@@ -161,8 +167,7 @@ impl Trial {
         former: Option<&Former>,
         tuning: &Tuning,
     ) -> Verdict {
-        self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
-        self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
+        self.turn(step);
         if self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
             self.device.add_variance(HARD_IRON, variance);

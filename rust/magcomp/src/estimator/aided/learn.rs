@@ -46,7 +46,7 @@ impl Aided {
         if let Some(variance) = step.bias_variance {
             first.rest(step.rate_rad_s, variance);
         }
-        let is_pooled = !step.resting || (first.given.is_some() && first.is_blind());
+        let is_pooled = !step.is_blank && (!step.resting || (first.given.is_some() && first.is_blind()));
         if is_pooled {
             first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
@@ -69,6 +69,13 @@ impl Aided {
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
         self.quarantine.turn(step);
+        if step.is_blank {
+            if let Phase::Undecided(_, trial) = &mut self.phase {
+                trial.turn(step);
+            }
+            self.judged = Some(Judged::alone(SampleUse::Unused));
+            return;
+        }
         let Some(innovation) = filter.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;

@@ -145,6 +145,11 @@ impl Filter {
         })
     }
 
+    /// What the magnetometer should read at rest, uT.
+    pub(crate) fn expected_ut(&self) -> Vector3<f64> {
+        Model::of(&self.parts(), &Vector3::zeros()).raw_ut
+    }
+
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
     pub(crate) fn update(&mut self, innovation: &Innovation, held: Held<'_>) {
         self.correct_soundly(innovation.gain, &innovation.whitened, held);

@@ -173,11 +173,33 @@ impl Aided {
     /// The compensator has checked the sample: it is finite, and later than the one before. The pairing has checked the events: they are
     /// within the ranges of phones' sensors.
     pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
+        self.step(time_ns, raw_ut, inertial, false)
+    }
+
+    /// A sample whose field is of no use: what is known of the field turns with the device.
+    pub fn carry(&mut self, time_ns: i64, inertial: &PairedInertial) -> Answer {
+        let is_carried = inertial.rotation.is_some();
+        // where the chain of rotations breaks, nothing better is known than that the field was there
+        let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
+        let (_, answer) = self.step(time_ns, expected_ut, inertial, true);
+        let Answer { up, mode, event, .. } = answer;
+        if is_carried { answer } else { Answer { up, mode, event, ..Answer::default() } }
+    }
+
+    /// A sample, or only its time where it is blank.
+
+    fn step(
+        &mut self,
+        time_ns: i64,
+        raw_ut: Vector3<f64>,
+        inertial: &PairedInertial,
+        is_blank: bool,
+    ) -> (Status, Answer) {
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
         let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
-            self.sense(time_ns, &raw_ut, rotation, up, dt_s)
+            self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank)
         } else {
             self.adaptation.forget_previous();
             None

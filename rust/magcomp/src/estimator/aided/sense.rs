@@ -25,6 +25,7 @@ impl Aided {
         rotation: &'a Rotation,
         up: Option<Vector3<f64>>,
         dt_s: f64,
+        is_blank: bool,
     ) -> Option<Step<'a>> {
         let tuning = &self.tuning;
         let known = match &self.phase {
@@ -36,7 +37,11 @@ impl Aided {
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, dt_s, tuning);
-        self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+        if is_blank {
+            self.adaptation.forget_previous();
+        } else {
+            self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+        }
         self.recent.add(&rotation.increment_rad, dt_s);
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
@@ -52,6 +57,7 @@ impl Aided {
         (!self.is_gyroscope_useless()).then_some(Step {
             time_ns,
             raw_ut,
+            is_blank,
             rate_rad_s: &rotation.rate_rad_s,
             delayed_rad_s: self.recent.mean_rad_s(known.x.delay).unwrap_or(rotation.rate_rad_s),
             increment_rad: &rotation.increment_rad,

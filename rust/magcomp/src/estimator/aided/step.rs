@@ -10,6 +10,8 @@ use super::state::{AXES, BIAS, Filter, Parts};
 pub(crate) struct Step<'a> {
     pub(crate) time_ns: i64,
     pub(crate) raw_ut: &'a Vector3<f64>,
+    /// The sensor was at its full scale: `raw_ut` says nothing.
+    pub(crate) is_blank: bool,
     pub(crate) rate_rad_s: &'a Vector3<f64>,
     /// Mean reading of the gyroscope since the magnetometer's delay before the sample, rad/s.
     pub(crate) delayed_rad_s: Vector3<f64>,

@@ -22,6 +22,7 @@ fn step<'a>(increment_rad: &'a Vector3<f64>) -> Step<'a> {
     Step {
         time_ns: 0,
         raw_ut: increment_rad,
+        is_blank: false,
         rate_rad_s: increment_rad,
         delayed_rad_s: Vector3::zeros(),
         increment_rad,
