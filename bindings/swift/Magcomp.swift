@@ -872,7 +872,8 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else.
+     * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+     * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
     func push(sample: MagneticSample) throws  -> Reading
 
@@ -1125,7 +1126,8 @@ public func keep(unixTimeS: Int64)throws  -> String?  {
     /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else.
+     * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+     * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
 public func push(sample: MagneticSample)throws  -> Reading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
@@ -1633,7 +1635,7 @@ public struct Config: Equatable, Hashable, Codable {
     public var rangeUt: Double?
     /**
      * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default none: not known.
+     * as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
      */
     public var railUt: Double?
     /**
@@ -1674,7 +1676,7 @@ public struct Config: Equatable, Hashable, Codable {
          */rangeUt: Double? = nil,
         /**
          * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-         * as saturated. 1 to 100 000. Default none: not known.
+         * as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
          */railUt: Double? = nil,
         /**
          * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
@@ -6643,7 +6645,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_keep() != 31565) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 49418) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 28046) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_gap() != 2014) {

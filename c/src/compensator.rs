@@ -91,7 +91,7 @@ pub(crate) unsafe fn with(
 /// - initial: a calibration to begin with, {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}; default none
 /// - initial_sigma_ut: standard deviation of its hard iron per axis, 0.01 to 1000 uT, default 2
 /// - range_ut: largest component of a raw sample, 1 to 100000 uT, default 2000
-/// - rail_ut: the sensor's full scale, 1 to 100000 uT, default not known
+/// - rail_ut: the sensor's full scale, 1 to 100000 uT; default: found once an axis has read the same extreme again and again in motion
 /// - field_strength_ut: |h| where it is known, 1 to 1000 uT, default not known
 /// - heading: see magcomp_compensator_set_heading
 /// - windowed: n_min (100 samples), n_max (2000), sigma_th (0.1), normalisation, residual, noise_floor_ut (5): of the paper's method

@@ -54,7 +54,7 @@ pub enum Reason {
     NotFinite = 11,
     /// Rejected: a component is beyond the setting `range_ut`. Is the unit microtesla?
     OutOfRange = 12,
-    /// Rejected: a component is at the sensor's full scale, the setting `rail_ut`.
+    /// Rejected: a component is at the sensor's full scale, the setting `rail_ut` or as found. A gyroscope carries the heading on.
     Saturated = 13,
     /// Rejected: time did not advance.
     TimeNotAfter = 14,

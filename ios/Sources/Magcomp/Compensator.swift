@@ -21,7 +21,9 @@ public final class Compensator: Sendable {
 
     /// A raw magnetometer event and its answer. A sample that cannot be used comes back with status `.rejected` and
     /// changes nothing. After 50 such samples in a row whose times follow one another but not the latest used sample,
-    /// the compensator assumes another clock: it keeps the calibration and begins anew with everything else.
+    /// the compensator assumes another clock: it keeps the calibration and begins anew with everything else. At the
+    /// sensor's full scale (`.saturated`) a gyroscope carries the field on: the reading has a carried field and a heading,
+    /// and nothing is learned.
     public func push(_ sample: MagneticSample) throws -> Reading {
         let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
         let unknown = Double.nan

@@ -57,7 +57,8 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
     /// After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-    /// assumes another clock: it keeps the calibration and begins anew with everything else.
+    /// assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+    /// (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
         self.push_for(sample, |reading, jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,

@@ -42,7 +42,7 @@ pub struct Config {
     #[uniffi(default = None)]
     pub range_ut: Option<f64>,
     /// The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-    /// as saturated. 1 to 100 000. Default none: not known.
+    /// as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
     #[uniffi(default = None)]
     pub rail_ut: Option<f64>,
     /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron

@@ -166,7 +166,8 @@ impl Compensator {
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50
     /// in a row whose time follows that of one another, and not that of the latest, are from another clock: the calibration
-    /// stays then, and all else begins anew.
+    /// stays then, and all else begins anew. At the sensor's full scale (`RejectReason::Saturated`) a gyroscope carries the field on:
+    /// the reading has a carried field and a heading, and nothing is learned.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         match self.check(&sample) {
             Ok(()) => {}

@@ -42,7 +42,7 @@ pub struct Config {
     /// hundred uT, and a magnetic cover can add a thousand. Larger accepts stronger magnets.
     pub range_ut: f64,
     /// The magnetometer's full scale, uT (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as
-    /// saturated. 1 to 100 000. Default none: not known.
+    /// saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
     pub rail_ut: Option<f64>,
     /// |h| in uT, 1 to 1000, where it is known, as [`crate::FitOptions::field_strength_ut`]. Every method listens to it. None (the
     /// default): the strength is found, and M has a gauge of its own, det M = 1; for the aided method tr M = 3.

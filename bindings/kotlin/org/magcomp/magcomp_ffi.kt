@@ -1025,7 +1025,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_keep() and 0xFFFF) != 31565) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 49418) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 28046) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_gap() and 0xFFFF) != 2014) {
@@ -1545,7 +1545,8 @@ internal interface NativeCompensatorInterface {
     /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else.
+     * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+     * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
     fun `push`(`sample`: MagneticSample): Reading
 
@@ -1893,7 +1894,8 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * A raw magnetometer event. A sample that cannot be used comes back with status `Rejected` and changes nothing.
      * After 50 such samples in a row whose times follow one another but not the latest used sample, the compensator
-     * assumes another clock: it keeps the calibration and begins anew with everything else.
+     * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+     * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
             return FfiConverterTypeReading.lift(
@@ -2758,7 +2760,7 @@ data class Config (
     ,
     /**
      * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default null: not known.
+     * as saturated. 1 to 100 000. Default null: it is found once an axis has read the same extreme again and again in motion.
      */
     val `railUt`: kotlin.Double? = null
     ,

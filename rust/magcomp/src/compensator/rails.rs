@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 /// Data sheet: equal readings on end at an extreme that do not happen by chance where the field turns: 3 were the most in 57 recordings.
 const REPEATS: u32 = 5;
-/// Mathematics: where the other axes of a field of 25 uT or more change by so much, this one changes by 1 uT, more than the last bit of a sensor, uT.
+/// Mathematics: where the other axes change by so much about the extreme of this one, it changes by 0.3 uT in a field of 45 uT, two last bits of a sensor, uT.
 const TURNED_UT: f64 = 10.0;
 
 /// See the module.

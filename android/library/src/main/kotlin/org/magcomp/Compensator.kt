@@ -20,7 +20,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that cannot be used comes
      * back with status `Rejected` and changes nothing. After 50 such samples in a row whose times follow one another
      * but not the latest used sample, the compensator assumes another clock: it keeps the calibration and begins anew
-     * with everything else.
+     * with everything else. At the sensor's full scale (`Saturated`) a gyroscope carries the field on: the reading has a
+     * carried field and a heading, and nothing is learned.
      *
      * @param timeNs time of the event, nanoseconds
      * @param xUt raw field to the right of the screen, microtesla
