@@ -29,7 +29,7 @@ const NORMAL: f64 = 4.0;
 const LARGEST_BIAS_RAD_S: f64 = 0.1;
 /// Data sheet: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
 const REPEATS: u32 = 50;
-/// Choice: an acceleration whose size is so far from gravity's is motion, m/s^2.
+/// Data sheet: noise of an accelerometer keeps its size so near to that of gravity; what is further off is motion, m/s^2.
 const SHAKEN_M_S2: f64 = 0.1;
 /// Mathematics: pairs of windows that tell the noise at all.
 const FEWEST: f64 = 2.0;
