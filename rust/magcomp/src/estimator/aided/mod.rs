@@ -178,16 +178,14 @@ impl Aided {
 
     /// A sample whose field is of no use: what is known of the field turns with the device.
     pub fn carry(&mut self, time_ns: i64, inertial: &PairedInertial) -> Answer {
-        let is_carried = inertial.rotation.is_some();
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
         let (_, answer) = self.step(time_ns, expected_ut, inertial, true);
-        let Answer { up, mode, event, .. } = answer;
-        if is_carried { answer } else { Answer { up, mode, event, ..Answer::default() } }
+        let Answer { up, mode, event, filtered_field_ut: carried_ut, .. } = answer;
+        if carried_ut.is_some() { answer } else { Answer { up, mode, event, ..Answer::default() } }
     }
 
     /// A sample, or only its time where it is blank.
-
     fn step(
         &mut self,
         time_ns: i64,
