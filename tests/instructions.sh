@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Instructions per sample, counted by valgrind: the same on every run and every load of the machine. `tests/instructions.sh rates` counts those of a
-# hand-held phone by method and rate instead, beside VQF, `tests/instructions.sh borders` those of a sample with its gyroscope's and accelerometer's from C,
-# both as docs/dev/COST.md has them.
+# hand-held phone by method and rate instead, beside VQF, `tests/instructions.sh borders` those of a sample with its gyroscope's and accelerometer's from C
+# and from Python; docs/dev/COST.md has them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -44,6 +44,9 @@ if [ "${1:-}" = borders ]; then
     # shellcheck disable=SC2046 # its words are options
     cc -O2 -std=c99 -Wall -Wextra -Werror c/tests/cost.c -o "$home/cost" \
         $(PKG_CONFIG_PATH=$home/prefix/lib/pkgconfig pkg-config --cflags --libs magcomp)
+    # what tests/python.sh leaves
+    python=$(dirname "$home")/python/venv/bin/python
+    "$python" -c 'import magcomp' 2>/dev/null || tests/python.sh
     "$run" events 4000 100 >"$home/events.txt"
     between() { # COMMAND... -> instructions a sample, of 4000 after 3000
         local few many
@@ -51,13 +54,18 @@ if [ "${1:-}" = borders ]; then
         many=$(counted "$@" 7000 <"$home/events.txt")
         echo $(((many - few) / 4000))
     }
-    export LD_LIBRARY_PATH=$home/prefix/lib
-    echo "| method | Rust | C | times |"
-    echo "|---|---|---|---|"
+    export LD_LIBRARY_PATH=$home/prefix/lib PYTHONHASHSEED=0
+    echo "| method | Rust | C | times | Python, arrays | times | Python, one by one | times |"
+    echo "|---|---|---|---|---|---|---|---|"
     for method in Auto:aided Windowed:windowed Constant:constant; do
         rust=$(per_sample "${method#*:}" 0 4000)
-        c=$(between "$home/cost" "${method%:*}")
-        echo "| ${method%:*} | $rust | $c | $(ratio "$c" "$rust") |"
+        row="| ${method%:*} | $rust |"
+        for border in "$home/cost" "$python python/tests/cost.py process" "$python python/tests/cost.py push"; do
+            # shellcheck disable=SC2086 # its words are arguments
+            here=$(between $border "${method%:*}")
+            row+=" $here | $(ratio "$here" "$rust") |"
+        done
+        echo "$row"
     done
     exit
 fi

@@ -66,7 +66,7 @@ pub(super) struct Replay {
     /// Where the last calibration is written: JSON with M, b, field strength and covariance, which `Calibration` reads
     #[arg(long, value_name = "OUT.json")]
     calibration: Option<PathBuf>,
-    /// The magnetometer's full scale, uT: samples with a component at or beyond it are rejected, and counted
+    /// The magnetometer's full scale, uT: samples with a component at or beyond it are rejected, and counted; without, it is found in motion
     #[arg(long, value_name = "UT", value_parser = |text: &str| between(text, 1.0, 100_000.0))]
     rail: Option<f64>,
     /// The axis whose heading it is

@@ -71,7 +71,7 @@ pub struct Judgement {
     pub device_changes: Vec<DeviceChange>,
     /// Times in the whole recording in which the place's field was not the usual one.
     pub places: Vec<PlaceDiffered>,
-    /// Samples that were rejected because a component was at the sensor's rail; 0 where no rail was given.
+    /// Samples that were rejected because a component was at the sensor's rail, as given or found.
     pub samples_at_rail: usize,
     /// Rows by status.
     pub status: BTreeMap<&'static str, usize>,

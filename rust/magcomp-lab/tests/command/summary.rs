@@ -136,7 +136,9 @@ fn samples_at_the_rail_are_rejected_and_counted() {
         )
     };
     assert_eq!(counted(&["--rail", "60"]), (at_rail, at_rail));
-    assert_eq!(counted(&[]), (0, 0));
+    // nobody tells it: after some samples it is found
+    let (found, rejected) = counted(&[]);
+    assert!(found == rejected && (at_rail * 3 / 4..=at_rail).contains(&found), "{found} of {at_rail}");
     let (_, table, _) = run(&["replay", text(&path), "--rail", "60"]);
     let sentence = format!("{at_rail} of 2000 samples had a component at the sensor's rail and were left out.");
     assert!(table.contains(&sentence), "{table}");
