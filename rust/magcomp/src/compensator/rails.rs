@@ -6,8 +6,8 @@ mod tests;
 use crate::reading::{Axis, RejectReason};
 use nalgebra::Vector3;
 
-/// Data sheet: equal readings on end at an extreme that do not happen by chance where the field turns: 3 were the most in 57 recordings.
-const REPEATS: u32 = 5;
+/// Data sheet: how often an axis repeats an extreme on end, not by chance, where the field turns.
+const REPEATS: u32 = 4;
 /// Mathematics: where the other axes change by so much about the extreme of this one, it changes by 0.3 uT in a field of 45 uT, two last bits of a sensor, uT.
 const TURNED_UT: f64 = 10.0;
 
@@ -23,8 +23,9 @@ pub(super) struct Rails {
 struct Side {
     lowest_ut: f64,
     highest_ut: f64,
+    /// How often the latest reading, an extreme, was repeated.
     repeats: u32,
-    /// Of the other axes since then.
+    /// Of all axes meanwhile.
     least_ut: Vector3<f64>,
     most_ut: Vector3<f64>,
     /// Full scale, at either end.
@@ -57,7 +58,6 @@ impl Side {
         let value_ut = field_ut[axis];
         let Some(latest_ut) = latest_ut else {
             (self.lowest_ut, self.highest_ut) = (value_ut, value_ut);
-            (self.least_ut, self.most_ut) = (*field_ut, *field_ut);
             return;
         };
         // what is exceeded was no full scale
@@ -67,9 +67,11 @@ impl Side {
         self.highest_ut = self.highest_ut.max(value_ut);
         let is_extreme = value_ut == self.lowest_ut || value_ut == self.highest_ut;
         if value_ut != latest_ut[axis] || !is_extreme {
-            self.repeats = 1;
-            (self.least_ut, self.most_ut) = (*field_ut, *field_ut);
+            self.repeats = 0;
             return;
+        }
+        if self.repeats == 0 {
+            (self.least_ut, self.most_ut) = (*latest_ut, *latest_ut);
         }
         self.repeats = self.repeats.saturating_add(1);
         (self.least_ut, self.most_ut) = (self.least_ut.inf(field_ut), self.most_ut.sup(field_ut));
