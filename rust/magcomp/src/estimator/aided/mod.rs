@@ -182,7 +182,11 @@ impl Aided {
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
         let (_, answer) = self.step(time_ns, expected_ut, inertial, true);
         let Answer { up, mode, event, filtered_field_ut: carried_ut, .. } = answer;
-        if carried_ut.is_some() { answer } else { Answer { up, mode, event, ..Answer::default() } }
+        if carried_ut.is_none() {
+            return Answer { up, mode, event, ..Answer::default() };
+        }
+        // there is no sample that could be corrected
+        Answer { field_ut: None, field_covariance_ut2: None, ..answer }
     }
 
     /// A sample, or only its time where it is blank.

@@ -51,11 +51,9 @@ impl Aided {
         let known = filter.own(FIELD) * self.adaptation.factor(step, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.followed_ut2(&self.tuning);
         let p_f = known + elsewhere + followed + frames + timing;
-        let c = Gaussian { mean: c, covariance: p_c };
-        let answer = self.answer(filter, c, Some(Gaussian { mean: f, covariance: p_f }))?;
-        let carried = Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer };
-        let no_sample = |it: Answer| Answer { field_ut: None, field_covariance_ut2: None, ..it };
-        Some(if step.is_blank { no_sample(carried) } else { carried })
+        let answer =
+            self.answer(filter, Gaussian { mean: c, covariance: p_c }, Some(Gaussian { mean: f, covariance: p_f }))?;
+        Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
     }
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
