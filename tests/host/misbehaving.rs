@@ -237,6 +237,41 @@ fn a_gyroscope_that_stops_at_full_scale_loses_the_heading_and_not_the_calibratio
     assert!((it.calibration().unwrap().hard_iron_ut() - before.hard_iron_ut()).norm() < 3.0);
 }
 
+#[test]
+fn at_full_scale_time_passes() {
+    let mut it = Compensator::new(Config { rail_ut: Some(300.0), ..Config::default() }).unwrap();
+    let mut phone = Phone::new(6);
+    (0..1500).for_each(|_| _ = phone.advance(&mut it, |_| true));
+    let latest_ns = phone.time_ns + PERIOD_NS;
+    let status = |it: &mut Compensator, x_ut| {
+        it.push(MagneticSample { time_ns: latest_ns, field_ut: Vector3::new(x_ut, 5.0, 5.0) }).status
+    };
+    assert!(matches!(status(&mut it, 300.0), Status::Rejected(RejectReason::Saturated { .. })));
+    let late = RejectReason::TimeNotAfter { time_ns: latest_ns, latest_ns };
+    assert_eq!((status(&mut it, 300.0), status(&mut it, 30.0)), (Status::Rejected(late), Status::Rejected(late)));
+}
+
+/// The device changes, and while it is not decided whether it did, a charger comes for three seconds.
+#[test]
+fn a_change_that_is_in_doubt_is_found_after_full_scale() {
+    for seed in 7..12 {
+        let mut it = Compensator::new(Config { rail_ut: Some(300.0), ..Config::default() }).unwrap();
+        let mut phone = Phone::new(seed);
+        (0..1500).for_each(|_| _ = phone.advance(&mut it, |_| true));
+        let truth = phone.truth;
+        let hard_iron_ut = truth.hard_iron_ut() + Vector3::new(20.0, -25.0, 10.0);
+        phone.truth = Calibration::new(*truth.soft_iron(), hard_iron_ut, truth.field_strength_ut()).unwrap();
+        (0..20).for_each(|_| _ = phone.advance(&mut it, |_| true));
+        assert!(matches!(phone.advance(&mut it, |_| true).status, Status::Suspect { .. }));
+        charged(&mut phone, &mut it, true);
+        (0..100).for_each(|_| _ = phone.advance(&mut it, |_| true));
+        let carried_ut = phone.attitude * phone.advance(&mut it, |_| true).filtered_field_ut.unwrap();
+        assert!(carried_ut.angle(&FIELD_UT).to_degrees() < 3.0, "{seed}: {carried_ut}");
+        let off_ut = (it.calibration().unwrap().hard_iron_ut() - hard_iron_ut).norm();
+        assert!(off_ut < 5.0, "{seed}: {off_ut}");
+    }
+}
+
 /// What is documented for every method is there with a gyroscope, too.
 #[test]
 fn sigma_t_and_the_directions_sigma_are_formed_with_a_gyroscope() {
