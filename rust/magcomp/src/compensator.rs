@@ -178,9 +178,7 @@ impl Compensator {
             Err(reason) => return self.rejected(sample.time_ns, reason),
         }
         let previous_ns = self.stream.accept(sample);
-        let mut paired = self.pairing.pair(sample.time_ns);
-        self.presence.see(sample.time_ns, previous_ns, paired.rotation.is_some());
-        self.look_at_axes(sample.time_ns, previous_ns, &paired);
+        let mut paired = self.pair(sample.time_ns, previous_ns);
         if let Some(up) = paired.up_m_s2 {
             self.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
@@ -219,14 +217,17 @@ impl Compensator {
         others && is_usable
     }
 
-    /// What the turn of a sample says of the gyroscope's axes, beside gravity.
-    fn look_at_axes(&mut self, time_ns: i64, previous_ns: Option<i64>, paired: &PairedInertial) {
+    /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
+    fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>) -> PairedInertial {
+        let paired = self.pairing.pair(time_ns);
+        self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         match (paired.rotation, previous_ns, paired.up_m_s2) {
             (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
                 self.axes.see(&rotation, (time_ns - previous_ns) as f64 * 1e-9, &up_m_s2);
             }
             _ => self.axes.pause(),
         }
+        paired
     }
 
     /// What an answer tells the other parts.
@@ -240,6 +241,7 @@ impl Compensator {
         }
     }
 
+    /// What the estimator knows of the gyroscope tells the pairing, and whether it is of use.
     fn note_gyroscope(&mut self) {
         if let Some(gyroscope) = self.estimator.gyroscope() {
             self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
@@ -250,15 +252,13 @@ impl Compensator {
     /// The field of a sample is of no use: the gyroscope carries on what is known.
     fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
         let previous_ns = self.stream.pass(time_ns);
-        let mut paired = self.pairing.pair(time_ns);
-        self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
-        self.look_at_axes(time_ns, previous_ns, &paired);
+        let mut paired = self.pair(time_ns, previous_ns);
         if self.hand_over(time_ns, previous_ns) {
             paired.rotation = None;
         }
         let answer = self.estimator.carry(time_ns, &paired);
         self.note_gyroscope();
-        let answer = Answer { mode: answer.mode, window: self.estimator.window(), ..answer };
+        let answer = Answer { window: self.estimator.window(), ..answer };
         let answer = self.north.step(time_ns, answer, self.config.heading.declination_deg);
         self.assemble(time_ns, Status::Rejected(reason), answer)
     }

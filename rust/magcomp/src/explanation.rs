@@ -93,7 +93,7 @@ pub enum SampleUse {
     AtRest,
     /// Not judged: there is no rotation since the sample before.
     NoRotation,
-    /// Nothing is learned any more (constant method), or nothing could be computed of it.
+    /// Nothing is learned any more (constant method), nothing could be computed of it, or the sensor is at its full scale.
     Unused,
 }
 

@@ -15,12 +15,12 @@ const TURNED_UT: f64 = 10.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Rails {
     latest_ut: Option<Vector3<f64>>,
-    axes: [Side; 3],
+    axes: [Extremes; 3],
 }
 
-/// One axis: what it has read, and what it reads on end.
+/// The extremes that one axis has read, and how it repeats them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Side {
+struct Extremes {
     lowest_ut: f64,
     highest_ut: f64,
     /// How often the latest reading, an extreme, was repeated.
@@ -36,8 +36,10 @@ struct Side {
 impl Rails {
     /// Whether an axis reads its full scale.
     pub fn check(&self, field_ut: &Vector3<f64>) -> Result<(), RejectReason> {
-        for (side, (value_ut, axis)) in self.axes.iter().zip(field_ut.iter().zip([Axis::X, Axis::Y, Axis::Z])) {
-            if let Some(rail_ut) = [side.low_ut, side.high_ut].into_iter().flatten().find(|rail| rail == value_ut) {
+        for (extremes, (value_ut, axis)) in self.axes.iter().zip(field_ut.iter().zip([Axis::X, Axis::Y, Axis::Z])) {
+            if let Some(rail_ut) =
+                [extremes.low_ut, extremes.high_ut].into_iter().flatten().find(|rail| rail == value_ut)
+            {
                 return Err(RejectReason::Saturated { axis, value_ut: *value_ut, rail_ut: rail_ut.abs() });
             }
         }
@@ -47,13 +49,13 @@ impl Rails {
     /// A sample that is used.
     pub fn see(&mut self, field_ut: &Vector3<f64>) {
         let latest_ut = self.latest_ut.replace(*field_ut);
-        for (axis, side) in self.axes.iter_mut().enumerate() {
-            side.see(axis, field_ut, latest_ut.as_ref());
+        for (axis, extremes) in self.axes.iter_mut().enumerate() {
+            extremes.see(axis, field_ut, latest_ut.as_ref());
         }
     }
 }
 
-impl Side {
+impl Extremes {
     fn see(&mut self, axis: usize, field_ut: &Vector3<f64>, latest_ut: Option<&Vector3<f64>>) {
         let value_ut = field_ut[axis];
         let Some(latest_ut) = latest_ut else {

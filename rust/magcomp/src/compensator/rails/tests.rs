@@ -39,7 +39,7 @@ fn what_is_exceeded_was_no_full_scale() {
     assert!(is_saturated(&rails, Vector3::new(-30.0, 0.0, 20.0)));
 }
 
-/// A last bit of 1 uT, of which neighbours read the same: an extreme of a slow turn is no full scale.
+/// A last bit of 0.5 uT, of which neighbours read the same: an extreme of a slow turn is no full scale.
 #[test]
 fn a_coarse_sensor_has_no_full_scale() {
     let extreme = turned(6000, 1000.0, 0.5).fold(Vector3::repeat(f64::MIN), |most, field_ut| most.sup(&field_ut));
