@@ -3,7 +3,8 @@
 
 A choice is an entry of `choices! { ... }`, or a constant with a number in it whose doc comment begins with `Choice:`. What a constant is
 stands in front of its doc comment: `Physics:`, `Data sheet:`, `Mathematics:` (what follows from equations, rounding or other constants),
-`Format:` (of texts and interfaces), `Limit:` (beyond it input is refused) or `Choice:`. One whose value has no number in it is derived.
+`Format:` (of texts and interfaces), `Limit:` (beyond it input is refused) or `Choice:`. One whose value is
+made of names, which may be halved, doubled or squared, is derived. A bare number in the code is a choice too, but for those that PLAIN lists.
 
 Fails when a constant has no kind, when an entry has no source or names a file that is not there, and when there are more choices than MOST.
 `--list` prints every choice with its place.
@@ -17,12 +18,14 @@ ROOT = Path(__file__).resolve().parent.parent
 CORE = ROOT / "rust/magcomp/src"
 
 # How many there are today; the goal is 60. It only falls, but for a new quantity that is measured: headings from outside brought eight.
-MOST = 150
+MOST = 116
 
 KINDS = ("Choice", "Physics", "Data sheet", "Mathematics", "Format", "Limit")
 
-# In these parts a constant without a kind counts as a choice. Nothing may be added; strike a part once its constants have kinds.
-UNSORTED = ()
+# Bare numbers that are no choices: halves, squares, three axes, six elements, units of time and angle, and what divides by next to nothing.
+PLAIN = {0, 0.5, 1, 1.5, 2, 3, 6, 9, 12, 90, 180, 360, 3600, 1e-6, 1e-9, 1e9}
+# Equations, and settings with their defaults, whose numbers say what they are.
+NO_CHOICES = ("math", "ellipsoid", "config")
 
 ENTRY = re.compile(r'^\s*(\w+):\s*([^,;]+),\s*"([^"]*)",\s*"([^"]*)";', re.MULTILINE)
 CONSTANT = re.compile(
@@ -30,17 +33,39 @@ CONSTANT = re.compile(
     r"(?P<type>(?:[^=;\[]|\[[^\]]*\])+)=(?P<value>[^;]*(?:\[[^\]]*\][^;]*)*);",
     re.MULTILINE,
 )
+BARE = re.compile(r"(?<![\w.])(\d[\d_]*\.(?!\.)\d*(?:e-?\d+)?|\d+e-?\d+)(?:_f64)?(?![\w.]*\s*=>)")
 PLACE = re.compile(r"\b(?:tests|docs|rust)/[\w/.-]*\w")
 
 
 def macros(text):
-    """The contents of each `choices! { ... }`."""
+    """Where each `choices! { ... }` begins and ends, inside its braces."""
     for found in re.finditer(r"\bchoices! \{", text):
         end, depth = found.end(), 1
         while depth:
             depth += {"{": 1, "}": -1}.get(text[end], 0)
             end += 1
-        yield text[found.end() : end - 1]
+        yield found.end(), end - 1
+
+
+def bare(text):
+    """Bare numbers of the code: without comments, strings, attributes, constants and the contents of `choices!`."""
+    for begin, end in reversed(list(macros(text))):
+        text = text[:begin] + text[end:]
+    text = CONSTANT.sub("", text)
+    for line in text.splitlines():
+        if re.match(r"(?:pub(?:\([^)]*\))? )?const ", line):
+            continue
+        line = re.sub(r'"[^"]*"|//.*|#\[.*', "", line)
+        for number in BARE.findall(line):
+            if float(number.replace("_", "")) not in PLAIN:
+                yield number, line.strip()
+
+
+def is_chosen(value):
+    """Whether a value has a number of its own: not a name, nor one that is halved, doubled or squared."""
+    names = re.findall(r"\b[A-Z][A-Z_]{2,}\b|\b\w+\.\w+\b", re.sub(r"\d[\d_.]*", "", value))
+    numbers = re.findall(r"(?<![\w.])-?\d[\d_]*(?:\.\d*)?(?:e-?\d+)?", re.sub(r'"[^"]*"', "", value))
+    return any(not names or abs(float(number.replace("_", ""))) not in PLAIN for number in numbers)
 
 
 def part_of(file):
@@ -58,21 +83,22 @@ def main():
         # tests in a file of the code stand last
         text = re.split(r"#\[cfg\(test\)\]\s*mod \w+ \{", file.read_text())[0]
         part, short = part_of(file), file.relative_to(ROOT)
-        for body in macros(text):
-            for name, value, _unit, source in ENTRY.findall(body):
-                choices.append((part, name, value.strip(), short))
+        if part not in NO_CHOICES and file.stem != "config":
+            choices += [(part, line[:60], number, short) for number, line in bare(text)]
+        for begin, end in macros(text):
+            for name, value, _unit, source in ENTRY.findall(text[begin:end]):
+                if is_chosen(value):
+                    choices.append((part, name, value.strip(), short))
                 if not source:
                     faults.append(f"{short}: {name} has no source")
                 faults += [f"{short}: {name} names {place}, which is not there" for place in PLACE.findall(source)
                            if not (ROOT / place).exists()]
         for found in CONSTANT.finditer(text):
-            value = re.sub(r'"[^"]*"|\b[a-zA-Z_]\w*', "", found["value"])
-            # paths, names and types have no number left
-            if not re.search(r"\d", value) or "str" in found["type"]:
+            if not is_chosen(found["value"]) or "str" in found["type"]:
                 continue
             docs = " ".join(line.strip().removeprefix("///").strip() for line in found["docs"].splitlines())
             kind = docs.split(":")[0] if docs.startswith(tuple(f"{kind}:" for kind in KINDS)) else None
-            if kind == "Choice" or kind is None and part in UNSORTED:
+            if kind == "Choice":
                 choices.append((part, found["name"], " ".join(found["value"].split()), short))
             elif kind is None:
                 faults.append(f"{short}: {found['name']} has no kind; begin its comment with one of {', '.join(KINDS)}")

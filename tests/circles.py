@@ -29,12 +29,14 @@ FLOORS = {
     "rust/magcomp/src/lib.rs": {
         "math": "",
         "calibration": "",
-        "ellipsoid": "math calibration tuning",
+        "priors": "",
+        "strength": "",
+        "ellipsoid": "math calibration priors tuning",
         "coverage": "math calibration ellipsoid tuning",
         "heading": "math tuning",
         "attitude": "heading math",
-        "sensing": "math range sample tuning",
-        "kept": "calibration range tuning",
+        "sensing": "math priors range sample strength tuning",
+        "kept": "calibration priors range",
     },
     "rust/magcomp/src/estimator/mod.rs": {
         "answer": "",

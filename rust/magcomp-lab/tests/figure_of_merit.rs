@@ -45,7 +45,7 @@ fn sigma_t_is_blind_to_one_circle_and_the_information_is_not() {
         println!("circle at {tilt:2} deg, sway {sway:1} deg {sigma_t:7.2}  {direction:15.2}  {worst:11.2}");
         // far above the threshold of the paper's method, and hardly below the sphere's
         assert!(sigma_t > WindowedConfig::default().sigma_th && sigma_t > 0.5 * sphere[0], "{tilt} deg: {sigma_t}");
-        assert!(direction > 10.0 * sphere[1] && worst > 30.0 * sphere[2], "{tilt} deg: {direction} {worst}");
+        assert!(direction > 10.0 * sphere[1] && worst > 20.0 * sphere[2], "{tilt} deg: {direction} {worst}");
         assert!(sway > 0.0 || worst.is_infinite(), "{tilt} deg: {worst}");
     }
 }

@@ -4,7 +4,8 @@ use crate::calibration::Calibration;
 use crate::ellipsoid::SMALLEST_SAMPLE_COUNT;
 use crate::estimator::paper::WindowedConfig;
 use crate::heading::HeadingConfig;
-use crate::kept::{self, SIGMAS_UT};
+use crate::kept::SIGMAS_UT;
+use crate::priors::DAYS_UT;
 use crate::range::{ConfigError, in_range};
 
 /// How M and b are estimated.
@@ -58,7 +59,7 @@ impl Default for Config {
         Self {
             method: Method::Auto,
             initial: None,
-            initial_sigma_ut: kept::Tuning::USED.usual_sigma_ut,
+            initial_sigma_ut: DAYS_UT,
             range_ut: 2000.0,
             rail_ut: None,
             field_strength_ut: None,

@@ -14,8 +14,8 @@
 mod tests;
 
 use crate::calibration::{Calibration, independent, is_covariance};
+use crate::priors::{IRON_PER_UT, UNSEEN_IRON};
 use crate::range::{ConfigError, in_range};
-use crate::tuning::choices;
 use nalgebra::SMatrix;
 use std::ops::RangeInclusive;
 
@@ -24,17 +24,6 @@ pub const KEPT_VERSION: u32 = 1;
 
 /// Limit: what a standard deviation of a component of b may be, uT.
 pub(crate) const SIGMAS_UT: RangeInclusive<f64> = 0.01..=1000.0;
-choices! {
-    /// The choices.
-    Tuning {
-        /// Standard deviation of a component of b where none is told
-        usual_sigma_ut: 2.0, "uT", "a phone that was calibrated the day before: docs/dev/METHOD.md";
-        /// How far an element of M is off where M was never measured
-        unseen_iron: 0.08, "", "phones have up to 10 %: docs/dev/METHOD.md, as aided's iron_sd";
-        /// How far M is off beside a hard iron that is off, for each uT
-        iron_per_ut: 0.003, "1/uT", "covers; a steel plate with a magnet: docs/dev/METHOD.md";
-    }
-}
 
 /// Where a calibration came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -122,7 +111,7 @@ impl KeptCalibration {
     /// # Errors
     /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range.
     pub fn given(calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<Self, ConfigError> {
-        let iron = (Tuning::USED.iron_per_ut * hard_iron_sigma_ut).min(Tuning::USED.unseen_iron);
+        let iron = (IRON_PER_UT * hard_iron_sigma_ut).min(UNSEEN_IRON);
         Self::from_elsewhere(calibration, hard_iron_sigma_ut, iron, CalibrationSource::Given)
     }
 
@@ -131,7 +120,7 @@ impl KeptCalibration {
     /// # Errors
     /// [`ConfigError`] when `hard_iron_sigma_ut` is out of range.
     pub fn system(calibration: Calibration, hard_iron_sigma_ut: f64) -> Result<Self, ConfigError> {
-        Self::from_elsewhere(calibration, hard_iron_sigma_ut, Tuning::USED.unseen_iron, CalibrationSource::System)
+        Self::from_elsewhere(calibration, hard_iron_sigma_ut, UNSEEN_IRON, CalibrationSource::System)
     }
 
     fn from_elsewhere(

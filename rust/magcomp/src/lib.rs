@@ -68,6 +68,7 @@ mod kept;
 mod math;
 mod noise;
 mod north;
+mod priors;
 mod range;
 mod reading;
 mod sample;

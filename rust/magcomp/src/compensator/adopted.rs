@@ -4,7 +4,7 @@
 //! b, M of now = those that were kept + x,     x ~ sum_k p_k N(0, P + s_k^2 C)         C: b by 1 uT an axis, M by 0.3 % a uT
 //! s_0 = 2 uT: it is as it was          p_0 = 0.9 exp(-age / 6 h)
 //! s_k = 4, 8, ... 512 uT: it changed   p_k = (1 - p_0) / 8: small and large changes are as likely, from a current to a cover with a magnet
-//! r = |h| (sin dip, cos dip) - (c's part down, |c's level part|),  c = W (raw - b):   r ~ N(H x, (3 uT)^2 I)        rooms differ by 3 uT an axis
+//! r = |h| (sin dip, cos dip) - (c's part down, |c's level part|),  c = W (raw - b):   r ~ N(H x, 2 (2 uT)^2 I)      of two rooms, each uneven by 2 uT an axis
 //!     without a dip or a vertical  r = |h| - |c|
 //! b_system - b ~ N(x_b, sigma^2 I)                                                         where the system's is listened to
 //! ```
@@ -18,9 +18,10 @@ mod tests;
 
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, Given, independent, iron_rows};
-use crate::kept::{self, CalibrationSource, KeptCalibration};
+use crate::kept::{CalibrationSource, KeptCalibration};
 use crate::math::elementary::{exp, ln, sin_cos};
 use crate::math::symmetric::symmetric;
+use crate::priors::{DAYS_UT, IRON_PER_UT, ROOM_UT, UNSEEN_IRON};
 use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
@@ -71,10 +72,10 @@ impl Adopted {
         let summands = std::array::from_fn(|k| {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
-                0 => (if is_learned { Tuning::USED.walk_ut } else { 0.0 }, holds),
-                _ => (Tuning::USED.walk_ut * f64::from(1 << k), (1.0 - holds) / SIZES as f64),
+                0 => (if is_learned { DAYS_UT } else { 0.0 }, holds),
+                _ => (DAYS_UT * f64::from(1 << k), (1.0 - holds) / SIZES as f64),
             };
-            let iron = (kept::Tuning::USED.iron_per_ut * size_ut).min(kept::Tuning::USED.unseen_iron);
+            let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
             Summand { log_weight: ln(weight), mean: Vector9::zeros(), covariance }
         });
@@ -118,7 +119,7 @@ impl Adopted {
         };
         let r = Vector2::from(parts.map(|part| part.expected_ut - part.found_ut));
         let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|part| part.direction.transpose() * by));
-        let noise = Matrix2::from_diagonal_element(Tuning::USED.rooms_ut.powi(2));
+        let noise = Matrix2::from_diagonal_element(2.0 * ROOM_UT * ROOM_UT);
         self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
         true
     }

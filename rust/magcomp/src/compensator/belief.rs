@@ -4,11 +4,10 @@
 mod tests;
 
 use super::adopted::Adopted;
-use super::tuning::Tuning;
 use crate::calibration::{Given, independent};
 use crate::heading::Heading;
-use crate::kept;
 use crate::math::elementary::exp;
+use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,17 +31,14 @@ impl Belief {
     /// The dip that is kept is a mean over some time: a walk's accelerations pass.
     pub fn see_dip(&mut self, heading: &Heading, since_s: f64) {
         let dip_deg = self.inclination_deg.get_or_insert(heading.inclination_deg);
-        *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - exp(-since_s / Tuning::USED.dip_s));
+        *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - exp(-since_s / SETTLED_S));
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.
     pub fn no_surer_than_usual(&self, mut given: Given) -> Given {
-        let least_ut = self
-            .adopted_sigma_ut
-            .map_or(kept::Tuning::USED.usual_sigma_ut, |sigma_ut| sigma_ut.min(kept::Tuning::USED.usual_sigma_ut));
+        let least_ut = self.adopted_sigma_ut.map_or(DAYS_UT, |sigma_ut| sigma_ut.min(DAYS_UT));
         let lacks_ut2 = (least_ut * least_ut - given.hard_iron_ut2()).max(0.0);
-        given.covariance +=
-            independent(lacks_ut2, kept::Tuning::USED.iron_per_ut * kept::Tuning::USED.iron_per_ut * lacks_ut2);
+        given.covariance += independent(lacks_ut2, IRON_PER_UT * IRON_PER_UT * lacks_ut2);
         given
     }
 }

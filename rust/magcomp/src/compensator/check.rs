@@ -8,6 +8,9 @@ use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
 
+/// Limit: largest step ahead in time, s: a week is longer than an app's pause, and shorter than the jump of a time in the wrong unit.
+const LONGEST_GAP_S: f64 = 604_800.0;
+
 /// The samples so far, as the checks of the next one look at them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stream {
@@ -56,7 +59,7 @@ impl Stream {
             return false;
         }
         let step_s = seconds(self.astray_ns, time_ns);
-        let follows = self.astray > 0 && step_s > 0.0 && step_s <= Tuning::USED.longest_gap_s;
+        let follows = self.astray > 0 && step_s > 0.0 && step_s <= LONGEST_GAP_S;
         (self.astray, self.astray_ns) = (if follows { self.astray + 1 } else { 1 }, time_ns);
         f64::from(self.astray) >= Tuning::USED.run_samples
     }
@@ -90,7 +93,7 @@ impl Stream {
         if time_ns <= latest_ns {
             return Err(RejectReason::TimeNotAfter { time_ns, latest_ns });
         }
-        let (gap_s, limit_s) = (seconds(latest_ns, time_ns), Tuning::USED.longest_gap_s);
+        let (gap_s, limit_s) = (seconds(latest_ns, time_ns), LONGEST_GAP_S);
         if gap_s > limit_s {
             return Err(RejectReason::TimeJump { gap_s, limit_s });
         }

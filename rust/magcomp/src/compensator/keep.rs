@@ -2,13 +2,12 @@
 
 use super::Compensator;
 use super::adopted::Adopted;
-use super::tuning::Tuning;
 use crate::calibration::Given;
 use crate::config::Config;
 use crate::kept::{CalibrationSource, KeptCalibration};
 use crate::range::{ConfigError, in_range};
 use crate::sample::MagneticSample;
-use crate::sensing::tilt::GRAVITY_M_S2;
+use crate::sensing::tilt::calm;
 use nalgebra::Vector3;
 
 impl Compensator {
@@ -83,8 +82,7 @@ impl Compensator {
     /// What live samples say of an adopted calibration, before anything is learned.
     pub(super) fn judge_adopted(&mut self, sample: &MagneticSample, up_m_s2: Option<Vector3<f64>>) {
         let Some(adopted) = &mut self.belief.adopted else { return };
-        let is_calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < Tuning::USED.calm;
-        if adopted.see(sample, up_m_s2.filter(is_calm).map(|up| up.normalize()).as_ref()) {
+        if adopted.see(sample, up_m_s2.and_then(|up| calm(&up)).as_ref()) {
             self.begin_as_believed();
         }
     }

@@ -9,24 +9,13 @@ choices! {
         /// So many samples in a row are no accident: where their times follow one another, but not that of the latest, they are from another
         /// clock; where they are equal, the sensor hangs, as the noise of a phone's magnetometer changes the last digit sooner
         run_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/misbehaving.rs; tests/recordings have at most 3 equal ones";
-        /// Largest step ahead in time: longer than an app's pause, shorter than the jump of a time in the wrong unit
-        longest_gap_s: 604_800.0, "s", "a week: tests/host/misbehaving.rs";
         /// Without a rotation for so long the magnetometer goes on alone; and a vertical that has not come by then is not waited for
         gone_s: 1.0, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
-        /// The share of gravity by which a vertical may be accelerated to judge an adopted calibration by
-        calm: 0.05, "", "a turn of 3 degrees of the vertical: tests/host/relaunch.rs";
-        /// The dip that is kept is a mean over this time: a walk's accelerations pass
-        dip_s: 5.0, "s", "ten steps: tests/host/kept.rs";
         /// Time in which all but one device in e have changed: a cover, a charger, a car
         changes_s: 21_600.0, "s", "docs/dev/METHOD.md, a calibration from elsewhere";
         /// Share of launches before which the device was changed, however short the pause: it was laid down, a cover was put on
         changed_between: 0.1, "", "the same";
         /// Share of given calibrations that never held: taken beside a magnet, or of another phone
-        never_held: 0.0025, "", "one in 400, as adaptive's log_cold";
-        /// How far b walks where nothing changed, with temperature and currents. The least size of a change is twice this, and each further one
-        /// twice that of the one before
-        walk_ut: 2.0, "uT", "docs/dev/METHOD.md: phones within a day's hours";
-        /// Standard deviation of the field from one room to the next, an axis
-        rooms_ut: 3.0, "uT", "docs/dev/METHOD.md, a calibration from elsewhere";
+        never_held: 0.0025, "", "one in 400; tests/host/relaunch.rs";
     }
 }

@@ -1,6 +1,7 @@
 //! What a fit accepts, and why it refuses.
 
 use crate::calibration::EARTH_FIELD_UT;
+use crate::priors::OF_USE_DEG;
 
 /// Mathematics: nine parameters need nine samples.
 pub const SMALLEST_SAMPLE_COUNT: usize = 9;
@@ -51,7 +52,7 @@ impl Default for FitOptions {
             residual: Residual::Corrected,
             field_strength_ut: None,
             field_range_ut: EARTH_FIELD_UT,
-            max_direction_sigma_deg: 10.0,
+            max_direction_sigma_deg: OF_USE_DEG,
             noise_floor_ut: 5.0,
             max_residual_share: 0.05,
             max_iterations: 50,

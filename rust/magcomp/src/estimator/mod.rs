@@ -11,7 +11,7 @@ mod tunings;
 use crate::calibration::{Calibration, Given, independent};
 use crate::ellipsoid::EllipsoidFit;
 use crate::explanation::Explanation;
-use crate::kept;
+use crate::priors::{DAYS_UT, IRON_PER_UT};
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
@@ -154,11 +154,6 @@ fn in_force(
     calibration: Option<Calibration>,
     covariance: Option<SMatrix<f64, 9, 9>>,
 ) -> Option<Given> {
-    let usual = || {
-        independent(
-            kept::Tuning::USED.usual_sigma_ut.powi(2),
-            (kept::Tuning::USED.iron_per_ut * kept::Tuning::USED.usual_sigma_ut).powi(2),
-        )
-    };
+    let usual = || independent(DAYS_UT.powi(2), (IRON_PER_UT * DAYS_UT).powi(2));
     untouched.or_else(|| Some(Given { calibration: calibration?, covariance: covariance.unwrap_or_else(usual) }))
 }

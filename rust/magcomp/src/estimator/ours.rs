@@ -9,10 +9,10 @@ use super::figures::{Figures, InForce};
 use super::paper::WindowedConfig;
 use crate::calibration::{Calibration, Given};
 use crate::explanation::Explanation;
+use crate::priors::SETTLED_S;
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
-use crate::tuning::choices;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// See the module.
@@ -200,18 +200,10 @@ impl Gyroscope {
     }
 }
 
-choices! {
-    /// The choices.
-    Tuning {
-        /// Rotations without a break for so long after one lead to a first calibration wherever the place allows one
-        chain_s: 5.0, "s", "rust/magcomp-lab/tests/streams.rs";
-    }
-}
-
 /// Which of the two of a start answers: the one with the gyroscope, unless that keeps breaking off and the other one alone knows a calibration,
 /// or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive) -> bool {
-    if !aided.broke_within(Tuning::USED.chain_s) {
+    if !aided.broke_within(SETTLED_S) {
         return true;
     }
     let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();

@@ -10,7 +10,9 @@
 //! ```
 //! The clock is the caller's: that of a place's unevenness runs while the device moves, so that a rest says nothing of it.
 
+use super::memory::MEMORY;
 use crate::math::elementary::{exp, ln};
+use crate::priors::BEYOND_CHANCE;
 
 /// Choice: cells of s.
 const SIZES: usize = 7;
@@ -18,12 +20,8 @@ const SIZES: usize = 7;
 const LASTS: usize = 5;
 /// Choice: each s, and each tau, is so many times the one before.
 const RATIO: f64 = 3.0;
-/// Choice: misses that are remembered.
-const MEMORY: f64 = 300.0;
 /// Choice: standard deviation of ln s and ln tau before anything is seen, an order of magnitude either way within two.
 const SPREAD: f64 = 1.0;
-/// Choice: a square of more standard deviations counts as this.
-const CLIP: f64 = 9.0;
 
 /// What lasts until the next miss: the correlation with it, and the variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -113,7 +111,7 @@ impl Cell {
         self.variance = phi * phi * self.variance + (1.0 - phi * phi) * variance;
         let total = self.variance + white;
         let nu = miss - self.mean;
-        self.log += -self.log / MEMORY - 0.5 * ((nu * nu / total).min(CLIP) + ln(total));
+        self.log += -self.log / MEMORY - 0.5 * ((nu * nu / total).min(BEYOND_CHANCE * BEYOND_CHANCE) + ln(total));
         let gain = self.variance / total;
         self.mean += gain * nu;
         self.variance *= 1.0 - gain;

@@ -6,6 +6,7 @@ mod tests;
 
 mod level;
 mod markov;
+mod memory;
 mod stay;
 
 pub(crate) use level::MeanSquare;

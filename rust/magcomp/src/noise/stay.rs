@@ -9,12 +9,11 @@
 //! ```
 //! A stay is told in means of 1, 1, 2, 4, ... frames, as long as the longer mean is better.
 
+use super::memory::{MEMORY, START};
+use crate::priors::BEYOND_CHANCE;
+
 /// Format: lengths of means, in frames 2^j.
 const LENGTHS: usize = 7;
-/// Choice: differences that the belief at the start is worth. It is believed at first that a mean of more than four frames is no better.
-const START: f64 = 10.0;
-/// Choice: differences that are remembered.
-const MEMORY: f64 = 200.0;
 
 /// Choice: a mean of twice as many frames is better where its variance is less than so many times that of the half: 0.5 where noise is white.
 const BETTER: f64 = 0.8;
@@ -34,7 +33,7 @@ pub(crate) struct Stays {
 }
 
 impl Stays {
-    /// Before a stay is seen: noise of this variance a frame.
+    /// Before a stay is seen: noise of this variance a frame; a mean of more than four frames is believed to be no better.
     pub fn new(variance: f64) -> Self {
         let length = |j: usize| Length { pending: None, allan: variance / f64::from(1u32 << j.min(2)), count: START };
         Self { lengths: std::array::from_fn(length) }
@@ -55,7 +54,7 @@ impl Stays {
             };
             length.count = (length.count + 1.0).min(MEMORY);
             let square = 0.5 * (mean - before).powi(2);
-            length.allan += (square.min(9.0 * length.allan) - length.allan) / length.count;
+            length.allan += (square.min(BEYOND_CHANCE * BEYOND_CHANCE * length.allan) - length.allan) / length.count;
             mean = 0.5 * (mean + before);
         }
     }

@@ -114,15 +114,15 @@ fn outliers_hardly_move_a_mean_square() {
     assert!(spoilt.value() < 1.35 * clean.value(), "{}", spoilt.value());
 }
 
-/// v <- v + (min(x^2, 4 v) / 0.9205 - v) / n by hand, n = 21 and 22.
+/// v <- v + (min(x^2, 9 v) / 0.995 - v) / n by hand, n = 11 and 12.
 #[test]
-fn a_mean_square_counts_from_twenty_on() {
+fn a_mean_square_counts_from_ten_on() {
     let mut mean = MeanSquare::new(1.0);
     mean.add(2.0);
-    let first = 1.0 + (2.0 / 0.9205 - 1.0) / 21.0;
+    let first = 1.0 + (2.0 / 0.995 - 1.0) / 11.0;
     assert!((mean.value() - first).abs() < 1e-12);
     mean.add(50.0);
-    assert!((mean.value() - (first + (4.0 * first / 0.9205 - first) / 22.0)).abs() < 1e-12);
+    assert!((mean.value() - (first + (9.0 * first / 0.995 - first) / 12.0)).abs() < 1e-12);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
 use crate::heading::{VERTICAL, across_ut2};
 use crate::math::elementary::{atan2, cos, hypot, sin, sin_cos};
+use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 /// East, north and up, device frame, of length 1.
@@ -133,7 +134,7 @@ impl Carried {
 
     /// Whether a heading that is off by so much, with this variance, may be right.
     pub fn agrees(&self, off_rad: f64, told_rad2: f64) -> bool {
-        off_rad * off_rad < 9.0 * (self.variance_rad2() + told_rad2)
+        off_rad * off_rad < BEYOND_CHANCE.powi(2) * (self.variance_rad2() + told_rad2)
     }
 
     /// A heading that is off by so much. What its offset is off by repeats in each, so it is not averaged.

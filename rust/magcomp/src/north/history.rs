@@ -1,6 +1,5 @@
 //! How the device turned in the last seconds, so that a heading that comes late is used at the time it was true.
 
-use super::tuning::Tuning;
 use crate::math::elementary::rotation_vector;
 use crate::math::turn::Turn;
 use arrayvec::ArrayVec;
@@ -8,7 +7,9 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Mathematics: seconds in a nanosecond.
 pub(super) const NANO: f64 = 1e-9;
-/// Choice: turns held: 5 s of them.
+/// Limit: a heading may come so late, s: a GNSS fix that a system has batched.
+pub(super) const LATEST_S: f64 = 5.0;
+/// Choice: turns held over that time.
 const TURNS: usize = 64;
 
 /// Turns since the chain of rotations began.
@@ -30,7 +31,7 @@ impl History {
     pub fn turn(&mut self, time_ns: i64, turn: &Matrix3<f64>) {
         let so_far = self.latest.map_or_else(Matrix3::identity, |latest| turn * latest.turn);
         let latest = Turned { time_ns, turn: so_far };
-        let least_s = Tuning::USED.late_s / TURNS as f64;
+        let least_s = LATEST_S / TURNS as f64;
         if self.turns.last().is_none_or(|last| (time_ns - last.time_ns) as f64 * NANO >= least_s) {
             if self.turns.is_full() {
                 self.turns.remove(0);

@@ -25,7 +25,7 @@ use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
 use carried::{Carried, Own, Told, wrap};
-use history::{History, NANO};
+use history::{History, LATEST_S, NANO};
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
 use std::f64::consts::PI;
@@ -72,7 +72,7 @@ impl North {
             return Err(EventRejection::Ahead);
         }
         let is_used = self.heard.is_some_and(|heard| time_ns <= heard.time_ns);
-        if is_used || ahead_s < -Tuning::USED.late_s {
+        if is_used || ahead_s < -LATEST_S {
             return Err(EventRejection::Late);
         }
         let place = self.waiting.partition_point(|other| other.time_ns < time_ns);

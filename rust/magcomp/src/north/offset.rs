@@ -4,6 +4,7 @@
 
 use super::carried::wrap;
 use super::tuning::Tuning;
+use crate::priors::BEYOND_CHANCE;
 use nalgebra::Vector3;
 
 /// The angle and how well it is known.
@@ -29,7 +30,7 @@ impl Offset {
         let off_rad = wrap(difference_rad - self.angle_rad);
         let is_elsewhere =
             !self.at_rad.is_finite() || wrap(at_rad - self.at_rad).abs() > Tuning::USED.apart_deg.to_radians();
-        if is_elsewhere && off_rad * off_rad < 9.0 * (self.variance_rad2 + variance_rad2) {
+        if is_elsewhere && off_rad * off_rad < BEYOND_CHANCE.powi(2) * (self.variance_rad2 + variance_rad2) {
             let gain = self.variance_rad2 / (self.variance_rad2 + variance_rad2);
             self.angle_rad = wrap(self.angle_rad + gain * off_rad);
             self.variance_rad2 *= 1.0 - gain;

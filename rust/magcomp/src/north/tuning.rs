@@ -5,8 +5,6 @@ use crate::tuning::choices;
 choices! {
     /// The choices.
     Tuning {
-        /// A heading may come so late
-        late_s: 5.0, "s", "a GNSS fix that a system has batched: rust/magcomp/src/north/tests.rs";
         /// Headings within this time have the same error: a course that multipath bends, a step to the side
         repeat_s: 10.0, "s", "rust/magcomp-lab/tests/north.rs";
         /// For so long another north must be told before it is believed instead of the magnetometer's, and twice as long instead of headings that

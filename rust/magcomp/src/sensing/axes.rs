@@ -21,10 +21,10 @@
 use super::pairing::Rotation;
 use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
+use crate::math::student::student;
+use crate::priors::OUTLYING;
 use nalgebra::{Matrix3, Vector3};
 
-/// Mathematics: a normal variable is so many standard deviations below its mean once in 30 000.
-const NORMAL: f64 = 4.0;
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
 const LARGEST_BIAS_RAD_S: f64 = 0.1;
 /// Data sheet: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
@@ -159,16 +159,8 @@ impl Turning {
         let factor = self.along / self.weight;
         let left = self.along_squares - 2.0 * factor * self.products + factor * factor * self.weight_squares;
         let sigma = (left.max(0.0) * pairs / (pairs - 1.0)).sqrt();
-        self.along + self.aligned + student(pairs - 1.0) * sigma < 0.0
+        self.along + self.aligned + student(OUTLYING, pairs - 1.0) * sigma < 0.0
     }
-}
-
-/// As rare as [`NORMAL`] where the noise is known from so many degrees of freedom: Student's t by its expansion about the normal distribution.
-fn student(freedom: f64) -> f64 {
-    let z = NORMAL;
-    let first = (z.powi(3) + z) / 4.0;
-    let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
-    z + first / freedom + second / (freedom * freedom)
 }
 
 #[cfg(test)]
@@ -212,16 +204,6 @@ mod tests {
             reads[axis] = 0.5;
             assert!(!turned(60.0, reads).is_wrong(), "{axis}");
         }
-    }
-
-    /// By a numerical integral of the density; 3.167e-5 beyond.
-    #[test]
-    fn the_fewer_pairs_the_more_sigmas() {
-        for (freedom, exact) in [(9.0, 7.00), (21.0, 4.98), (60.0, 4.30), (1e9, 4.0)] {
-            assert!((student(freedom) / exact - 1.0).abs() < 0.06, "{freedom}: {}", student(freedom));
-        }
-        // by hand: 4 + (64 + 4) / 4 / 10 + (5 * 1024 + 16 * 64 + 3 * 4) / 96 / 100
-        assert!((student(10.0) - 6.341_25).abs() < 1e-12, "{}", student(10.0));
     }
 
     /// An acceleration that is no gravity may go with the turns: a runner's has 2 g in the mean.

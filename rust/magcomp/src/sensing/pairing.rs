@@ -20,10 +20,8 @@ use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 use std::mem::take;
 
-/// Choice: rate events held: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest.
-const RATE_EVENTS: usize = 16;
-/// Choice: `up` events held: they vary slowly, only the two around a sample matter.
-const UP_EVENTS: usize = 8;
+/// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
+const EVENTS: usize = 16;
 /// Mathematics: seconds in a nanosecond.
 const NANO: f64 = 1e-9;
 /// A sensor whose newest event is older than this at a magnetometer time counts as absent, s.
@@ -32,8 +30,9 @@ pub(crate) const STALE_S: f64 = Tuning::USED.stale_s;
 const MAX_RATE_RAD_S: f64 = 60.0;
 /// Data sheet: largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
 const MAX_UP_M_S2: f64 = 200.0;
-/// An event further ahead of the newest magnetometer sample than this is from another clock, s.
-pub(crate) const MAX_LEAD_S: f64 = Tuning::USED.most_lead_s;
+/// Limit: an event further ahead of the newest magnetometer sample is from another clock, s: a system holds no sensor back for so long while it
+/// delivers another.
+pub(crate) const MAX_LEAD_S: f64 = 10.0;
 
 /// Why an event was not taken. The state is as if it had never come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -86,8 +85,8 @@ struct Event {
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct InertialPairing {
-    rates: ArrayVec<Event, RATE_EVENTS>,
-    ups: ArrayVec<Event, UP_EVENTS>,
+    rates: ArrayVec<Event, EVENTS>,
+    ups: ArrayVec<Event, EVENTS>,
     /// The event (or interpolated point) up to which the rate has been integrated.
     anchor: Option<Event>,
     /// Rotation gathered since the last magnetometer sample, rad.

@@ -1,5 +1,6 @@
 //! Every choice of the sensors' events.
 
+use crate::priors::STEP_S;
 use crate::tuning::choices;
 
 choices! {
@@ -8,12 +9,10 @@ choices! {
         /// A sensor whose newest event is older than this counts as absent, and a longer silence of all of them as a pause. Smaller: a hiccup of
         /// the system turns the gyroscope off. Larger: a stopped gyroscope is taken for stillness
         stale_s: 0.25, "s", "two and a half periods of 10 Hz, the slowest rate supported: rust/magcomp/src/sensing/pairing/tests.rs";
-        /// An event further ahead of the newest magnetometer sample than this is from another clock
-        most_lead_s: 10.0, "s", "longer than a system holds a sensor back while it delivers another: tests/host/event_order.rs";
         /// Memory of how the rate wanders between its events
-        wander_s: 0.5, "s", "a hand changes its motion about as fast: rust/magcomp-lab/tests/streams.rs";
+        wander_s: STEP_S, "s", "a hand changes its motion about as fast: rust/magcomp-lab/tests/streams.rs";
         /// Memory of what motion adds to gravity; and for how long a device turns about the same axis
-        tilt_s: 1.0, "s", "two steps of a pedestrian: rust/magcomp/src/sensing/tilt/tests.rs";
+        tilt_s: 2.0 * STEP_S, "s", "two steps: rust/magcomp/src/sensing/tilt/tests.rs";
         /// How far a hand turns the vertical, a random walk
         hand_rad: 0.3, "rad/s^0.5", "17 deg in a second: walks with motion capture, docs/dev/METHOD.md";
         /// For how long the same motion is added to gravity, and half of it how long the raw field is averaged, one and a half times how long

@@ -106,7 +106,7 @@ fn the_first_sample_with_a_vertical_tells_the_parts_down_and_level() {
         let mut adopted = Adopted::new(&kept, unix_time_s);
         assert!(adopted.see(&MagneticSample { time_ns: 0, field_ut: raw_ut }, Some(&up)));
         let found = |x: &Vector9| level(&corrected(x, &raw_ut), &up);
-        let after = conditioned(with_mean(prior(&kept, holds, true)), &r, found, &(Matrix2::identity() * 9.0));
+        let after = conditioned(with_mean(prior(&kept, holds, true)), &r, found, &(Matrix2::identity() * 8.0));
         let (_, covariance) = mixed(&after);
         if covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0 < 39.0 * 39.0 {
             assert_believed(&adopted, &after);
@@ -130,7 +130,7 @@ fn without_a_dip_the_length_is_told_and_then_the_systems_hard_iron() {
     let r = SVector::<f64, 1>::new(48.0) - length(&Vector9::zeros());
     // what was given says itself how well it holds; of 400 one never held
     let prior = prior(&kept, 0.9975, false);
-    let after = conditioned(with_mean(prior), &r, length, &SMatrix::<f64, 1, 1>::new(9.0));
+    let after = conditioned(with_mean(prior), &r, length, &SMatrix::<f64, 1, 1>::new(8.0));
     assert_believed(&adopted, &after);
 
     let off = Vector3::new(3.0, -4.0, 2.0);

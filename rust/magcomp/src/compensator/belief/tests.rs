@@ -43,7 +43,7 @@ fn the_next_estimator_begins_no_surer_than_usual() {
 #[test]
 fn what_was_adopted_is_forgotten_once_something_is_learned() {
     let mut belief = Belief::default();
-    let kept = kept::KeptCalibration::given(Calibration::about(Vector3::zeros(), 50.0), 2.0).unwrap();
+    let kept = crate::kept::KeptCalibration::given(Calibration::about(Vector3::zeros(), 50.0), 2.0).unwrap();
     belief.adopted = Some(Adopted::new(&kept, None));
     belief.learn();
     assert!(belief.has_learned && belief.adopted.is_none());

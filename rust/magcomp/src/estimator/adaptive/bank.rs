@@ -2,40 +2,36 @@
 //!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + its own evidence
 //! What is published is the mean and the second moment of the mixture.
 
-use super::filter::{Filter, Kind, Leap};
+use super::filter::{Filter, Kind, Leap, NEAR};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
-use super::parameters::{Gaussian, Tau, TauMatrix, shape, tau_of};
+use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
 use crate::math::elementary::{exp, ln};
 use crate::math::symmetric::{basis, six};
+use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE};
+use crate::strength::EARTH_SD;
 use nalgebra::{Matrix3, SMatrix, Vector3};
+use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
-/// Mathematics: variance below which no element of a given T or beta is believed to be known.
-const LEAST_VARIANCE: f64 = 1e-8;
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;
 /// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, three former ones, a fork and a twin.
 const BROUGHT: usize = 25;
 /// Choice: former calibrations that are remembered.
 const FORMER: usize = 3;
-/// Choice: log odds to the best below which a hypothesis is out.
-const HOPELESS: f64 = 25.0;
 /// Choice: frames that hypotheses may run through again with one frame.
 const BUDGET: i64 = 700;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
 /// Mathematics: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).
-const LATELY: u64 = 8;
-/// Choice: frames between cold starts while nothing is known well.
-const COLD_EVERY: u64 = 40;
-/// Choice: log odds of a cold start, and of a vertical that contradicts the field: one in 400.
-const LOG_RARE: f64 = -6.0;
-/// Choice: a window of so many frames that is known to [`KNOWN_DEG`] is cut to half.
+pub(super) const LATELY: u64 = 8;
+/// Choice: a window of so many frames that is known is cut to half.
 const KNOWN_FRAMES: u64 = 96;
-/// Choice: what counts as known, degrees.
-pub(super) const KNOWN_DEG: f64 = 0.8;
+/// Mathematics: frames of a young hypothesis, which takes more steps to where it belongs; and from one cold start to the next while nothing is known
+/// well: a change that was just seen needs so many before its hypotheses are known to that.
+const YOUNG: u64 = KNOWN_FRAMES / 2;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bank {
@@ -102,12 +98,12 @@ impl Bank {
         let sides = heeds.iter().flat_map(|heeds| (0..6).map(move |side| (*heeds, side)));
         for (heeds_vertical, side) in sides {
             let mut base = State::new(&prior, frame.uneven.variance, frame.tilt.variance);
-            base.log = if frame.up.is_some() && !heeds_vertical { log + LOG_RARE } else { log };
+            base.log = if frame.up.is_some() && !heeds_vertical { log + ln(RARE) } else { log };
             let mut lin = prior.mean;
-            lin[6 + side / 2] += if side % 2 == 0 { -0.9 } else { 0.9 };
+            lin[6 + side / 2] += if side % 2 == 0 { -1.0 } else { 1.0 };
             let mut filter = Filter::new(Kind::Cold, base, lin, self.frames.next, frame.time_ns);
             (filter.id, filter.heeds_vertical) = (id, heeds_vertical);
-            filter.scale_sd = Some(if strength_known { 0.05 } else { 0.28 });
+            filter.scale_sd = Some(if strength_known { tuning.soft_iron } else { EARTH_SD });
             filter.restart();
             self.all.push(filter);
         }
@@ -127,25 +123,21 @@ impl Bank {
         if let Some(best) = best.as_ref() {
             let look = self.frames.next - self.looked >= LOOK;
             // a cold start is always in the race
-            if best.error > unknown && self.frames.next - self.looked >= COLD_EVERY {
+            if best.error > unknown && self.frames.next - self.looked >= YOUNG {
                 self.looked = self.frames.next;
-                self.begin_cold(&frame, best.log_joint() + LOG_RARE, strength_known, tuning);
+                self.begin_cold(&frame, best.log_joint() + ln(RARE), strength_known, tuning);
             }
-            if best.error <= unknown || best.age > 50.0 {
-                let look = look && best.error <= unknown;
-                let mut tried = best.clone();
-                tried.add(&frame, tuning, self.unit_ut);
-                let surprised = tried.now.odd > 0 || tried.now.place_ns == Some(frame.time_ns);
-                if surprised || look {
-                    let seconds = frame.seconds * (self.frames.next - self.looked).max(1) as f64;
-                    self.looked = self.frames.next;
-                    self.spawn(best, &frame, surprised, seconds.min(1.0), tuning);
-                }
+            let mut tried = best.clone();
+            tried.add(&frame, tuning, self.unit_ut);
+            let surprised = tried.now.odd > 0 || tried.now.place_ns == Some(frame.time_ns);
+            if surprised || look && best.error <= unknown {
+                let seconds = frame.seconds * (self.frames.next - self.looked).max(1) as f64;
+                self.looked = self.frames.next;
+                self.spawn(best, &frame, surprised, seconds.min(1.0), tuning);
             }
         }
-        let doubtful =
-            best.is_some_and(|best| best.error > 3.0_f64.to_radians().powi(2) && best.length(&self.frames) > 8);
-        if doubtful && self.frames.next - self.mirrored >= 10 {
+        let doubtful = best.is_some_and(|best| !best.is_known() && best.length(&self.frames) > LATELY);
+        if doubtful && self.frames.next - self.mirrored >= LATELY {
             self.mirrored = self.frames.next;
             self.twins(tuning);
         }
@@ -160,7 +152,7 @@ impl Bank {
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
     fn spawn(&mut self, parent: &Filter, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let known = parent.known();
-        let log = |per_h: f64| parent.log_joint() + ln(per_h * seconds.max(0.05) / 3600.0);
+        let log = |per_h: f64| parent.log_joint() + ln(per_h * seconds / 3600.0);
         let mut state = parent.now.clone();
         state.odd = 0;
         let number = self.frames.next;
@@ -173,15 +165,16 @@ impl Bank {
         let (device, place) = (self.new_id(), self.new_id());
         let honest = state.honest();
         let scale = shape(&known.mean).trace() / 3.0;
-        let sizes = [(0, 0.25), (1, 1.0), (9, 6.0)].into_iter().take(if surprised { 3 } else { 2 });
+        let sizes =
+            [(0, 0.25), (1, 1.0), (9, LARGEST_UT / tuning.step_ut)].into_iter().take(if surprised { 3 } else { 2 });
         let ways: &[bool] = if surprised { &[false, true] } else { &[false] };
         for ((size, part), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
             let step = tuning.step_ut * part;
             let mut base = state.clone();
             base.take_for_known(&honest);
-            base.widen(step / self.unit_ut, tuning.iron_per_ut * step * scale);
+            base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
             base.begin_spread();
-            base.log = log(tuning.devices_per_h) - std::f64::consts::LN_2;
+            base.log = log(tuning.devices_per_h) - LN_2;
             let lin = known.mean;
             let mut child = child(Kind::Device, base, lin, device, size);
             child.takes_time = takes_time;
@@ -197,13 +190,13 @@ impl Bank {
         for (size, part) in [(0, 0.15), (1, 1.0)] {
             let mut base = state.clone();
             base.moves_to(tuning.place * part, frame.time_ns);
-            base.log = log(tuning.places_per_h) - std::f64::consts::LN_2;
+            base.log = log(tuning.places_per_h) - LN_2;
             self.all.push(child(Kind::Place, base, known.mean, place, size));
         }
         if surprised {
             for (former, size) in self.former.iter().zip(2..) {
                 let mut base = state.with(former);
-                base.log = log(tuning.devices_per_h) - 2.0;
+                base.log = log(tuning.devices_per_h) - LN_2;
                 self.all.push(child(Kind::Former, base, former.mean, device, size));
             }
         }
@@ -211,7 +204,7 @@ impl Bank {
         let moves = !parent.moves;
         if !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
             self.all.retain(|it| it.moves != moves);
-            self.all.push(parent.fork(moves, number));
+            self.all.push(parent.fork(moves, number, log(tuning.devices_per_h)));
         }
     }
 
@@ -256,16 +249,16 @@ impl Bank {
             if length + 2 >= FRAMES {
                 let until = self.frames.next - FRAMES / 2;
                 filter.forget(until, &self.frames, tuning, self.unit_ut);
-            } else if length >= KNOWN_FRAMES && filter.error < KNOWN_DEG.to_radians().powi(2) && !filter.wants_run() {
+            } else if length >= KNOWN_FRAMES && filter.is_known() && !filter.wants_run() {
                 let until = self.frames.next - KNOWN_FRAMES / 2;
                 filter.forget(until, &self.frames, tuning, self.unit_ut);
             }
-            let mut tries = if length < 32 { 4 } else { 2 };
+            let mut tries = if length < YOUNG { 4 } else { 2 };
             while left > 0 && tries > 0 && filter.wants_run() {
                 left -= filter.run(&self.frames, tuning, self.unit_ut) as i64;
                 tries -= 1;
             }
-            filter.judge(self.unit_ut);
+            filter.judge(tuning, self.unit_ut);
         }
     }
 
@@ -277,7 +270,7 @@ impl Bank {
         for k in 0..self.all.len() {
             let filter = &self.all[k];
             let is_beaten = self.all[..kept].iter().any(|better| better.makes_needless(filter, latest));
-            let is_young = filter.kind == Kind::Cold && latest - filter.first < 8;
+            let is_young = filter.kind == Kind::Cold && latest - filter.first < LATELY;
             let is_likely = filter.log_joint().is_finite() && (filter.log_joint() > top - HOPELESS || is_young);
             if is_likely && !is_beaten {
                 self.all.swap(kept, k);
@@ -285,12 +278,11 @@ impl Bank {
             }
         }
         self.all.truncate(kept.min(MOST));
-        let limit = KNOWN_DEG.to_radians().powi(2);
         if let Some(best) = self.all.first_mut()
-            && best.error < limit
+            && best.is_known()
             && let Some(former) = best.former.take()
         {
-            self.former.retain(|it| (it.mean - former.mean).norm() > 0.1);
+            self.former.retain(|it| (it.mean - former.mean).norm() > NEAR);
             self.former.insert(0, former);
             self.former.truncate(FORMER);
         }
@@ -301,7 +293,8 @@ impl Bank {
         let top = self.best()?.log_joint();
         let weight = |it: &Filter| exp(it.log_joint() - top);
         let sum: f64 = self.all.iter().map(weight).sum();
-        let parts = || self.all.iter().map(|it| (it.now.honest(), weight(it) / sum)).filter(|(_, share)| *share > 1e-5);
+        let parts =
+            || self.all.iter().map(|it| (it.now.honest(), weight(it) / sum)).filter(|(_, share)| *share > NOTHING);
         let mean: Tau = parts().map(|(known, share)| known.mean * share).sum();
         let mut covariance = TauMatrix::zeros();
         for (known, share) in parts() {
@@ -325,21 +318,21 @@ impl Bank {
     }
 }
 
-/// T = k (I + deviation), b within about a field strength of the first sample; k is left wide open here (`Filter::scale_sd`).
+/// T = k (I + deviation), b a field strength from the first sample, where the field points unknown; k is left wide open here (`Filter::scale_sd`).
 fn cold(u: &Vector3<f64>, tuning: &Tuning) -> Gaussian {
     let mut covariance = TauMatrix::zeros();
     covariance[(9, 9)] = 1.0;
     covariance.fixed_view_mut::<3, 3>(0, 0).fill(1.0);
     for i in 0..3 {
         covariance[(i, i)] += tuning.soft_iron.powi(2);
-        covariance[(3 + i, 3 + i)] = (0.7 * tuning.soft_iron).powi(2);
-        covariance[(6 + i, 6 + i)] = tuning.cold_centre.powi(2);
+        covariance[(3 + i, 3 + i)] = (FRAC_1_SQRT_2 * tuning.soft_iron).powi(2);
+        covariance[(6 + i, 6 + i)] = 1.0 / 3.0;
     }
     Gaussian { mean: tau_of(&Matrix3::identity(), u), covariance }
 }
 
-/// A calibration that was given.
-pub(super) fn given(given: &Given, unit_ut: f64) -> Gaussian {
+/// A calibration that was given; how much the strength of a place differs from that of another.
+pub(super) fn given(given: &Given, unit_ut: f64, place: f64) -> Gaussian {
     let per_unit = unit_ut / given.calibration.field_strength_ut();
     let t = given.calibration.soft_iron_inverse() * per_unit;
     let mean = tau_of(&t, &(given.calibration.hard_iron_ut() / unit_ut));
@@ -353,10 +346,9 @@ pub(super) fn given(given: &Given, unit_ut: f64) -> Gaussian {
     covariance.fixed_view_mut::<9, 9>(0, 0).copy_from(&(by * given.covariance * by.transpose()));
     // what was measured best is not known better than this
     (0..9).for_each(|k| covariance[(k, k)] += LEAST_VARIANCE);
-    // the strength of this place may differ from that of the last
     for i in 0..6 {
         for j in 0..6 {
-            covariance[(i, j)] += 0.01 * mean[i] * mean[j];
+            covariance[(i, j)] += place * place * mean[i] * mean[j];
         }
     }
     covariance[(9, 9)] = 1.0;

@@ -1,14 +1,12 @@
 //! What is told of changes.
 
-use super::bank::{Bank, KNOWN_DEG};
+use super::bank::Bank;
 use super::filter::{Filter, Kind};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
 use crate::estimator::answer::LEAST_TOLD_UT;
+use crate::priors::RARE;
 use crate::reading::{Event, EventKind, ModelOrder};
-
-/// Choice: least change of strength or vertical part of the place that is told, relative to its strength.
-const TOLD_PLACE: f64 = 0.1;
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,12 +28,14 @@ impl Decision {
         let since = |ns: i64| time_ns.saturating_sub(ns) as f64 * 1e-9;
         let Some(best) = bank.best() else { return };
         // the place
+        // half of what another place usually is
+        let told = 0.5 * tuning.place;
         let (level, tilted, variance) = best.now.level();
-        let off = level.abs().max(tilted.abs()) > TOLD_PLACE && variance.sqrt() < 0.5 * TOLD_PLACE;
-        let beyond = beyond_earth(&best.now.tau(), unit_ut) > TOLD_PLACE;
+        let off = level.abs().max(tilted.abs()) > told && variance.sqrt() < 0.5 * told;
+        let beyond = beyond_earth(&best.now.tau(), unit_ut) > told;
         self.elsewhere =
             best.now.place_ns.filter(|ns| off && since(*ns) < tuning.new_place_s).or(beyond.then_some(best.onset_ns));
-        let place_sure = bank.probability(|it| it.now.place_ns == best.now.place_ns) > tuning.certain;
+        let place_sure = bank.probability(|it| it.now.place_ns == best.now.place_ns) > 1.0 - RARE;
         // the device
         let known = best.now.tau();
         let Some(before) = self.told.filter(|_| best.kind != Kind::Cold) else {
@@ -53,7 +53,7 @@ impl Decision {
         }
         let least = LEAST_TOLD_UT / unit_ut;
         let moved = |it: &Tau| (centre(it) - centre(&before)).norm() > least;
-        let matters = |it: &Filter| it.error > KNOWN_DEG.to_radians().powi(2) || moved(&it.now.tau());
+        let matters = |it: &Filter| !it.is_known() || moved(&it.now.tau());
         if best.id != self.id && matters(best) {
             self.suspected_ns = Some(best.onset_ns);
         } else if best.now.odd > 0 {
@@ -73,7 +73,7 @@ impl Decision {
             return;
         }
         let own = |h: &Filter| h.onset_ns >= began_ns(best.onset_ns) && h.id != self.id;
-        if since(best.onset_ns) < tuning.change_s || !best.is_shown(tuning) || bank.probability(own) < tuning.certain {
+        if since(best.onset_ns) < tuning.change_s || !best.is_shown(tuning) || bank.probability(own) < 1.0 - RARE {
             return;
         }
         self.take(best);

@@ -11,12 +11,14 @@ use super::state::{Numbers, State, Way, innovation, update};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
+use crate::priors::IRON_PER_UT;
 use nalgebra::Vector3;
 
-/// Choice: a mean that is so far from `lin` (units, and relative for T) wants another run.
-const MOVED: f64 = 0.04;
-/// Choice: hypotheses of one change nearer than this are in one place (units, and relative for T).
-const SAME_PLACE: f64 = 0.05;
+/// Choice: calibrations nearer than this (units, and relative for T) are in one place. A mean that is further from `lin` wants another run.
+pub(super) const NEAR: f64 = 0.04;
+
+/// Choice: what counts as known, degrees.
+const KNOWN_DEG: f64 = 0.8;
 
 /// What a hypothesis says has changed at its onset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,9 +110,9 @@ impl Filter {
     }
 
     /// The same from this frame on, but b moves, or rests.
-    pub fn fork(&self, moves: bool, number: u64) -> Self {
+    pub fn fork(&self, moves: bool, number: u64, log: f64) -> Self {
         let mut base = self.now.clone();
-        base.log -= 7.0;
+        base.log = log;
         let lin = self.now.tau();
         let begun = Self::new(self.kind, base, lin, number, self.onset_ns);
         Self {
@@ -161,7 +163,7 @@ impl Filter {
         if frame.time_ns >= way.done_ns
             && let Some(leap) = self.leap.take()
         {
-            self.leap_to(frame, &leap, tuning, unit_ut);
+            self.leap_to(frame, &leap, unit_ut);
         }
         if !self.now.step(&self.lin, frame, way, tuning) || !self.fixed.step(&self.lin, frame, way.fixed(), tuning) {
             self.kill();
@@ -169,10 +171,10 @@ impl Filter {
     }
 
     /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.
-    fn leap_to(&mut self, frame: &Frame, leap: &Leap, tuning: &Tuning, unit_ut: f64) {
+    fn leap_to(&mut self, frame: &Frame, leap: &Leap, unit_ut: f64) {
         let by = frame.u - leap.from;
         let seconds = frame.time_ns.saturating_sub(leap.from_ns) as f64 * 1e-9;
-        let iron = tuning.iron_per_ut * unit_ut * by.norm().min(leap.step);
+        let iron = IRON_PER_UT * unit_ut * by.norm().min(leap.step);
         let variance = (leap.turning * seconds).powi(2) + iron * iron + 2.0 * frame.white;
         if variance >= leap.step * leap.step {
             return;
@@ -197,7 +199,7 @@ impl Filter {
     }
 
     pub fn wants_run(&self) -> bool {
-        self.log_joint().is_finite() && !self.stuck && self.off().norm() > MOVED
+        self.log_joint().is_finite() && !self.stuck && self.off().norm() > NEAR
     }
 
     /// What is known at the beginning, linear about `lin`.
@@ -246,7 +248,7 @@ impl Filter {
                 let mut fixed = self.base.fixed_at(&lin);
                 cost += length;
                 let fits = fixed.follow(&lin, frames, self.first..frames.next, way.fixed(), tuning);
-                if fits && self.log_prior(&lin) + fixed.log > own - 0.1 {
+                if fits && self.log_prior(&lin) + fixed.log > own {
                     self.lin = lin;
                     self.fixed = fixed;
                     self.now = self.start();
@@ -256,22 +258,22 @@ impl Filter {
                     return cost + length;
                 }
             }
-            part *= 0.35;
+            part *= 0.5;
         }
         self.stuck = true;
         cost
     }
 
-    pub fn judge(&mut self, unit_ut: f64) {
+    pub fn judge(&mut self, tuning: &Tuning, unit_ut: f64) {
         let known = self.known();
         self.error = known.error();
         let off = self.off();
         self.gain = 0.0;
-        if off.norm() > 2.0 * MOVED {
+        if off.norm() > 2.0 * NEAR {
             self.gain = Ldl::new(&known.covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
         }
         let beyond = beyond_earth(&known.mean, unit_ut);
-        self.gain += 0.5 * (beyond / 0.05).powi(2);
+        self.gain += 0.5 * (beyond / tuning.soft_iron).powi(2);
     }
 
     /// The oldest frames become part of the beginning.
@@ -291,7 +293,7 @@ impl Filter {
     /// Whether another that is less likely says the same: twins in one place, and changes of nearly the same time, whose onsets are kept on a grid
     /// that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
-        let is_twin = || (self.now.tau() - other.now.tau()).norm() < SAME_PLACE;
+        let is_twin = || (self.now.tau() - other.now.tau()).norm() < NEAR;
         let means = |it: &Self| (it.moves, it.heeds_vertical, it.leap.is_some());
         if means(self) != means(other) {
             return false;
@@ -304,6 +306,11 @@ impl Filter {
         says(self) == says(other)
             && other.kind != Kind::Cold
             && age(self).max(age(other)) < 2.0 * age(self).min(age(other))
+    }
+
+    /// Whether directions are known so well that nothing is open.
+    pub fn is_known(&self) -> bool {
+        self.error < KNOWN_DEG.to_radians().powi(2)
     }
 
     /// Mean square by which the directions turned since it began, rad^2.
@@ -338,6 +345,6 @@ impl Filter {
         {
             self.kill();
         }
-        self.judge(unit_ut);
+        self.judge(tuning, unit_ut);
     }
 }

@@ -19,11 +19,12 @@ mod tuning;
 use crate::calibration::{Calibration, Given, typical_field_ut};
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
-use crate::math::elementary::hypot;
+use crate::math::elementary::{hypot, ln};
 use crate::noise::{Markov, MeanSquare, Process, Stays};
+use crate::priors::{OUTLYING, RARE};
 use crate::reading::{HoldReason, Missing, Status};
-use crate::sensing::tilt::GRAVITY_M_S2;
-use bank::Bank;
+use crate::sensing::tilt::calm;
+use bank::{Bank, LATELY};
 use decision::Decision;
 use filter::Kind;
 use frame::{Frame, Noise};
@@ -117,13 +118,13 @@ impl Adaptive {
             bank,
             uneven: Markov::new(tuning.uneven_ut / unit_ut, tuning.uneven_s),
             tilt: Markov::new(tuning.tilt_rad, tuning.tilt_s),
-            stays: Stays::new(white * 0.25),
+            stays: Stays::new(white * tuning.grouped),
             second: MeanSquare::new(white),
-            differing: MeanSquare::new(white * 0.25),
-            tilt_white: MeanSquare::new(1e-4),
+            differing: MeanSquare::new(white * tuning.grouped),
+            tilt_white: MeanSquare::new(tuning.tilt_white_rad.powi(2)),
             missed: None,
             raw: [Vector3::zeros(); 2],
-            period_s: 0.01,
+            period_s: 0.0,
             grouping: Grouping::default(),
             stay: Stay { at: Vector3::zeros(), latest_ns: 0, length: 0, frames: 0, pooled: Pooled::default() },
             latest_ns: None,
@@ -132,7 +133,7 @@ impl Adaptive {
             worst: 0.0,
             decision: Decision::default(),
             count: 0,
-            through: initial.map(|given| bank::given(&given, unit_ut).mean),
+            through: initial.map(|given| bank::given(&given, unit_ut, tuning.place).mean),
             seen: Vector3::zeros(),
             groups: 0,
             usage: None,
@@ -144,26 +145,29 @@ impl Adaptive {
     /// A raw sample, finite, times in order, and what gravity says with it, m/s^2.
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
         let u = raw_ut / self.unit_ut;
-        let calm = |up: &Vector3<f64>| (up.norm() / GRAVITY_M_S2 - 1.0).abs() < 0.1;
-        let up = up_m_s2.filter(calm).map(|up| up.normalize());
+        let up = up_m_s2.and_then(|up| calm(&up));
         if let Some(latest) = self.latest_ns {
             let seconds = time_ns.saturating_sub(latest) as f64 * 1e-9;
             if seconds < 1.0 {
-                self.period_s += (if self.count < 3 { 1.0 } else { 0.02 }) * (seconds - self.period_s);
+                self.period_s = seconds;
             }
         }
         self.latest_ns = Some(time_ns);
         if self.count >= 2 {
-            self.second.add((u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / 18.0);
+            self.second.add((u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / (3.0 * 6.0));
         }
         self.raw = [self.raw[1], u];
         self.count += 1;
         if self.count == 1
             && let Some(given) = &self.given
         {
-            self.published = Some(Published::new(bank::given(given, self.unit_ut), self.unit_ut, self.strength_ut));
+            self.published = Some(Published::new(
+                bank::given(given, self.unit_ut, self.tuning.place),
+                self.unit_ut,
+                self.strength_ut,
+            ));
         }
-        let radius = self.tuning.frame_ut / self.unit_ut + 4.5 * self.white().sqrt();
+        let radius = self.tuning.frame_ut / self.unit_ut + OUTLYING * self.white().sqrt();
         let longest = ((self.tuning.frame_s - self.period_s).max(0.0) * 1e9) as i64;
         for group in self.grouping.push((time_ns, u, up), radius, longest).into_iter().flatten() {
             self.take(&group);
@@ -173,12 +177,12 @@ impl Adaptive {
 
     /// White variance of a sample, units^2.
     fn white(&self) -> f64 {
-        let v = if self.second.value() >= (4.0 / self.unit_ut).powi(2) {
+        let v = if self.second.value() >= (self.tuning.frame_ut / self.unit_ut).powi(2) {
             self.differing.value()
         } else {
             self.second.value()
         };
-        v.max((0.03 / self.unit_ut).powi(2))
+        v.max((self.tuning.floor_ut / self.unit_ut).powi(2))
     }
 
     /// What is believed of the noise now.
@@ -188,8 +192,8 @@ impl Adaptive {
         Noise {
             white: self.white(),
             uneven: Process { size: hypot(uneven.size, tuning.floor_ut / self.unit_ut), ..uneven },
-            tilt_white: self.tilt_white.value().max(0.005_f64.powi(2)),
-            tilt: Process { size: tilt.size.max(tuning.least_tilt_rad), lasts_s: tilt.lasts_s.max(tuning.tilt_s) },
+            tilt_white: self.tilt_white.value().max(tuning.tilt_white_rad.powi(2)),
+            tilt: Process { size: tilt.size.max(tuning.tilt_rad), lasts_s: tilt.lasts_s.max(tuning.tilt_s) },
         }
     }
 
@@ -203,7 +207,7 @@ impl Adaptive {
         };
         let (u, up, count) =
             (pooled.sum / pooled.groups, pooled.up.try_normalize(0.5 * pooled.groups), count * pooled.groups);
-        let seconds = self.frame_ns.map_or(0.1, |before| time_ns.saturating_sub(before) as f64 * 1e-9).min(60.0);
+        let seconds = self.frame_ns.map_or(tuning.frame_s, |before| time_ns.saturating_sub(before) as f64 * 1e-9);
         self.frame_ns = Some(time_ns);
         let noise = self.noise();
         if self.bank.frames.next == 0 {
@@ -214,12 +218,17 @@ impl Adaptive {
         let mut frame = Frame { time_ns, u, up, count, seconds, moved_s, stay, ..Frame::default() };
         frame.believe(&self.bank.noise);
         if self.bank.all.is_empty() {
-            let given = self.given.map(|given| bank::given(&given, self.unit_ut));
+            let given = self.given.map(|given| bank::given(&given, self.unit_ut, self.tuning.place));
             let given = given.filter(|_| self.bank.frames.next == 0);
             if let Some(known) = given {
                 self.bank.begin_given(&frame, &known);
             }
-            self.bank.begin_cold(&frame, if given.is_some() { -6.0 } else { 0.0 }, self.strength_ut.is_some(), &tuning);
+            self.bank.begin_cold(
+                &frame,
+                if given.is_some() { ln(RARE) } else { 0.0 },
+                self.strength_ut.is_some(),
+                &tuning,
+            );
         }
         self.learn(&frame);
         self.bank.push(frame, self.strength_ut.is_some(), &tuning);
@@ -238,7 +247,8 @@ impl Adaptive {
     /// A group enters the means of its stay; such a mean where it is complete, its variance, and for how long the device moved before it, s.
     fn pool(&mut self, group: &Group) -> Option<(Pooled, f64, f64)> {
         let (u, time_ns) = (group.mean(), group.began_ns());
-        let stays = (u - self.stay.at).norm() < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * 0.2).sqrt();
+        let stays = (u - self.stay.at).norm()
+            < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * self.tuning.grouped).sqrt();
         let mut moved_s = 0.0;
         if !stays {
             moved_s = (time_ns.saturating_sub(self.stay.latest_ns) as f64 * 1e-9).min(0.5);
@@ -268,7 +278,8 @@ impl Adaptive {
     fn learn(&mut self, frame: &Frame) {
         let tuning = self.tuning;
         let Some(best) = self.bank.best() else { return };
-        if best.now.odd > 0 || best.age * self.period_s < 0.5 || best.error > tuning.learn_deg.to_radians().powi(2) {
+        let is_young = best.length(&self.bank.frames) < LATELY;
+        if best.now.odd > 0 || is_young || best.error > tuning.learn_deg.to_radians().powi(2) {
             self.missed = None;
             return;
         }

@@ -19,6 +19,11 @@ pub(super) type TauMatrix = SMatrix<f64, COUNT, COUNT>;
 /// where T is singular and the cost stationary.
 const BOUNDS: (f64, f64) = (0.25, 3.5);
 
+/// Mathematics: a length, in units, or a share that is as good as none.
+pub(super) const NOTHING: f64 = 1e-6;
+/// Mathematics: variance below which no element is believed to be known.
+pub(super) const LEAST_VARIANCE: f64 = 1e-8;
+
 /// A Gaussian over tau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gaussian {
@@ -100,7 +105,7 @@ pub(super) fn see(tau: &Tau, u: &Vector3<f64>) -> Option<Seen> {
     let offset = u - centre(tau);
     let v = t * offset;
     let radius = v.norm();
-    if !(radius > 1e-6 && radius < 1e6) {
+    if !(radius > NOTHING && radius < 1.0 / NOTHING) {
         return None;
     }
     let direction = v / radius;

@@ -9,6 +9,7 @@ use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
+use crate::priors::OUTLYING;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -47,7 +48,7 @@ impl Published {
         let g = SMatrix::from_rows(&axes.map(|axis| gradient(&self.known.mean, &axis, &seen.offset, 0.0).transpose()));
         // by what a sample that nothing explains misses the sphere it may be off across it, too
         let (miss, along) = distance(&self.known.mean, u)?;
-        let is_off = miss * miss > 16.0 * (noise + self.known.variance(&along));
+        let is_off = miss * miss > OUTLYING * OUTLYING * (noise + self.known.variance(&along));
         let missed = if is_off { (seen.radius - 1.0).powi(2) } else { 0.0 };
         let noise = t * t * noise + Matrix3::from_diagonal_element(missed.max(elsewhere));
         let covariance = g * self.known.covariance * g.transpose() + noise;

@@ -73,7 +73,7 @@ impl Spread {
 
     /// The axis of beta of which noise tells most, and the least variance that can be known along it; t is T.
     pub fn least(&self, t: &Matrix3<f64>) -> Option<(Vector3<f64>, f64)> {
-        if self.frames < 4.0 {
+        if self.frames <= 3.0 {
             return None;
         }
         let differ = self.square - self.sum * self.sum.transpose() / self.weight;

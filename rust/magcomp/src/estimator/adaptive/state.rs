@@ -12,12 +12,14 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{Gaussian, Tau, gradient, see, shape};
+use super::parameters::{Gaussian, LEAST_VARIANCE, Tau, gradient, see, shape};
 use super::spread::{Before, Spread};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::noise::Lasting;
+use crate::priors::{OUTLYING, RARE};
 use nalgebra::{SMatrix, SVector, Vector3};
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 
 /// Format: numbers of a state.
@@ -36,8 +38,8 @@ const TILT: usize = 13;
 const BIAS: usize = 14;
 /// Data sheet: bias of an accelerometer, in gravities: 0.1 to 0.2 m/s^2.
 const BIAS_G: f64 = 0.02;
-/// Choice: square of the standard deviations beyond which an innovation is no noise.
-const OUTLIER: f64 = 16.0;
+/// Mathematics: sine of a dip, 84 degrees, beyond which the level part of the field is too small to divide by.
+const STEEPEST: f64 = 0.995;
 /// Choice: on the way to another place the field is so many times as uneven.
 const ROUGH: f64 = 4.0;
 
@@ -112,7 +114,7 @@ impl State {
         x.fixed_rows_mut::<10>(0).copy_from(&known.mean);
         let mut p = Covariance::zeros();
         p.fixed_view_mut::<10, 10>(0, 0).copy_from(&known.covariance);
-        (p[(LEVEL, LEVEL)], p[(TILTED, TILTED)]) = (1e-8, 1e-8);
+        (p[(LEVEL, LEVEL)], p[(TILTED, TILTED)]) = (LEAST_VARIANCE, LEAST_VARIANCE);
         (p[(UNEVEN, UNEVEN)], p[(TILT, TILT)]) = (uneven, tilt);
         (BIAS..STATES).for_each(|i| p[(i, i)] = BIAS_G * BIAS_G);
         let mut state = Self { x, p, spread: Spread::default(), odd: 0, log: 0.0, place_ns: None };
@@ -159,12 +161,12 @@ impl State {
         let (mut nu, mut s, mut pg) = innovation(self, lin, e, &g, frame.white);
         // what is not linear: a centre that is off by d across the line of sight
         let across = (self.p[(6, 6)] + self.p[(7, 7)] + self.p[(8, 8)]) / 3.0;
-        let is_odd = |nu: f64, s: f64| nu * nu > OUTLIER * (s + across * across);
+        let is_odd = |nu: f64, s: f64| nu * nu > OUTLYING * OUTLYING * (s + across * across);
         let mut v = None;
         if let Some(up) = frame.up.filter(|_| way.heeds_vertical) {
             let mut gv = Numbers::zeros();
             let sine = up.dot(&seen.direction);
-            let mu = lin[9].clamp(-0.995, 0.995);
+            let mu = lin[9].clamp(-STEEPEST, STEEPEST);
             let level = (up - seen.direction * sine).try_normalize(1e-6).unwrap_or_else(Vector3::zeros)
                 * (1.0 - mu * mu).sqrt();
             let across = level / seen.radius;
@@ -178,7 +180,7 @@ impl State {
         if is_odd(nu, s) {
             self.odd += 1;
             if self.odd < 2 {
-                self.log += ln(tuning.spikes * 0.5);
+                self.log += ln(RARE * 0.5);
                 if v.is_some() {
                     self.log += ln(0.5);
                 }
@@ -188,7 +190,7 @@ impl State {
             let variance = tuning.place * tuning.place;
             reset(self, LEVEL, variance);
             reset(self, TILTED, variance);
-            self.log += ln(tuning.places_per_h / 3600.0 * 0.2);
+            self.log += ln(tuning.places_per_h * frame.seconds / 3600.0);
             self.place_ns = Some(frame.time_ns);
             (nu, s, pg) = innovation(self, lin, e, &g, frame.white);
         }
@@ -203,8 +205,8 @@ impl State {
         }
         if let Some((e, g)) = v {
             let (nu, s, pg) = innovation(self, lin, e, &g, frame.tilt_white);
-            if nu * nu > OUTLIER * (s + across) {
-                self.log += ln(0.05);
+            if nu * nu > OUTLYING * OUTLYING * (s + across) {
+                self.log += ln(RARE * 0.5);
             } else {
                 update(self, nu, s, &pg);
             }
@@ -259,7 +261,7 @@ impl State {
     pub fn widen(&mut self, step: f64, iron: f64) {
         for i in 0..3 {
             self.p[(i, i)] += iron.powi(2);
-            self.p[(3 + i, 3 + i)] += (0.7 * iron).powi(2);
+            self.p[(3 + i, 3 + i)] += (FRAC_1_SQRT_2 * iron).powi(2);
             self.p[(6 + i, 6 + i)] += step.powi(2);
         }
     }

@@ -1,23 +1,23 @@
 //! What the filter learns about its own noise while it runs.
 //!
 //! ```text
-//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 6 sigma^2) - sigma^2)
+//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)
 //! useless:  |e| > 16 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
 //! s_w: as s, t_w = 2 s: the field of a place, correlated over tau_d, leaves 1 / (1 + t_w / tau_d) of its power in it
-//! F^2 = U^2 + 4 (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3        F^2 + L^2 is variance of c, which has the place's field in it
-//! U_f: U, which fades over 5 s,   rho = max(1, (2 tau_d U_f^2 + sigma^2 dt) / (2 tau_d s_d^2 + sigma^2 dt)),   G^2 = 5 (U_f^2 - (1.5 uT)^2)+
+//! F^2 = U^2 + (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3        F^2 + L^2 is variance of c, which has the place's field in it
+//! U_f: U, which fades over 5 s,   rho = max(1, (2 tau_d U_f^2 + sigma^2 dt) / (2 tau_d s_d^2 + sigma^2 dt)),   G^2 = 2 (U_f^2 - (1.3 uT)^2)+
 //! rho P_mm + G^2 is variance of f, an average: its error grows with the density of what is slow; what is too uneven does not average out.
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
 use crate::math::elementary::exp;
+use crate::priors::{BEYOND_CHANCE, LARGEST_UT};
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
-use super::state::OFFSET_SD_UT;
 use super::step::{Known, Step, gain};
 use super::tuning::Tuning;
 
@@ -97,12 +97,14 @@ impl Adaptation {
         self.slow_ut += (difference_ut - self.slow_ut) * quick;
         // what white noise alone would leave after this low-pass
         let white = self.variance_ut2 * quick / (2.0 - quick);
-        let seen = (self.slow_ut.norm_squared() / 3.0 - white).min(9.0 * self.slow_power_ut2.max(self.variance_ut2));
+        let seen = (self.slow_ut.norm_squared() / 3.0 - white)
+            .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
         self.lasting_ut += (difference_ut - self.lasting_ut) * (dt_s / tuning.walk_s).min(1.0);
-        let power = (difference_ut.norm_squared() / 3.0).min(9.0 * self.power_ut2.max(self.variance_ut2));
+        let power =
+            (difference_ut.norm_squared() / 3.0).min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
         // f remembers what it has followed
         self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * exp(-dt_s / tuning.settled_s));
@@ -125,14 +127,14 @@ impl Adaptation {
 
     /// G^2, variance per axis of f in a place so uneven that it does not average out, uT^2.
     pub(crate) fn followed_ut2(&self, tuning: &Tuning) -> f64 {
-        (1.0 + tuning.unexplained_gain.powi(2)) * (self.followed_ut2 - tuning.even_ut.powi(2)).max(0.0)
+        2.0 * (self.followed_ut2 - tuning.even_ut.powi(2)).max(0.0)
     }
 
     /// F^2, variance per axis of a corrected sample for what the filter does not know of the place, uT^2.
     pub(crate) fn floor_ut2(&self, tuning: &Tuning) -> f64 {
         let uneven_ut2 = self.uneven_ut2(tuning);
         let unexplained_ut2 = (uneven_ut2 - self.local_ut.powi(2)).max(0.0);
-        uneven_ut2.max(0.0) + tuning.unexplained_gain.powi(2) * unexplained_ut2
+        uneven_ut2.max(0.0) + unexplained_ut2
     }
 
     /// Largest variance per axis that a place may explain, uT^2.
@@ -164,12 +166,12 @@ impl Adaptation {
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
-            let surprise = size > 2.0 * tuning.smallest_step_ut && size > OFFSET_SD_UT * angle_rad;
+            let surprise = size > 2.0 * tuning.smallest_step_ut && size > LARGEST_UT * angle_rad;
             // a cover or charger moves the field for a second at most
             self.useless_share += gain(dt_s, tuning.settled_s) * (f64::from(surprise) - self.useless_share);
-            let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(0.2) } else { 0.0 };
+            let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(1.0) } else { 0.0 };
             let variance = self.variance_ut2;
-            self.variance_ut2 += share * ((size * size / 6.0).min(6.0 * variance) - variance);
+            self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
         }
         self.previous_raw_ut = Some(*raw_ut);
@@ -208,7 +210,8 @@ impl Adaptation {
         let unseen = (variance_ut2 - self.walk_began_ut2).max(0.0);
         let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walked_s);
         // one product has three degrees of freedom: it is not believed beyond nine fold
-        let next = now + (self.walked_s / tuning.settled_s).min(1.0) * (seen.clamp(-now, 9.0 * now) - now);
+        let next =
+            now + (self.walked_s / tuning.settled_s).min(1.0) * (seen.clamp(-now, BEYOND_CHANCE.powi(2) * now) - now);
         self.walk_ut = next.max(0.0).sqrt().clamp(tuning.offset_walk_ut, tuning.largest_walk_ut);
         self.restart_walk(self.walked_ut, variance_ut2);
     }

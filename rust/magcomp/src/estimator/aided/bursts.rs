@@ -72,6 +72,6 @@ impl Bursts {
         if !tuning.bursts || !tuning.unevenness {
             return 0.0;
         }
-        self.known.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / 5.0
+        self.known.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / (3.0 + 2.0)
     }
 }

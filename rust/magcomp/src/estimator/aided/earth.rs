@@ -15,6 +15,7 @@ use super::state::{BIAS, FIELD, Filter};
 use super::step::Step;
 use super::tuning::Tuning;
 use crate::math::gaussian::Gaussian;
+use crate::priors::BEYOND_CHANCE;
 
 /// The Earth's field in a place whose field is another.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +66,7 @@ impl Earth {
     /// carried has been led astray.
     pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
         let off_ut = hypot(m.norm() - self.field_ut.norm(), (m - self.field_ut).dot(up));
-        let may_have_drifted = (m - self.field_ut).norm() < 3.0 * self.sd_ut;
+        let may_have_drifted = (m - self.field_ut).norm() < BEYOND_CHANCE * self.sd_ut;
         let is_alike = !self.is_lost && may_have_drifted && off_ut < 0.5 * tuning.smallest_step_ut;
         self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
         self.alike_s > tuning.settled_s

@@ -4,14 +4,14 @@
 //! nothing   the filter as it was, predicted only; has won when its samples fit again
 //! device    P_bb += s^2 I, P_ee += T, |m| freed with the trace: the device's disturbance stepped, m holds
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
-//! s = max(mean |v| of the gated samples, 8 uT),   l = -(min(NIS, gate) + ln det S) / 2,   L += min(dt / 10 ms, 4) (l_device - l_place)
+//! s = max(mean |v| of the gated samples, 8 uT),   l = -(min(NIS, gate) + ln det S) / 2,   L += dt / 10 ms (l_device - l_place)
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
 //! the recall of a former calibration are new.
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Filter, HARD_IRON};
-use super::step::{Step, gain};
+use super::step::{SAMPLE_S, Step, gain};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 use crate::estimator::answer::LEAST_TOLD_UT;
@@ -237,7 +237,7 @@ impl Trial {
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
-        let weight = (step.dt_s / 0.01).min(4.0) * f64::from(self.age_s >= tuning.ramp_s);
+        let weight = (step.dt_s / SAMPLE_S) * f64::from(self.age_s >= tuning.ramp_s);
         self.log_ratio += weight * (log(device) - log(place));
         let gain = gain(step.dt_s, tuning.quick_s);
         self.device_misfit += gain * (f64::from(device.nis > tuning.gate) - self.device_misfit);
@@ -262,7 +262,7 @@ impl Trial {
         }
         // a former calibration that fits again needs less
         let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.began.hold_s) };
-        let rotation_rad = tuning.decide_rotation_rad * share + tuning.hold_rad_s * hold_s;
+        let rotation_rad = tuning.decide_rotation_rad * (share + hold_s / tuning.quick_s);
         let device_holds = self.device_misfit < 0.5 * tuning.suspect_share;
         Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s + hold_s {
             Verdict::Open

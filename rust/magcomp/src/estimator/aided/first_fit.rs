@@ -15,8 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::batch::{Matrix, Normal, Prior, UNKNOWNS, Vector, fit, model, parts};
 use super::groups::Groups;
 use super::state::{
-    AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, OFFSET_SD_UT, Parts, SOFT_IRON,
-    SOFT_IRON_ALONE,
+    AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, Parts, SOFT_IRON, SOFT_IRON_ALONE,
 };
 use super::step::{Known, Step};
 use super::strength::impossible_field;
@@ -24,6 +23,7 @@ use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
 use crate::heading::across_ut2;
 use crate::math::gaussian::Gaussian;
+use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
 use crate::strength::{EARTH_UT, STRONGEST_AXIS_UT};
 
@@ -34,8 +34,6 @@ const CHAIN_RAD: f64 = 8.7e-4;
 const DELAY_SD_S: f64 = 0.010;
 /// Mathematics: variance of the trace of E, a gauge: as good as none.
 const TRACE_VARIANCE: f64 = 1e-8;
-/// Choice: a device that was turned so far, root mean square, about one axis lacks others.
-const ONE_AXIS_RAD2: f64 = 0.1;
 
 /// A start under way.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,8 +82,9 @@ impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
         let mut it = Self {
             // M may scale a known strength by three standard deviations
-            earth_ut: known_ut
-                .map_or(EARTH_UT, |it| it * (1.0 - 3.0 * tuning.iron_sd)..it * (1.0 + 3.0 * tuning.iron_sd)),
+            earth_ut: known_ut.map_or(EARTH_UT, |it| {
+                it * (1.0 - BEYOND_CHANCE * tuning.iron_sd)..it * (1.0 + BEYOND_CHANCE * tuning.iron_sd)
+            }),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
             ..Self::default()
         };
@@ -151,7 +150,7 @@ impl FirstFit {
     pub(super) fn missing(&self) -> Missing {
         match self.refused {
             Some(error) => Missing::Fit(error),
-            None if self.widest_rad2 < ONE_AXIS_RAD2 => Missing::Rotation,
+            None if self.widest_rad2 < SHOWN_RAD2 => Missing::Rotation,
             None => Missing::Directions,
         }
     }
@@ -222,7 +221,7 @@ impl FirstFit {
         let mut precision = Matrix::zeros();
         let iron = 1.0 / tuning.iron_sd.powi(2);
         FIELD.block_mut(&mut precision).fill_diagonal(STRONGEST_AXIS_UT.powi(-2));
-        HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / OFFSET_SD_UT.powi(2));
+        HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / LARGEST_UT.powi(2));
         SOFT_IRON
             .block_mut(&mut precision)
             .set_diagonal(&SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0].map(|it| it * iron)));
@@ -275,9 +274,9 @@ impl FirstFit {
         let given_ut2 = self.given.as_ref().map(|given| given.calibration.own(HARD_IRON_ALONE));
         let d = Vector3::from_fn(|k, _| {
             let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
-            let before_ut2 = given_ut2.map_or(OFFSET_SD_UT.powi(2), |given| axis.dot(&(given * axis)));
+            let before_ut2 = given_ut2.map_or(LARGEST_UT.powi(2), |given| axis.dot(&(given * axis)));
             let most_ut2 = before_ut2.min(STRONGEST_AXIS_UT.powi(2));
-            (chain_ut2 / eigen.eigenvalues[k].max(1e-12)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
+            (chain_ut2 / eigen.eigenvalues[k].max(f64::EPSILON)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
         });
         let mut spread = SMatrix::<f64, 6, 3>::zeros();
         spread.fixed_rows_mut::<3>(FIELD.start()).copy_from(&eigen.eigenvectors);

@@ -13,12 +13,13 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::state::Parts;
+use super::tuning::Tuning;
 use crate::math::turn::Turn;
 
 /// Choice: groups held.
 const GROUPS: usize = 32;
-/// Choice: seconds of motion in a group at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
-const LONGEST_S: f64 = 0.5;
+/// Seconds of motion in a group at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
+const LONGEST_S: f64 = Tuning::USED.memory_s;
 /// Mathematics: and at first, before groups have been joined in pairs twice: a fit is made after each.
 const SHORTEST_S: f64 = LONGEST_S / 4.0;
 

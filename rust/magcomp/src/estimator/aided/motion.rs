@@ -10,7 +10,7 @@
 //! Source: docs/dev/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
 use crate::math::elementary::cbrt;
-use crate::sensing::tilt::GRAVITY_M_S2;
+use crate::sensing::tilt::{GRAVITY_M_S2, LEAST_LENGTH};
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Known, gain};
@@ -72,7 +72,7 @@ impl Motion {
         self.net_rad_s += (true_rate - self.net_rad_s) * slow;
         self.mean_rad_s += (rate - self.mean_rad_s) * quick;
         self.scatter_rad2_s2 += quick * ((rate - self.mean_rad_s).norm_squared() - self.scatter_rad2_s2);
-        let still = self.rate_rad_s < tuning.rest_rate_rad_s && now < 2.0 * tuning.rest_rate_rad_s;
+        let still = self.rate_rad_s < tuning.bias_sd_rad_s && now < 2.0 * tuning.bias_sd_rad_s;
         // a small rate that scatters less than a hand does may be bias
         let slowest_rad_s = tuning.unknown_bias_rad_s();
         let steady = known.bias_sd_rad_s > slowest_rad_s
@@ -93,7 +93,7 @@ impl Motion {
         self.felt = r * self.felt;
         self.slow = r * self.slow;
         self.up = self.up.map(|up| r * up);
-        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= 0.1) else { return };
+        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= LEAST_LENGTH) else { return };
         let Some(carried) = self.up else {
             self.up = Some(reads.normalize());
             return;

@@ -21,9 +21,6 @@ use crate::math::gaussian::Gaussian;
 use crate::math::turn::Turn;
 use crate::reading::{HoldReason, Missing, Status};
 
-/// Choice: magnetometer noise assumed at most without a rotation: one-step increments mean nothing then, uT.
-const HELD_NOISE_UT: f64 = 2.0;
-
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value.
     pub(super) fn published(&self, step: &Step<'_>, filter: &Filter) -> Option<Answer> {
@@ -62,7 +59,9 @@ impl Aided {
             return (Status::Collecting(Missing::Directions), Answer::default());
         };
         let answer = filter.parts().corrected(raw_ut).and_then(|Corrected { inverse_iron: w, field_ut: c }| {
-            let noise = w * w.transpose() * self.adaptation.sigma_ut().min(HELD_NOISE_UT).powi(2);
+            // one-step increments mean nothing without a rotation: no more noise than at the start
+            let sigma_ut = self.adaptation.sigma_ut().min(self.tuning.noise_start_ut);
+            let noise = w * w.transpose() * sigma_ut.powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
             let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
             self.answer(filter, Gaussian { mean: c, covariance: p_c }, None)
@@ -100,7 +99,7 @@ impl Aided {
                     Status::Held(HoldReason::FitRefused(error))
                 } else if at_rest {
                     Status::Held(HoldReason::AtRest)
-                } else if self.motion.lately_rad_s < self.tuning.rest_rate_rad_s {
+                } else if self.motion.lately_rad_s < self.tuning.bias_sd_rad_s {
                     Status::Held(HoldReason::TooLittleRotation)
                 } else {
                     Status::Tracking

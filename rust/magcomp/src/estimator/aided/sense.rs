@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
-use super::step::{Known, Step};
+use super::step::{Known, SAMPLE_S, Step};
 use crate::math::turn::Turn;
 use crate::sensing::pairing::Rotation;
 
@@ -53,7 +53,7 @@ impl Aided {
             local_ut: hypot(self.adaptation.local_ut(), self.bursts.left_ut2(tuning).sqrt()),
             local_time_s: tuning.local_time_s,
         };
-        let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (0.01 / dt_s).sqrt().clamp(0.3, 3.0);
+        let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
         (!self.is_gyroscope_useless()).then_some(Step {
             time_ns,
             raw_ut,

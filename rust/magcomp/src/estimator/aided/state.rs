@@ -46,9 +46,6 @@ pub(crate) const SOFT_IRON_ALONE: Part<6> = HARD_IRON_ALONE.then(SOFT_IRON.least
 /// State and covariance.
 pub(crate) type Filter = Gaussian<STATES>;
 
-/// Choice: offset of a phone before anything is known, uT: several hundred at the most.
-pub(crate) const OFFSET_SD_UT: f64 = 150.0;
-
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 

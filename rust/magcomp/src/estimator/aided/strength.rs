@@ -4,16 +4,14 @@ use std::ops::Range;
 
 use super::state::{FIELD, Filter};
 use crate::ellipsoid::FitError;
+use crate::priors::BEYOND_CHANCE;
 use crate::strength::POSSIBLE_UT;
-
-/// Choice: standard deviations by which |m| must be outside `POSSIBLE_UT` to be refused: one in 400.
-const BEYOND_DOUBT: f64 = 3.0;
 
 /// That no place has a field as strong or as weak as m, if so.
 pub(super) fn impossible_field(filter: &Filter) -> Option<FitError> {
     let m = filter.part(FIELD);
     let field_ut = m.norm();
-    let doubt_ut = BEYOND_DOUBT * m.dot(&(filter.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
+    let doubt_ut = BEYOND_CHANCE * m.dot(&(filter.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
     let Range { start: low_ut, end: high_ut } = POSSIBLE_UT;
     (field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut).then_some(FitError::FieldOutOfRange {
         field_ut,

@@ -1,14 +1,17 @@
 //! Every choice of the aided estimator. What can be learned from the stream is learned; what is physics stands where it is used.
 //! "Phones" are the recordings, "families" the simulated scenarios of development.
 
+use crate::calibration::UNEVEN_UT;
+use crate::estimator::answer::LEAST_TOLD_UT;
+use crate::priors::{HOPELESS, NOISE_UT, OF_USE_DEG, OUTLYING, ROOM_S, ROOM_UT, SETTLED_S, STEP_S, UNSEEN_IRON};
 use crate::tuning::choices;
 
 choices! {
     /// The choices. One set serves every device and motion.
     Tuning {
         /// Standard deviation of an element of M - I before anything is known; also of the scale of a sensor where the strength is known
-        iron_sd: 0.08, "", "phones have up to 10 %";
-        /// Bias of the gyroscope before anything is known
+        iron_sd: UNSEEN_IRON, "", "priors";
+        /// Bias of the gyroscope before anything is known; a device that turns no faster rests, and shows it to a third of it
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
         /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
@@ -19,57 +22,51 @@ choices! {
         /// Largest random walk of the hard iron, and that in a gap
         largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
-        noise_start_ut: 0.5, "uT", "a Nexus 5 has 0.48, iPhones 0.7 to 1.1";
+        noise_start_ut: NOISE_UT, "uT", "data sheets";
         /// Correlation time of the local field: along a walk; of a group of a start; of the accelerometer's average, as the world sees it; and for this
         /// long, or up to twice, what was learned before a misfit is taken back, as a magnet's field grows while it is neared
-        local_time_s: 1.0, "s", "a step or two";
+        local_time_s: 2.0 * STEP_S, "s", "two steps";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
         place_ut: 0.3, "uT", "between the quiet recordings (0.15) and rooms with motion capture (2.1): what a fit leaves adds to it";
         /// Standard deviation of the local field, and of the slow difference between c and f, at the start; and the largest: above it an anomaly
         /// would be swallowed instead of declared
-        local_most_ut: 2.0, "uT", "rooms: 2.1 uT an axis along walks with motion capture";
+        local_most_ut: ROOM_UT, "uT", "priors";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
-        /// Error of f, per uT by which c and f differ beyond what the place is known for: f follows what it cannot explain
-        unexplained_gain: 2.0, "", "covers that slide, cars";
         /// Unevenness up to which the field of a place averages out along a walk
-        even_ut: 1.5, "uT", "walks with motion capture: 0.2 to 2.4 uT where nothing is near";
+        even_ut: UNEVEN_UT, "uT", "calibration";
         /// Memory of how often samples misfit
         burst_memory_s: 40.0, "s", "a room";
         /// How often the device changes, against which the rate of misfits is held
         device_rate_h: 4.0, "1/h", "a cover, a charger";
         /// How long a change must hold, per unit of the log of these odds: a field that is passed fits for less
         hold_s: 0.3, "s", "walks among magnetic boards";
-        /// Turn for each second of that time
-        hold_rad_s: 2.0, "rad/s", "walks among magnetic boards";
         /// Memory of what must be seen at once: whether samples fit, how c and f differ
         quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
-        memory_s: 0.5, "s", "families";
+        memory_s: STEP_S, "s", "priors";
         /// Memory of what changes slowly: up, unevenness, how much was turned of late, whether the gyroscope makes sense; motion after which a calibration is proven
-        settled_s: 5.0, "s", "families";
+        settled_s: SETTLED_S, "s", "families";
         /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used
-        gate: 16.0, "", "one good sample in 900";
+        gate: OUTLYING * OUTLYING, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
         /// Least size of a step; twice this from one sample to the next is nothing that a turn does; less than half of it is no misfit of a former calibration, nor of a start, nor an event
-        smallest_step_ut: 8.0, "uT", "a cover";
+        smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: 0.4, "s", "a cover put on";
         /// Log likelihood ratio, per sample of 10 ms, at which a hypothesis wins: residuals of a real field are not white
-        decide_log_ratio: 30.0, "", "recordings";
+        decide_log_ratio: HOPELESS, "", "recordings";
         /// Rotation since the onset before a hypothesis may win
         decide_rotation_rad: 0.5, "rad", "only rotation tells device from place";
         /// Time a changed place is held before it is taken as the new place
-        place_time_s: 30.0, "s", "a room";
+        place_time_s: ROOM_S, "s", "priors";
         /// Time in which a new place is believed to be the earth's field
         new_place_time_s: 300.0, "s", "a building";
         /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
         adopt_sd_ut: 6.0, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
-        publish_deg: 10.0, "deg", "as the adaptive estimator";
-        /// Rate of turn below which the device rests: slower turns cannot be told from bias, whose standard deviation then is a third of it
-        rest_rate_rad_s: 0.06, "rad/s", "phones";
+        publish_deg: OF_USE_DEG, "deg", "priors";
         /// Rate from which motion is full: all of the process noise and of the learning applies
         full_motion_rad_s: 0.3, "rad/s", "families";
     } mechanisms {
@@ -97,6 +94,6 @@ choices! {
 impl Tuning {
     /// Standard deviation of the gyroscope's bias above which a steady small rate may be bias, rad/s.
     pub(super) fn unknown_bias_rad_s(&self) -> f64 {
-        self.rest_rate_rad_s / 3.0
+        self.bias_sd_rad_s / 3.0
     }
 }

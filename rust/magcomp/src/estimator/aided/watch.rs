@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
-//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.1 s)
+//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.125 s)
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; the recall of a former calibration is new.
 
@@ -94,7 +94,7 @@ impl Watch {
                 self.former_ut = former.unwrap_or_default();
             }
             // short against a change
-            let gain = gain(step.dt_s, tuning.ramp_s / 4.0);
+            let gain = gain(step.dt_s, 0.5 * tuning.quick_s);
             self.misfit_ut += gain * (v.norm() - self.misfit_ut);
             if let Some(former) = former {
                 self.former_ut += (former - self.former_ut) * gain;
