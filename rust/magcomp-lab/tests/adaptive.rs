@@ -96,9 +96,9 @@ fn a_cover_taken_off_again_is_recalled() {
 #[test]
 fn a_ramp_and_a_drift_are_followed() {
     let score = alone("ramp", 4, 840);
-    assert!(score.after_deg < 0.56, "{}", score.after_deg);
+    assert!(score.after_deg < 0.65, "{}", score.after_deg);
     let score = alone("phone-drift", 4, 840);
-    assert!(score.after_deg < 3.5, "{}", score.after_deg);
+    assert!(score.after_deg < 2.5, "{}", score.after_deg);
 }
 
 /// Over the runs and 50 samples, what is released is hardly ever worse than what was in force.

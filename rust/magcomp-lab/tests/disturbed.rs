@@ -120,10 +120,10 @@ fn late_drift(motion: Motion, rate_ut_s: f64, begins_s: f64) -> ([f64; 2], usize
 #[test]
 fn a_drift_that_begins_late_is_followed() {
     for (motion, rate_ut_s, begins_s, limits, most_far) in [
-        (Motion::Tumble, 0.5, 30.0, [2.6, 1.1], 0),
+        (Motion::Tumble, 0.5, 30.0, [1.0, 0.6], 0),
         (Motion::Tumble, 0.1, 60.0, [1.0, 0.5], 0),
-        (Motion::Stroll, 0.5, 30.0, [2.5, 1.8], 0),
-        (Motion::Stroll, 1.0, 10.0, [4.4, 2.2], 0),
+        (Motion::Stroll, 0.5, 30.0, [1.3, 0.9], 0),
+        (Motion::Stroll, 1.0, 10.0, [1.4, 0.9], 0),
     ] {
         let (found, far) = late_drift(motion, rate_ut_s, begins_s);
         println!("{motion:?}, {rate_ut_s} uT/s from {begins_s} s: {found:.2?} deg, {far} runs over 20 deg");

@@ -204,7 +204,8 @@ impl Bank {
         let moves = !parent.moves;
         if !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
             self.all.retain(|it| it.moves != moves);
-            self.all.push(parent.fork(moves, number, log(tuning.devices_per_h)));
+            let rates = moves.then(|| tuning.rates(self.unit_ut));
+            self.all.push(parent.fork(rates, number, log(tuning.devices_per_h)));
         }
     }
 

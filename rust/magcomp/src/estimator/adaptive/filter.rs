@@ -6,11 +6,13 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{Gaussian, Tau, beyond_earth, is_bounded, see};
-use super::state::{Numbers, State, Way, innovation, update};
+use super::parameters::{Gaussian, Numbers, Tau, beyond_earth, is_bounded, see};
+use super::rate::Rate;
+use super::state::{State, Way, innovation, update};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
+use crate::noise::Process;
 use crate::priors::IRON_PER_UT;
 use nalgebra::Vector3;
 
@@ -78,7 +80,8 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    pub fn new(kind: Kind, base: State, lin: Tau, first: u64, onset_ns: i64) -> Self {
+    pub fn new(kind: Kind, mut base: State, lin: Tau, first: u64, onset_ns: i64) -> Self {
+        base.rate = Rate::default();
         let (now, fixed) = (base.clone(), base.fixed_at(&lin));
         let mut filter = Self {
             kind,
@@ -109,14 +112,18 @@ impl Filter {
         filter
     }
 
-    /// The same from this frame on, but b moves, or rests.
-    pub fn fork(&self, moves: bool, number: u64, log: f64) -> Self {
+    /// The same from this frame on, but b moves as these rates do, or rests.
+    pub fn fork(&self, rates: Option<Process>, number: u64, log: f64) -> Self {
         let mut base = self.now.clone();
         base.log = log;
         let lin = self.now.tau();
-        let begun = Self::new(self.kind, base, lin, number, self.onset_ns);
+        let mut begun = Self::new(self.kind, base, lin, number, self.onset_ns);
+        if let Some(rates) = rates {
+            begun.base.rate = Rate::new(rates);
+            begun.now.rate = begun.base.rate;
+        }
         Self {
-            moves,
+            moves: rates.is_some(),
             base: begun.base,
             now: begun.now,
             fixed: begun.fixed,
@@ -139,7 +146,8 @@ impl Filter {
     fn way(&self, tuning: &Tuning, unit_ut: f64) -> Way {
         let after = |seconds: f64| self.onset_ns.saturating_add((seconds * 1e9) as i64);
         Way {
-            walk: if self.moves { tuning.moving_ut } else { tuning.walk_ut } / unit_ut,
+            walk: tuning.walk_ut / unit_ut,
+            rates: self.moves.then(|| tuning.rates(unit_ut)),
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
             heeds_vertical: self.heeds_vertical,
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
@@ -165,7 +173,8 @@ impl Filter {
         {
             self.leap_to(frame, &leap, unit_ut);
         }
-        if !self.now.step(&self.lin, frame, way, tuning) || !self.fixed.step(&self.lin, frame, way.fixed(), tuning) {
+        let fits = |state: &mut State, way| state.step(&self.lin, frame, way, tuning);
+        if !fits(&mut self.now, way) || !self.moves && !fits(&mut self.fixed, way.fixed()) {
             self.kill();
         }
     }
@@ -236,6 +245,12 @@ impl Filter {
 
     /// Runs again from its beginning about where it has come to, as far as that explains the frames better. Returns the frames.
     pub fn run(&mut self, frames: &Frames, tuning: &Tuning, unit_ut: f64) -> u64 {
+        // no one point belongs to all frames of a b that moves: it goes on about where it is now
+        if self.moves {
+            self.base = self.now.clone();
+            (self.first, self.lin) = (frames.next, self.now.tau());
+            return 1;
+        }
         let full = self.now.tau();
         let own = self.log_prior(&self.lin) + self.fixed.log;
         let mut part = (0.5 / self.off().norm()).min(1.0);

@@ -1,8 +1,8 @@
 //! The estimator for a magnetometer without gyroscope: a bank of Kalman filters over stored frames.
 //! One file an idea: `tuning` (every choice) · `parameters` (tau and derivatives) · `grouping` (neighbours averaged) · `frame` (what is
-//! stored) · `state` (what is known, and a frame's update) · `filter` (a hypothesis) · `spread` (what only noise tells) · `bank` (hypotheses
-//! against each other) · `decision` (what is told of changes) · `published` (what is in force) · `explain` (for people). The noise is learned by
-//! `noise/`. The derivation is in docs/dev/METHOD-ADAPTIVE.md.
+//! stored) · `state` (what is known, and a frame's update) · `rate` (how fast b moves) · `filter` (a hypothesis) · `spread` (what only noise
+//! tells) · `bank` (hypotheses against each other) · `decision` (what is told of changes) · `published` (what is in force) · `explain` (for
+//! people). The noise is learned by `noise/`. The derivation is in docs/dev/METHOD-ADAPTIVE.md.
 
 mod bank;
 mod decision;
@@ -12,6 +12,7 @@ mod frame;
 mod grouping;
 mod parameters;
 mod published;
+mod rate;
 mod spread;
 mod state;
 mod tuning;

@@ -12,20 +12,17 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{Gaussian, LEAST_VARIANCE, Tau, gradient, see, shape};
+use super::parameters::{Covariance, Gaussian, LEAST_VARIANCE, Numbers, STATES, Tau, gradient, see, shape};
+use super::rate::{Over, Rate};
 use super::spread::{Before, Spread};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
-use crate::noise::Lasting;
+use crate::noise::{Lasting, Process};
 use crate::priors::{OUTLYING, RARE};
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 
-/// Format: numbers of a state.
-pub(super) const STATES: usize = 17;
-pub(super) type Numbers = SVector<f64, STATES>;
-pub(super) type Covariance = SMatrix<f64, STATES, STATES>;
 /// Format: place of the level of the place in the state, after tau.
 const LEVEL: usize = 10;
 /// Format: place of the place's unevenness in the state.
@@ -56,12 +53,14 @@ pub(super) struct Way {
     pub heeds_vertical: bool,
     /// Whether tau is taken for the truth.
     pub is_fixed: bool,
+    /// How b moves, where it does: units a second.
+    pub rates: Option<Process>,
 }
 
 impl Way {
     /// For a state that takes tau for the truth.
     pub fn fixed(self) -> Self {
-        Self { walk: 0.0, is_fixed: true, ..self }
+        Self { walk: 0.0, is_fixed: true, rates: None, ..self }
     }
 }
 
@@ -69,6 +68,8 @@ impl Way {
 pub(super) struct State {
     pub x: Numbers,
     pub p: Covariance,
+    /// How fast b moves.
+    pub rate: Rate,
     /// How far the directions differ.
     spread: Spread,
     /// Frames in a row that were no noise.
@@ -104,6 +105,7 @@ fn reset(state: &mut State, at: usize, variance: f64) {
         state.p[(i, at)] = 0.0;
         state.p[(at, i)] = 0.0;
     }
+    state.rate.with.row_mut(at).fill(0.0);
     state.p[(at, at)] = variance;
 }
 
@@ -117,7 +119,8 @@ impl State {
         (p[(LEVEL, LEVEL)], p[(TILTED, TILTED)]) = (LEAST_VARIANCE, LEAST_VARIANCE);
         (p[(UNEVEN, UNEVEN)], p[(TILT, TILT)]) = (uneven, tilt);
         (BIAS..STATES).for_each(|i| p[(i, i)] = BIAS_G * BIAS_G);
-        let mut state = Self { x, p, spread: Spread::default(), odd: 0, log: 0.0, place_ns: None };
+        let mut state =
+            Self { x, p, rate: Rate::default(), spread: Spread::default(), odd: 0, log: 0.0, place_ns: None };
         state.begin_spread();
         state
     }
@@ -140,7 +143,42 @@ impl State {
             self.p[(i, at)] *= phi;
             self.p[(at, i)] *= phi;
         }
+        self.rate.with.row_mut(at).scale_mut(phi);
         self.p[(at, at)] += (1.0 - phi * phi) * variance;
+    }
+
+    /// b moves for a while; by how much its variance along an axis grows.
+    fn moves(&mut self, rates: Process, seconds: f64) -> f64 {
+        let sum = |p: &Covariance| p[(6, 6)] + p[(7, 7)] + p[(8, 8)];
+        let before = sum(&self.p);
+        let Over { phi, by, own, with, walked } = Over::new(rates, seconds);
+        (0..3).for_each(|i| self.x[6 + i] += by * self.rate.mean[i]);
+        // P of b with all, then with itself
+        let carried = self.rate.with * by;
+        for j in 0..3 {
+            for i in 0..STATES {
+                self.p[(i, 6 + j)] += carried[(i, j)];
+                self.p[(6 + j, i)] += carried[(i, j)];
+            }
+            for i in 0..3 {
+                self.p[(6 + i, 6 + j)] += by * by * self.rate.own[(i, j)];
+                self.rate.with[(6 + i, j)] += by * self.rate.own[(i, j)];
+            }
+            self.p[(6 + j, 6 + j)] += walked;
+        }
+        self.rate.with *= phi;
+        (0..3).for_each(|j| self.rate.with[(6 + j, j)] += with);
+        self.rate.mean *= phi;
+        self.rate.own = self.rate.own * (phi * phi) + Matrix3::from_diagonal_element(own);
+        ((sum(&self.p) - before) / 3.0).max(0.0)
+    }
+
+    /// A miss nu of variance s, with derivative g.
+    fn learn(&mut self, nu: f64, s: f64, g: &Numbers, pg: &Numbers, way: &Way) {
+        if way.rates.is_some() {
+            self.rate.update(nu, s, g, pg);
+        }
+        update(self, nu, s, pg);
     }
 
     /// One frame, linear about `lin`; false where lin is none of its.
@@ -148,7 +186,11 @@ impl State {
         let rough = if frame.time_ns < way.rough_until_ns { ROUGH * ROUGH } else { 1.0 };
         self.lasts(UNEVEN, Lasting { variance: frame.uneven.variance * rough, ..frame.uneven });
         self.lasts(TILT, frame.tilt);
-        (6..9).for_each(|i| self.p[(i, i)] += way.walk * way.walk * frame.seconds);
+        let mut moved = way.walk * way.walk * frame.seconds;
+        (6..9).for_each(|i| self.p[(i, i)] += moved);
+        if let Some(rates) = way.rates {
+            moved += self.moves(rates, frame.seconds);
+        }
         if frame.time_ns < way.done_ns {
             return true;
         }
@@ -195,9 +237,9 @@ impl State {
             (nu, s, pg) = innovation(self, lin, e, &g, frame.white);
         }
         self.odd = 0;
-        update(self, nu, s, &pg);
+        self.learn(nu, s, &g, &pg, &way);
         if !way.is_fixed {
-            self.spread.walk(way.walk * way.walk * frame.seconds);
+            self.spread.walk(moved);
             self.spread.add(&frame.u, &seen.direction, frame.white, frame.uneven.variance, s);
             if let Some(up) = frame.up.filter(|_| way.heeds_vertical) {
                 self.spread.tilt(&up, frame.tilt.variance);
@@ -208,7 +250,7 @@ impl State {
             if nu * nu > OUTLYING * OUTLYING * (s + across) {
                 self.log += ln(RARE * 0.5);
             } else {
-                update(self, nu, s, &pg);
+                self.learn(nu, s, &g, &pg, &way);
             }
         }
         true

@@ -1,6 +1,7 @@
 //! Every choice of the estimator: what is believed of phones, hands and places before a stream is seen.
 
-use crate::priors::{NOISE_UT, OF_USE_DEG, ROOM_S, SHOWN_RAD2, STEP_S};
+use crate::noise::Process;
+use crate::priors::{NOISE_UT, OF_USE_DEG, ROOM_S, SETTLED_S, SHOWN_RAD2, STEP_S};
 use crate::tuning::choices;
 
 choices! {
@@ -32,8 +33,10 @@ choices! {
         place: 0.2, "", "rooms, beside steel";
         /// Random walk of b
         walk_ut: 0.01, "uT/s^0.5", "temperature";
-        /// The same where b moves
-        moving_ut: 0.3, "uT/s^0.5", "a battery that charges";
+        /// How fast b moves where it does, standard deviation per axis
+        rate_ut_s: 0.5, "uT/s", "a battery that charges, a cover that slides";
+        /// For how long it moves at the same rate
+        rate_s: 2.0 * SETTLED_S, "s", "the same";
         /// How far M deviates from a multiple of I before anything is known
         soft_iron: 0.05, "", "phones";
         /// Samples nearer than this to one another are one group
@@ -52,5 +55,12 @@ choices! {
         ramp_s: 0.3, "s", "a cover put on";
         /// Time after which another place is what is usual
         new_place_s: ROOM_S, "s", "priors";
+    }
+}
+
+impl Tuning {
+    /// How b moves where it does, units a second.
+    pub fn rates(&self, unit_ut: f64) -> Process {
+        Process { size: self.rate_ut_s / unit_ut, lasts_s: self.rate_s }
     }
 }

@@ -1,8 +1,9 @@
 use super::super::parameters::TauMatrix;
 use super::*;
+use nalgebra::{SMatrix, SVector};
 
 const STILL: Way =
-    Way { walk: 0.0, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true, is_fixed: false };
+    Way { walk: 0.0, rates: None, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true, is_fixed: false };
 
 const TRUE: [f64; 10] = [1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2];
 
@@ -82,4 +83,46 @@ fn a_rest_tells_no_more_than_its_place() {
     let g = gradient(&lin, &seen.direction, &(seen.offset / seen.radius), 0.0) / seen.slope;
     let left = state.known().variance(&g);
     assert!(left > 0.8 * uneven.variance / (seen.slope * seen.slope), "{left:e}");
+}
+
+/// The rate stands beside the state; one Kalman filter over both, of twenty numbers in dense matrices, says the same.
+#[test]
+fn a_rate_beside_the_state_is_one_filter_of_both() {
+    type Dense = SMatrix<f64, 20, 20>;
+    let rates = Process { size: 0.3, lasts_s: 4.0 };
+    let way = Way { rates: Some(rates), ..STILL };
+    let mut state = State::new(&prior(), 0.01, 0.02);
+    state.rate = Rate::new(rates);
+    let mut x = SVector::<f64, 20>::zeros();
+    x.fixed_rows_mut::<STATES>(0).copy_from(&state.x);
+    let mut p = Dense::zeros();
+    p.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&state.p);
+    p.fixed_view_mut::<3, 3>(17, 17).copy_from(&Matrix3::from_diagonal_element(0.09));
+    for k in 0..30 {
+        let seconds = 0.05 + 0.02 * f64::from(k % 4);
+        let Over { phi, by, own, with, walked } = Over::new(rates, seconds);
+        let (mut f, mut q) = (Dense::identity(), Dense::zeros());
+        for i in 0..3 {
+            (f[(6 + i, 17 + i)], f[(17 + i, 17 + i)]) = (by, phi);
+            (q[(6 + i, 6 + i)], q[(17 + i, 17 + i)]) = (walked, own);
+            (q[(6 + i, 17 + i)], q[(17 + i, 6 + i)]) = (with, with);
+        }
+        (x, p) = (f * x, f * p * f.transpose() + q);
+        state.moves(rates, seconds);
+
+        let g = Numbers::from_fn(|i, _| (f64::from(k) * 0.9 + i as f64 * 1.7).sin());
+        let (miss, noise) = (0.1 * f64::from(k).cos(), 0.02);
+        let (nu, s, pg) = innovation(&state, &Tau::zeros(), miss, &g, noise);
+        state.learn(nu, s, &g, &pg, &way);
+        let mut by_all = SVector::<f64, 20>::zeros();
+        by_all.fixed_rows_mut::<STATES>(0).copy_from(&g);
+        let gain = p * by_all / (by_all.dot(&(p * by_all)) + noise);
+        (x, p) = (x - gain * (miss + by_all.dot(&x)), p - gain * (by_all.transpose() * p));
+    }
+    assert!((state.x - x.fixed_rows::<STATES>(0)).amax() < 1e-10);
+    assert!((state.p - p.fixed_view::<STATES, STATES>(0, 0)).amax() < 1e-10);
+    assert!((state.rate.mean - x.fixed_rows::<3>(17)).amax() < 1e-10);
+    assert!((state.rate.with - p.fixed_view::<STATES, 3>(0, 17)).amax() < 1e-10);
+    assert!((state.rate.own - p.fixed_view::<3, 3>(17, 17)).amax() < 1e-10);
+    assert!(state.rate.mean.norm() > 1e-3);
 }
