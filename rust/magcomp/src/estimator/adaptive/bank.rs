@@ -2,6 +2,9 @@
 //!     log joint of a child = log joint of its parent at the onset + log(hazard dt) + its own evidence
 //! What is published is the mean and the second moment of the mixture.
 
+#[cfg(test)]
+mod tests;
+
 use super::filter::{Filter, Kind, Leap, NEAR};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
 use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, shape, tau_of};

@@ -88,3 +88,34 @@ fn a_hypothesis_that_waits_is_no_twin_of_one_that_does_not() {
     other.leap = None;
     assert!(!waits.makes_needless(&other, 1) && !other.makes_needless(&waits, 1));
 }
+
+/// The field's end circles a b that moves along x; no point in the past fits it.
+#[test]
+fn a_hypothesis_whose_b_moves_goes_on_about_where_it_is() {
+    let rates = Tuning::USED.rates(UNIT_UT);
+    let rests = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
+    let mut moves = rests.fork(Some(rates), 0, -7.0);
+    assert!(moves.moves && !moves.fork(None, 0, -7.0).moves && moves.log_joint() == -7.0);
+    assert_eq!(moves.now.rate, Rate::new(rates));
+    assert_eq!(rests.now.rate, Rate::default());
+
+    let mut frames = Frames::new();
+    for k in 0..100 {
+        let (sin, cos) = (0.4 * f64::from(k)).sin_cos();
+        let along = 0.3 * (0.13 * f64::from(k)).sin();
+        let circle = Vector3::new(sin * (1.0 - along * along).sqrt(), cos * (1.0 - along * along).sqrt(), along);
+        let b = Vector3::new(0.1 + 0.002 * f64::from(k), 0.2, -0.3);
+        let frame = frame(i64::from(k) * 80_000_000, b + circle);
+        frames.push(frame);
+        moves.add(&frame, &Tuning::USED, UNIT_UT);
+        if moves.wants_run() {
+            let now = moves.now.clone();
+            assert_eq!(moves.run(&frames, &Tuning::USED, UNIT_UT), 1);
+            assert_eq!((&moves.start(), &moves.now, moves.first, moves.off()), (&now, &now, frames.next, Tau::zeros()));
+        }
+    }
+    let off = moves.now.tau().fixed_rows::<3>(6) - Vector3::new(0.298, 0.2, -0.3);
+    assert!(off.norm() < 0.02, "{off}");
+    // 0.002 in 0.08 s
+    assert!((moves.now.rate.mean - Vector3::new(0.025, 0.0, 0.0)).norm() < 0.01, "{}", moves.now.rate.mean);
+}

@@ -1,0 +1,17 @@
+use super::*;
+
+/// b is a field strength from the first sample, in any direction: on average its squared distance is 1, a third along each axis.
+#[test]
+fn a_cold_start_has_b_on_a_sphere_about_the_first_sample() {
+    let u = Vector3::new(0.4, -1.2, 0.3);
+    let belief = cold(&u, &Tuning::USED);
+    let of_b = belief.covariance.fixed_view::<3, 3>(6, 6);
+    assert!((of_b - Matrix3::from_diagonal_element(1.0 / 3.0)).amax() < 1e-12, "{of_b}");
+    assert_eq!(Vector3::from(belief.mean.fixed_rows::<3>(6)), u);
+    let mut bank = Bank::new(45.0);
+    bank.begin_cold(&Frame { u, up: Some(Vector3::z()), ..Frame::default() }, 0.0, false, &Tuning::USED);
+    // of twelve, six heed the vertical; one in a hundred contradicts it
+    let logs = |heeds: bool| bank.all.iter().filter(move |it| it.heeds_vertical == heeds).map(|it| it.now.log);
+    assert_eq!((logs(true).count(), logs(false).count()), (6, 6));
+    assert!(logs(true).zip(logs(false)).all(|(heeds, not)| (heeds - not - 100.0_f64.ln()).abs() < 1e-9));
+}
