@@ -145,3 +145,13 @@ fn steps_are_those_of_the_equations() {
         }
     }
 }
+
+#[test]
+fn a_vertical_is_calm_within_ten_percent_of_gravity() {
+    let along = Vector3::new(0.6, 0.0, -0.8);
+    for (size, is_calm) in [(1.0, true), (1.09, true), (0.91, true), (1.11, false), (0.89, false), (0.0, false)] {
+        let up = calm(&(along * (size * GRAVITY_M_S2)));
+        assert_eq!(up.is_some(), is_calm, "{size}");
+        assert!(up.is_none_or(|up| (up - along).norm() < 1e-12), "{size}");
+    }
+}
