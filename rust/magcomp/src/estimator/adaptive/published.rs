@@ -10,7 +10,7 @@ use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use crate::priors::OUTLYING;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
@@ -45,7 +45,12 @@ impl Published {
         let seen = see(&self.known.mean, u)?;
         let t = shape(&self.known.mean);
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        let g = SMatrix::from_rows(&axes.map(|axis| gradient(&self.known.mean, &axis, &seen.offset, 0.0).transpose()));
+        let mut g =
+            SMatrix::from_rows(&axes.map(|axis| gradient(&self.known.mean, &axis, &seen.offset, 0.0).transpose()));
+        if self.strength_ut.is_none() {
+            let by_scale = g.fixed_view::<3, 6>(0, 0) - seen.direction * seen.radius * by_shape(&t)?.transpose();
+            g.fixed_view_mut::<3, 6>(0, 0).copy_from(&by_scale);
+        }
         // by what a sample that nothing explains misses the sphere it may be off across it, too
         let (miss, along) = distance(&self.known.mean, u)?;
         let is_off = miss * miss > OUTLYING * OUTLYING * (noise + self.known.variance(&along));
@@ -73,11 +78,12 @@ impl Published {
         let t = shape(&self.known.mean);
         let inverse = t.try_inverse()?;
         let m = inverse * (self.unit_ut / self.strength_of(&t));
+        let by_shape = by_shape(&t)?;
         let mut jacobian = Matrix9::zeros();
         for (k, dt) in basis().into_iter().enumerate() {
             let mut dm = -(m * dt * inverse);
             if self.strength_ut.is_none() {
-                dm += m * ((inverse * dt).trace() / 3.0);
+                dm += m * by_shape[k];
             }
             jacobian.fixed_view_mut::<6, 1>(3, k).copy_from(&six(&((dm + dm.transpose()) * 0.5)));
         }
@@ -85,4 +91,10 @@ impl Published {
         let covariance = jacobian * self.known.covariance.fixed_view::<9, 9>(0, 0) * jacobian.transpose();
         Some((covariance + covariance.transpose()) * 0.5)
     }
+}
+
+/// d ln det(T)^(1/3)/dT: where det M = 1, a T of another size is the same M.
+fn by_shape(t: &Matrix3<f64>) -> Option<SVector<f64, 6>> {
+    let inverse = t.try_inverse()?;
+    Some(SVector::from(basis().map(|dt| (inverse * dt).trace() / 3.0)))
 }

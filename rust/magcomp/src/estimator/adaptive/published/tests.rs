@@ -49,34 +49,42 @@ fn the_calibration_is_that_of_the_parameters_and_its_covariance_that_of_their_de
     }
 }
 
+/// A corrected sample, uT, of tau.
+fn corrected(tau: &Tau, strength_ut: Option<f64>, u: &Vector3<f64>) -> Vector3<f64> {
+    let t = symmetric(tau);
+    let size = strength_ut.unwrap_or_else(|| UNIT_UT / t.determinant().cbrt());
+    t * (u - tau.fixed_rows::<3>(6)) * size
+}
+
 #[test]
 fn a_corrected_sample_has_the_errors_of_the_parameters_and_of_what_it_misses_by() {
-    let published = published(Some(48.0));
-    let on_it = Vector3::new(0.3, -0.5, 0.8) + symmetric(&tau()).try_inverse().unwrap() * Vector3::new(0.6, 0.0, -0.8);
-    let covariance = |u: &Vector3<f64>, noise: f64, across: f64| {
-        let jacobian = SMatrix::<f64, 3, 10>::from_fn(|i, k| {
-            let moved = |sign: f64| {
-                let tau = tau() + Tau::ith(k, sign * 1e-5);
-                (symmetric(&tau) * (u - tau.fixed_rows::<3>(6)))[i]
-            };
-            (moved(1.0) - moved(-1.0)) / 2e-5
-        });
-        let of_noise = symmetric(&tau()) * symmetric(&tau()) * noise + Matrix3::identity() * across;
-        (jacobian * published.known.covariance * jacobian.transpose() + of_noise) * (48.0 * 48.0)
-    };
-    let (noise, elsewhere) = (1e-4, 3e-4);
-    let (field_ut, found) = published.correct(&on_it, noise, elsewhere).unwrap();
-    assert!((field_ut - Vector3::new(0.6, 0.0, -0.8) * 48.0).norm() < 1e-9);
-    assert!((published.calibration().unwrap().correct(&(on_it * UNIT_UT)) - field_ut).norm() < 1e-9);
-    assert!((found - covariance(&on_it, noise, elsewhere)).amax() < 1e-6);
-    // half as long again: nothing that is known explains it
-    let off = Vector3::new(0.3, -0.5, 0.8) + (on_it - Vector3::new(0.3, -0.5, 0.8)) * 1.5;
-    let (field_ut, found) = published.correct(&off, noise, elsewhere).unwrap();
-    assert!((field_ut - Vector3::new(0.6, 0.0, -0.8) * 72.0).norm() < 1e-9);
-    assert!((found - covariance(&off, noise, 0.25)).amax() < 1e-6);
-    // with so much noise it is explained: four standard deviations are the limit
-    let (_, found) = published.correct(&off, 0.1, elsewhere).unwrap();
-    assert!((found - covariance(&off, 0.1, elsewhere)).amax() < 1e-6);
+    let centre = Vector3::new(0.3, -0.5, 0.8);
+    let on_it = centre + symmetric(&tau()).try_inverse().unwrap() * Vector3::new(0.6, 0.0, -0.8);
+    for strength_ut in [None, Some(48.0)] {
+        let published = published(strength_ut);
+        let size = corrected(&tau(), strength_ut, &on_it).norm();
+        let covariance = |u: &Vector3<f64>, noise: f64, across: f64| {
+            let jacobian = SMatrix::<f64, 3, 10>::from_fn(|i, k| {
+                let moved = |sign: f64| corrected(&(tau() + Tau::ith(k, sign * 1e-5)), strength_ut, u)[i];
+                (moved(1.0) - moved(-1.0)) / 2e-5
+            });
+            let of_noise = symmetric(&tau()) * symmetric(&tau()) * noise + Matrix3::identity() * across;
+            jacobian * published.known.covariance * jacobian.transpose() + of_noise * (size * size)
+        };
+        let (noise, elsewhere) = (1e-4, 3e-4);
+        let (field_ut, found) = published.correct(&on_it, noise, elsewhere).unwrap();
+        assert!((field_ut - Vector3::new(0.6, 0.0, -0.8) * size).norm() < 1e-9);
+        assert!((published.calibration().unwrap().correct(&(on_it * UNIT_UT)) - field_ut).norm() < 1e-9);
+        assert!((found - covariance(&on_it, noise, elsewhere)).amax() < 1e-6);
+        // half as long again: nothing that is known explains it
+        let off = centre + (on_it - centre) * 1.5;
+        let (field_ut, found) = published.correct(&off, noise, elsewhere).unwrap();
+        assert!((field_ut - Vector3::new(0.6, 0.0, -0.8) * (1.5 * size)).norm() < 1e-9);
+        assert!((found - covariance(&off, noise, 0.25)).amax() < 1e-6);
+        // with so much noise it is explained: four standard deviations are the limit
+        let (_, found) = published.correct(&off, 0.1, elsewhere).unwrap();
+        assert!((found - covariance(&off, 0.1, elsewhere)).amax() < 1e-6);
+    }
 }
 
 #[test]
