@@ -21,13 +21,19 @@ use crate::calibration::{Calibration, Given, independent, iron_rows};
 use crate::kept::{CalibrationSource, KeptCalibration};
 use crate::math::elementary::{exp, ln, sin_cos};
 use crate::math::symmetric::symmetric;
-use crate::priors::{DAYS_UT, IRON_PER_UT, ROOM_UT, UNSEEN_IRON};
+use crate::priors::{BEYOND_CHANCE, DAYS_UT, IRON_PER_UT, LARGEST_UT, ROOM_UT, UNSEEN_IRON};
 use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
-/// Choice: sizes of changes: from a current, 4 uT, to a cover with a magnet, 512 uT (docs/dev/METHOD.md).
-const SIZES: usize = 8;
+/// Mathematics: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
+const SIZES: usize = {
+    let mut sizes = 1;
+    while DAYS_UT * ((1 << sizes) as f64) < BEYOND_CHANCE * LARGEST_UT {
+        sizes += 1;
+    }
+    sizes
+};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;

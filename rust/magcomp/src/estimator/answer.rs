@@ -1,11 +1,12 @@
 //! What an estimator says of a sample. It is finished: the compensator adds heading and attitude, and changes nothing.
 
 use crate::calibration::Calibration;
+use crate::priors::DAYS_UT;
 use crate::reading::{Event, ModelOrder, SensorMode};
 use nalgebra::{Matrix3, Vector3};
 
-/// Choice: a change of the device that moves b by less is an error of the estimate, and no event, uT: half of what a cover does.
-pub(crate) const LEAST_TOLD_UT: f64 = 4.0;
+/// A change of the device that moves b by less is no event, uT: from day to day b moves as far.
+pub(crate) const LEAST_TOLD_UT: f64 = 2.0 * DAYS_UT;
 
 /// What an estimator says of one sample, before a heading is formed from it.
 #[derive(Default)]

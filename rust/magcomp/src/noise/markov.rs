@@ -6,7 +6,7 @@
 //! s and tau stand on a grid. Each cell is a scalar Kalman filter over the misses, and its innovations are the likelihood of its s and tau:
 //!
 //! ```text
-//! log P <- (1 - 1/N) log P - (min(nu^2 / S, 9) + ln S) / 2,     prior: ln s and ln tau normal
+//! log P <- (1 - 1/N) log P - (min(nu^2 / S, 9) + ln S) / 2,     prior: ln s and ln tau normal, by one cell
 //! ```
 //! The clock is the caller's: that of a place's unevenness runs while the device moves, so that a rest says nothing of it.
 
@@ -18,10 +18,8 @@ use crate::priors::BEYOND_CHANCE;
 const SIZES: usize = 7;
 /// Choice: cells of tau.
 const LASTS: usize = 5;
-/// Choice: each s, and each tau, is so many times the one before.
+/// Choice: each s, and each tau, is so many times the one before: one standard deviation of what is believed of them before anything is seen.
 const RATIO: f64 = 3.0;
-/// Choice: standard deviation of ln s and ln tau before anything is seen, an order of magnitude either way within two.
-const SPREAD: f64 = 1.0;
 
 /// What lasts until the next miss: the correlation with it, and the variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,15 +58,15 @@ pub(crate) struct Markov {
     lasts_s: f64,
 }
 
-/// A value of a grid about `middle`.
-fn on_grid(middle: f64, k: usize, cells: usize) -> f64 {
-    middle * RATIO.powi(k as i32 - (cells / 2) as i32)
+/// How far a cell is from the middle one.
+fn steps(k: usize, cells: usize) -> i32 {
+    k as i32 - (cells / 2) as i32
 }
 
 impl Markov {
     /// Believed to be of this size, and to last so long, before a miss is seen.
     pub fn new(size: f64, lasts_s: f64) -> Self {
-        let cell = |k| Cell { variance: on_grid(size, k, SIZES).powi(2), ..Cell::default() };
+        let cell = |k| Cell { variance: (size * RATIO.powi(steps(k, SIZES))).powi(2), ..Cell::default() };
         Self { believed: (size, lasts_s), cells: [std::array::from_fn(cell); LASTS], size, lasts_s }
     }
 
@@ -81,27 +79,25 @@ impl Markov {
     pub fn add(&mut self, miss: f64, white: f64, seconds: f64) {
         let (mut top, mut sum, mut size, mut lasts) = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
         for i in 0..LASTS {
-            let tau = on_grid(self.believed.1, i, LASTS);
-            let phi = exp(-seconds / tau);
-            let by_tau = ln(tau / self.believed.1);
+            let lasts_by = steps(i, LASTS);
+            let phi = exp(-seconds / (self.believed.1 * RATIO.powi(lasts_by)));
             for k in 0..SIZES {
-                let s = on_grid(self.believed.0, k, SIZES);
-                let by_size = ln(s / self.believed.0);
+                let size_by = steps(k, SIZES);
                 let cell = &mut self.cells[i][k];
-                cell.add(miss, white, phi, s * s);
-                let log = cell.log - 0.5 * (by_size * by_size + by_tau * by_tau) / (SPREAD * SPREAD);
+                cell.add(miss, white, phi, (self.believed.0 * RATIO.powi(size_by)).powi(2));
+                let log = cell.log - 0.5 * f64::from(size_by * size_by + lasts_by * lasts_by);
                 if log > top {
                     let less = exp(top - log);
                     (top, sum, size, lasts) = (log, sum * less, size * less, lasts * less);
                 }
                 let weight = exp(log - top);
                 sum += weight;
-                size += weight * by_size;
-                lasts += weight * by_tau;
+                size += weight * f64::from(size_by);
+                lasts += weight * f64::from(lasts_by);
             }
         }
-        self.size = self.believed.0 * exp(size / sum);
-        self.lasts_s = self.believed.1 * exp(lasts / sum);
+        self.size = self.believed.0 * exp(size / sum * ln(RATIO));
+        self.lasts_s = self.believed.1 * exp(lasts / sum * ln(RATIO));
     }
 }
 

@@ -11,12 +11,14 @@
 
 use super::memory::{MEMORY, START};
 use crate::priors::BEYOND_CHANCE;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Format: lengths of means, in frames 2^j.
 const LENGTHS: usize = 7;
 
-/// Choice: a mean of twice as many frames is better where its variance is less than so many times that of the half: 0.5 where noise is white.
-const BETTER: f64 = 0.8;
+/// Mathematics: a mean of twice as many frames is better where its variance is less than so many times that of the half: midway, in logarithms,
+/// between white noise, 0.5, and what lasts, 1.
+const BETTER: f64 = FRAC_1_SQRT_2;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Length {

@@ -24,8 +24,8 @@ const MOST: usize = 18;
 const BROUGHT: usize = 25;
 /// Choice: former calibrations that are remembered.
 const FORMER: usize = 3;
-/// Choice: frames that hypotheses may run through again with one frame.
-const BUDGET: i64 = 700;
+/// Mathematics: frames that hypotheses may run through again with one frame: three of the longest.
+const BUDGET: i64 = 3 * FRAMES as i64;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
 /// Mathematics: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).

@@ -4,6 +4,7 @@
 use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
 use nalgebra::Vector3;
+use std::f64::consts::LN_2;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,8 +62,8 @@ impl Frame {
     }
 }
 
-/// Choice: logarithm by which a standard deviation of the noise may differ from the believed one.
-const MOVED: f64 = 0.35;
+/// Mathematics: logarithm by which a standard deviation of the noise may differ from the believed one: a variance by a factor of 2.
+const MOVED: f64 = 0.5 * LN_2;
 
 /// Choice: frames that are kept, some 20 s of motion.
 pub(super) const MOST: u64 = 256;

@@ -3,7 +3,9 @@
 
 use crate::calibration::UNEVEN_UT;
 use crate::estimator::answer::LEAST_TOLD_UT;
-use crate::priors::{HOPELESS, NOISE_UT, OF_USE_DEG, OUTLYING, ROOM_S, ROOM_UT, SETTLED_S, STEP_S, UNSEEN_IRON};
+use crate::priors::{
+    BEYOND_CHANCE, DAYS_UT, HOPELESS, NOISE_UT, OF_USE_DEG, OUTLYING, ROOM_S, ROOM_UT, SETTLED_S, STEP_S, UNSEEN_IRON,
+};
 use crate::tuning::choices;
 
 choices! {
@@ -64,7 +66,7 @@ choices! {
         /// Time in which a new place is believed to be the earth's field
         new_place_time_s: 300.0, "s", "a building";
         /// Standard deviation of the hard iron (root of the trace) up to which the first fit goes on as a filter
-        adopt_sd_ut: 6.0, "uT", "a filter that begins less sure trusts its first turns too much";
+        adopt_sd_ut: BEYOND_CHANCE * DAYS_UT, "uT", "a filter that begins less sure trusts its first turns too much";
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
         publish_deg: OF_USE_DEG, "deg", "priors";
         /// Rate from which motion is full: all of the process noise and of the learning applies
