@@ -88,9 +88,9 @@ fn a_pulse_is_over_when_it_is_over() {
 
 #[test]
 fn a_cover_taken_off_again_is_recalled() {
-    // a few samples tell, of 1500
-    let score = alone("covers", 12, 820);
-    assert!(score.steady_deg < 2.8, "{}", score.steady_deg);
+    // a few samples tell, of 1500; 3.3 over 72 other runs, of which a few that take a second make the most
+    let score = alone("covers", 24, 820);
+    assert!(score.steady_deg < 4.0, "{}", score.steady_deg);
 }
 
 #[test]
@@ -185,14 +185,14 @@ fn fewer_than_one_false_alarm_in_a_million_samples() {
 /// A magnet of 150 uT put on a phone in a walking hand: the direction of the field stays meanwhile, and tells b at once.
 #[test]
 fn a_strong_magnet_in_a_walking_hand_is_followed() {
-    let found = figures("steps.b150", 8, 811);
+    let found = figures("steps.b150", 32, 811);
     let lost = found.iter().flat_map(|it| &it.stretches).filter(|it| it.is_lost).count();
-    // the flattest arc of eight may be lost
-    assert!(lost <= 1 && found.iter().all(|it| it.missed == 0 && it.false_steps == 0), "{found:?}");
+    // the flattest arcs may be lost
+    assert!(lost <= 3 && found.iter().all(|it| it.missed == 0 && it.false_steps == 0), "{found:?}");
     let mut errors: Vec<f64> = found.iter().filter_map(|it| it.error.heading_deg).collect();
     errors.sort_unstable_by(f64::total_cmp);
     // a walk shows a flat arc: some runs have a heading that is far off, and say so
-    assert!(errors[0] > 1.0 && errors[4] < 20.0, "{errors:?}");
+    assert!(errors[0] > 1.0 && errors[16] < 17.0, "{errors:?}");
     assert!(found.iter().all(|it| it.within.is_some_and(|[_, two]| two > 0.95)), "{found:?}");
 }
 

@@ -19,7 +19,6 @@ mod tests;
 use crate::math::elementary::{atan2, hypot};
 use crate::tuning::choices;
 use nalgebra::{Matrix3, Vector3};
-use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Which axis of the device the heading is that of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -107,7 +106,7 @@ choices! {
     /// The choices.
     Tuning {
         /// Where the right edge rises so far (sine of its elevation) the automatic axis begins to follow the camera
-        rise_begin: FRAC_1_SQRT_2, "", "45 deg: tests/host/headings.rs";
+        rise_begin: 0.707, "", "45 deg: tests/host/headings.rs";
         /// ... and where it rises so far, the axis follows the camera alone
         rise_end: 0.9, "", "64 deg: the same";
         /// A vector whose standard deviation is so many times its length knows no direction at all

@@ -8,6 +8,12 @@ pub(crate) const NOISE_UT: f64 = 0.5;
 pub(crate) const LARGEST_UT: f64 = 150.0;
 /// Choice: standard deviation of an axis of b from one day to the next where nothing changed, uT: temperature and currents.
 pub(crate) const DAYS_UT: f64 = 2.0;
+/// Choice: changes of a device's disturbance an hour while it is in use: covers, chargers.
+pub(crate) const DEVICES_PER_H: f64 = 6.0;
+/// Choice: how far a hand turns a device in a second, rad: walks with motion capture.
+pub(crate) const HAND_RAD: f64 = 0.3;
+/// Choice: how far a hand, or a bias that is not known, tilts the vertical while the device moves, rad.
+pub(crate) const TILT_RAD: f64 = 0.03;
 /// Choice: how far M changes with b, relative, for each uT: covers; a steel plate with a magnet.
 pub(crate) const IRON_PER_UT: f64 = 0.003;
 /// Choice: how far an element of M is off where M was never measured: phones have up to 10 %.
@@ -19,6 +25,8 @@ pub(crate) const UNSEEN_IRON: f64 = 0.08;
 pub(crate) const ROOM_UT: f64 = 2.0;
 /// Choice: for so long another place is a disturbance, s; then it is what is usual: a room.
 pub(crate) const ROOM_S: f64 = 30.0;
+/// Choice: a change of the device takes so long, s: a cover is put on; and what fits for less passes.
+pub(crate) const RAMP_S: f64 = 0.3;
 /// Choice: a pedestrian's step, s: for so long a tilt, the place's unevenness and a rate last.
 pub(crate) const STEP_S: f64 = 0.5;
 /// Choice: memory of what changes slowly, s: where up is, how deep the field dips, how uneven a place is; ten steps.

@@ -62,8 +62,7 @@ fn the_grid_agrees_with_the_likelihood_of_all_misses_at_once() {
     for i in -2..=2_i32 {
         for k in -3..=3_i32 {
             let (s, tau) = (0.5 * 3.0_f64.powi(k), 0.2 * 3.0_f64.powi(i));
-            let (ls, lt) = ((s / 0.5).ln(), (tau / 0.2).ln());
-            cells.push((cell(s, tau) - 0.5 * (ls * ls + lt * lt), ls, lt));
+            cells.push((cell(s, tau) - 0.5 * f64::from(i * i + k * k), (s / 0.5).ln(), (tau / 0.2).ln()));
         }
     }
     let top = cells.iter().fold(f64::NEG_INFINITY, |top, cell| top.max(cell.0));

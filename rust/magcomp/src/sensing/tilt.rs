@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! a: accelerometer / g,   v = mean (|a| - 1)^2,   w = mean (|u| - 1)^2                                          (1 s)
-//! up walks as a hand turns it, the more the faster the field turns, r:   P <- P + (q^2 + 1.5 r^2 (1 s)) dt,   r^2 = mean |d raw|^2 / (72 uT dt)^2   (0.3 s)
+//! up walks as a hand turns it, the more the faster the field turns, r:   P <- P + (q^2 + 1.5 r^2 (1 s)) dt,   r^2 = mean |d raw|^2 / (72 uT dt)^2   (1.5 t_m)
 //! motion is correlated over t_m, and twice as large across gravity as along it:   R = s^2 + 2 v max(t_m / dt, 1)
 //! k = P / (P + R),   n += (dt / 1 s) (|e across u|^2 / (2 (P + R)) - n),   e = a - u,   u <- u + k e,   P <- (1 - k) P
 //! variance of up about a horizontal axis = max(n P + 2 w, v)
 //! ```
 //! u is a Kalman filter of the accelerometer. Motion along gravity shows in the size: in that of u, what the filter has left of it. n says how
-//! large the innovations are against what was expected: a device at rest turns less than a hand. Differences of raw samples (low-passed, 0.1 s) know nothing
+//! large the innovations are against what was expected: a device at rest turns less than a hand. Differences of raw samples (low-passed, t_m / 2) know nothing
 //! of b: how fast the device turns shows in them, however it is shaken. The system's gravity sensor has the
 //! size g, always: u then follows it within a sample or two. A change of the raw field is at least the turn that it is in the strongest field.
 
@@ -25,10 +25,9 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
-/// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across.
+/// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across; a mean shorter than this share
+/// points nowhere.
 const CALM: f64 = 0.1;
-/// Choice: a sum of directions that is shorter than this share of them has none.
-pub(crate) const LEAST_LENGTH: f64 = 0.1;
 
 /// Where up is, a unit vector, while the device is hardly accelerated.
 pub(crate) fn calm(up_m_s2: &Vector3<f64>) -> Option<Vector3<f64>> {
@@ -58,9 +57,9 @@ struct Filter {
 }
 
 impl Tilt {
-    /// Up, of about the size 1; `None` before the first sample, and where it has no direction.
+    /// Up, of about the size 1; `None` before the first sample, and where what was read points nowhere.
     pub fn up(&self) -> Option<Vector3<f64>> {
-        self.filter.map(|it| it.up).filter(|up| up.norm() > LEAST_LENGTH)
+        self.filter.map(|it| it.up).filter(|up| up.norm() > CALM)
     }
 
     /// Variance of it about a horizontal axis, what it has at rest aside, rad^2.
@@ -102,7 +101,7 @@ impl Tilt {
         let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
-        let along = it.up.try_normalize(LEAST_LENGTH).map_or(0.0, |up| e.dot(&up));
+        let along = it.up.try_normalize(CALM).map_or(0.0, |up| e.dot(&up));
         it.surprise += gain * ((e.norm_squared() - along * along) / (2.0 * expected) - it.surprise);
         it.up += e * (it.variance / expected);
         it.variance *= noise / expected;

@@ -1,6 +1,6 @@
 //! Every choice of the sensors' events.
 
-use crate::priors::STEP_S;
+use crate::priors::{HAND_RAD, STEP_S};
 use crate::tuning::choices;
 
 choices! {
@@ -14,10 +14,10 @@ choices! {
         /// Memory of what motion adds to gravity; and for how long a device turns about the same axis
         tilt_s: 2.0 * STEP_S, "s", "two steps: rust/magcomp/src/sensing/tilt/tests.rs";
         /// How far a hand turns the vertical, a random walk
-        hand_rad: 0.3, "rad/s^0.5", "17 deg in a second: walks with motion capture, docs/dev/METHOD.md";
+        hand_rad: HAND_RAD, "rad/s^0.5", "priors";
         /// For how long the same motion is added to gravity, and half of it how long the raw field is averaged, one and a half times how long
         /// its turn is
-        motion_s: 0.2, "s", "half a step of a pedestrian: walks with motion capture, docs/dev/METHOD.md";
+        motion_s: 0.5 * STEP_S, "s", "half a step of a pedestrian: walks with motion capture, docs/dev/METHOD.md";
         /// How much more of it, in squares, lies along a horizontal axis than along gravity
         across: 2.0, "", "walks with motion capture, docs/dev/METHOD.md";
     }

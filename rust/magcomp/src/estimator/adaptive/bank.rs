@@ -5,25 +5,24 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::{Filter, Kind, Leap, NEAR};
+use super::filter::{Filter, Kind, Leap};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
 use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
+use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::math::elementary::{exp, ln};
 use crate::math::symmetric::{basis, six};
-use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE};
+use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE, ROOM_UT};
 use crate::strength::EARTH_SD;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;
-/// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, three former ones, a fork and a twin.
-const BROUGHT: usize = 25;
-/// Choice: former calibrations that are remembered.
-const FORMER: usize = 3;
+/// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, a former one, a fork and a twin.
+const BROUGHT: usize = 23;
 /// Mathematics: frames that hypotheses may run through again with one frame: three of the longest.
 const BUDGET: i64 = 3 * FRAMES as i64;
 /// Choice: frames between looks for a change that nothing announces.
@@ -41,7 +40,7 @@ pub(super) struct Bank {
     pub all: Vec<Filter>,
     pub frames: Frames,
     pub noise: Noise,
-    former: Vec<Gaussian>,
+    former: Option<Gaussian>,
     next_id: u32,
     turn: usize,
     unit_ut: f64,
@@ -56,7 +55,7 @@ impl Bank {
             all: Vec::with_capacity(MOST + BROUGHT),
             frames: Frames::new(),
             noise: Noise::default(),
-            former: Vec::with_capacity(FORMER + 1),
+            former: None,
             next_id: 0,
             turn: 0,
             unit_ut,
@@ -69,7 +68,7 @@ impl Bank {
     pub fn clear(&mut self) {
         self.all.clear();
         self.frames.clear();
-        self.former.clear();
+        self.former = None;
         (self.next_id, self.turn) = (0, 0);
         (self.looked, self.mirrored) = (0, 0);
     }
@@ -169,10 +168,9 @@ impl Bank {
         let honest = state.honest();
         let scale = shape(&known.mean).trace() / 3.0;
         let sizes =
-            [(0, 0.25), (1, 1.0), (9, LARGEST_UT / tuning.step_ut)].into_iter().take(if surprised { 3 } else { 2 });
+            [(0, LEAST_TOLD_UT), (1, tuning.step_ut), (9, LARGEST_UT)].into_iter().take(if surprised { 3 } else { 2 });
         let ways: &[bool] = if surprised { &[false, true] } else { &[false] };
-        for ((size, part), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
-            let step = tuning.step_ut * part;
+        for ((size, step), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
             let mut base = state.clone();
             base.take_for_known(&honest);
             base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
@@ -190,18 +188,16 @@ impl Bank {
             });
             self.all.push(child);
         }
-        for (size, part) in [(0, 0.15), (1, 1.0)] {
+        for (size, differs) in [(0, ROOM_UT / self.unit_ut), (1, tuning.place)] {
             let mut base = state.clone();
-            base.moves_to(tuning.place * part, frame.time_ns);
+            base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
             self.all.push(child(Kind::Place, base, known.mean, place, size));
         }
-        if surprised {
-            for (former, size) in self.former.iter().zip(2..) {
-                let mut base = state.with(former);
-                base.log = log(tuning.devices_per_h) - LN_2;
-                self.all.push(child(Kind::Former, base, former.mean, device, size));
-            }
+        if let Some(former) = self.former.filter(|_| surprised) {
+            let mut base = state.with(&former);
+            base.log = log(tuning.devices_per_h) - LN_2;
+            self.all.push(child(Kind::Former, base, former.mean, device, 2));
         }
         // b may move, or rest
         let moves = !parent.moves;
@@ -286,9 +282,7 @@ impl Bank {
             && best.is_known()
             && let Some(former) = best.former.take()
         {
-            self.former.retain(|it| (it.mean - former.mean).norm() > NEAR);
-            self.former.insert(0, former);
-            self.former.truncate(FORMER);
+            self.former = Some(former);
         }
     }
 

@@ -17,7 +17,7 @@ use crate::priors::IRON_PER_UT;
 use nalgebra::Vector3;
 
 /// Choice: calibrations nearer than this (units, and relative for T) are in one place. A mean that is further from `lin` wants another run.
-pub(super) const NEAR: f64 = 0.04;
+const NEAR: f64 = 0.04;
 
 /// Choice: what counts as known, degrees.
 const KNOWN_DEG: f64 = 0.8;

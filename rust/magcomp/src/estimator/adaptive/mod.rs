@@ -38,9 +38,6 @@ pub(crate) use tuning::Tuning;
 /// Format: samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
-/// Choice: mean square turn, about one axis at least, after which a given calibration was looked at from sides enough to be confirmed, rad^2.
-const TURNED_RAD2: f64 = 0.1;
-
 /// Groups that become one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Pooled {
@@ -390,7 +387,7 @@ impl Adaptive {
     pub fn has_learned(&self) -> bool {
         let was_turned = || {
             let groups = self.groups as f64;
-            self.seen.norm_squared() < (1.0 - TURNED_RAD2) * groups * groups
+            self.seen.norm_squared() < (1.0 - self.tuning.shown_rad2) * groups * groups
         };
         self.published.is_some() && (self.given.is_none() || was_turned())
     }

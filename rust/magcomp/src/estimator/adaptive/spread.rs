@@ -6,15 +6,13 @@
 //!     D = sum w (u - mean)(u - mean)^T,   N = sum w white,   share = N / v.D v:   of noise in the plane's thickness
 //! What is known of v.beta is at most what was known before, the thickness without noise and its chance (n frames), and what two means tell
 //! where what they depend on is known: that of the strength, along the mean direction, and that of the vertical part, along the vertical.
-//!     1 / variance <= 1 / before + (1 - share (1 + 2 (2/n)^1/2))+ v.T D T v + (v.n)^2 / (strength + uneven) + (v.up)^2 / (vertical part + tilt)
+//!     1 / variance <= 1 / before + (1 - share (1 + 3 (2/n)^1/2))+ v.T D T v + (v.n)^2 / (strength + uneven) + (v.up)^2 / (vertical part + tilt)
 
 #[cfg(test)]
 mod tests;
 
+use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
-
-/// Choice: standard deviations of chance by which a plane must be thicker than its noise.
-const CHANCE: f64 = 2.0;
 
 /// What is known before a spread begins: the covariance of beta, and the variances of the strength, relative, and of mu.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,7 +79,7 @@ impl Spread {
         let thinnest = eigen.eigenvalues.imin();
         let normal: Vector3<f64> = eigen.eigenvectors.column(thinnest).into();
         let thickness = eigen.eigenvalues[thinnest];
-        let share = self.noise / thickness.max(f64::MIN_POSITIVE) * (1.0 + CHANCE * (2.0 / self.frames).sqrt());
+        let share = self.noise / thickness.max(f64::MIN_POSITIVE) * (1.0 + BEYOND_CHANCE * (2.0 / self.frames).sqrt());
         let along = (t * normal).norm_squared();
         let mean = |sum: &Vector3<f64>| (sum / self.frames).dot(&normal).powi(2);
         let known = 1.0 / normal.dot(&(self.before.beta * normal)).max(f64::MIN_POSITIVE)

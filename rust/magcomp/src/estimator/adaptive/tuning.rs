@@ -1,7 +1,9 @@
 //! Every choice of the estimator: what is believed of phones, hands and places before a stream is seen.
 
 use crate::noise::Process;
-use crate::priors::{NOISE_UT, OF_USE_DEG, ROOM_S, SETTLED_S, SHOWN_RAD2, STEP_S};
+use crate::priors::{
+    DEVICES_PER_H, NOISE_UT, OF_USE_DEG, RAMP_S, ROOM_S, ROOM_UT, SETTLED_S, SHOWN_RAD2, STEP_S, TILT_RAD,
+};
 use crate::tuning::choices;
 
 choices! {
@@ -18,16 +20,16 @@ choices! {
         /// For how long of motion the same unevenness lasts before that is learned
         uneven_s: STEP_S, "s", "priors";
         /// Tilt of a hand that moves, before it is learned, and the least
-        tilt_rad: 0.04, "rad", "hands";
+        tilt_rad: TILT_RAD, "rad", "priors";
         /// How long the same tilt lasts
         tilt_s: STEP_S, "s", "priors";
         /// White noise of the vertical before it is learned, and the least
         tilt_white_rad: 0.005, "rad", "data sheets of accelerometers";
         /// Changes of the device's disturbance
-        devices_per_h: 10.0, "1/h", "covers, chargers";
+        devices_per_h: DEVICES_PER_H, "1/h", "priors";
         /// Changes of the place
-        places_per_h: 60.0, "1/h", "rooms, doors";
-        /// Change of b, standard deviation per axis, the larger of two kinds; the smaller is a quarter of it
+        places_per_h: 0.5 * 3600.0 / ROOM_S, "1/h", "rooms, doors: each lasts twice as long as makes it usual";
+        /// Change of b, standard deviation per axis, the middle of three kinds; the least is what is told, the largest that of a magnet
         step_ut: 20.0, "uT", "a cover, a magnet";
         /// Strength and vertical part of another place's field, relative to the strength, standard deviation; half of it is told
         place: 0.2, "", "rooms, beside steel";
@@ -40,7 +42,7 @@ choices! {
         /// How far M deviates from a multiple of I before anything is known
         soft_iron: 0.05, "", "phones";
         /// Samples nearer than this to one another are one group
-        frame_ut: 2.0, "uT", "2 degrees";
+        frame_ut: ROOM_UT, "uT", "priors";
         /// For at most so long
         frame_s: 0.08, "s", "families";
         /// Expected direction error below which misses tell of the noise
@@ -52,7 +54,7 @@ choices! {
         /// A change lasts for so long, or it was none
         change_s: 2.0, "s", "a cover put on; a door passed";
         /// A change of the device that takes time takes so long
-        ramp_s: 0.3, "s", "a cover put on";
+        ramp_s: RAMP_S, "s", "priors";
         /// Time after which another place is what is usual
         new_place_s: ROOM_S, "s", "priors";
     }

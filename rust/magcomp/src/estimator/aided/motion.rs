@@ -10,14 +10,12 @@
 //! Source: docs/dev/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
 
 use crate::math::elementary::cbrt;
-use crate::sensing::tilt::{GRAVITY_M_S2, LEAST_LENGTH};
+use crate::priors::TILT_RAD;
+use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Known, gain};
 use super::tuning::Tuning;
-
-/// Choice: an unknown bias must not tilt `up` by more than about this, rad.
-const LARGEST_TILT_RAD: f64 = 0.03;
 
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,7 +91,7 @@ impl Motion {
         self.felt = r * self.felt;
         self.slow = r * self.slow;
         self.up = self.up.map(|up| r * up);
-        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= LEAST_LENGTH) else { return };
+        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= 0.5) else { return };
         let Some(carried) = self.up else {
             self.up = Some(reads.normalize());
             return;
@@ -102,7 +100,7 @@ impl Motion {
         self.up_age_s += dt_s;
         let share = |time_s: f64| (dt_s / time_s).min(1.0);
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
-        let time_s = (LARGEST_TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
+        let time_s = (TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
         let best_s = cbrt(self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2));
         let up_time_s = best_s.max(time_s).min(self.up_age_s);

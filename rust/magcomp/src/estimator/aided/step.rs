@@ -6,7 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::propagate::ProcessNoise;
 use super::state::{AXES, BIAS, Filter, Parts};
 
-/// Choice: the interval of samples, s, that noise at rest and odds are told for: errors of others last longer than theirs.
+/// Data sheet: the interval of a phone's magnetometer at its fastest, s, that noise at rest and odds are told for: errors of others last longer than
+/// theirs.
 pub(super) const SAMPLE_S: f64 = 0.01;
 
 /// A sample, the turn before it, and what is known of noise and motion then.

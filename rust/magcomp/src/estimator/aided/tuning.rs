@@ -4,7 +4,8 @@
 use crate::calibration::UNEVEN_UT;
 use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::priors::{
-    BEYOND_CHANCE, DAYS_UT, HOPELESS, NOISE_UT, OF_USE_DEG, OUTLYING, ROOM_S, ROOM_UT, SETTLED_S, STEP_S, UNSEEN_IRON,
+    BEYOND_CHANCE, DAYS_UT, DEVICES_PER_H, HAND_RAD, HOPELESS, NOISE_UT, OF_USE_DEG, OUTLYING, RAMP_S, ROOM_S, ROOM_UT,
+    SETTLED_S, STEP_S, UNSEEN_IRON,
 };
 use crate::tuning::choices;
 
@@ -20,7 +21,7 @@ choices! {
         /// Least random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
         /// Time over which corrections of the hard iron are gathered to see whether they go one way; a longer gap between samples lets it drift
-        walk_s: 2.0, "s", "families";
+        walk_s: 0.5 * SETTLED_S, "s", "families";
         /// Largest random walk of the hard iron, and that in a gap
         largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
@@ -38,13 +39,13 @@ choices! {
         /// Unevenness up to which the field of a place averages out along a walk
         even_ut: UNEVEN_UT, "uT", "calibration";
         /// Memory of how often samples misfit
-        burst_memory_s: 40.0, "s", "a room";
+        burst_memory_s: ROOM_S, "s", "priors";
         /// How often the device changes, against which the rate of misfits is held
-        device_rate_h: 4.0, "1/h", "a cover, a charger";
+        device_rate_h: DEVICES_PER_H, "1/h", "priors";
         /// How long a change must hold, per unit of the log of these odds: a field that is passed fits for less
-        hold_s: 0.3, "s", "walks among magnetic boards";
+        hold_s: RAMP_S, "s", "priors";
         /// Memory of what must be seen at once: whether samples fit, how c and f differ
-        quick_s: 0.25, "s", "a hand covers an unevenness in a second or more";
+        quick_s: 0.5 * STEP_S, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
         memory_s: STEP_S, "s", "priors";
         /// Memory of what changes slowly: up, unevenness, how much was turned of late, whether the gyroscope makes sense; motion after which a calibration is proven
@@ -56,7 +57,7 @@ choices! {
         /// Least size of a step; twice this from one sample to the next is nothing that a turn does; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
-        ramp_s: 0.4, "s", "a cover put on";
+        ramp_s: RAMP_S, "s", "priors";
         /// Log likelihood ratio, per sample of 10 ms, at which a hypothesis wins: residuals of a real field are not white
         decide_log_ratio: HOPELESS, "", "recordings";
         /// Rotation since the onset before a hypothesis may win
@@ -70,7 +71,7 @@ choices! {
         /// Standard deviation of the field's direction, about the vertical where it is known, up to which a start is told
         publish_deg: OF_USE_DEG, "deg", "priors";
         /// Rate from which motion is full: all of the process noise and of the learning applies
-        full_motion_rad_s: 0.3, "rad/s", "families";
+        full_motion_rad_s: HAND_RAD, "rad/s", "priors";
     } mechanisms {
         /// Unevenness of the place: d, and what c and f differ by
         unevenness;
