@@ -217,7 +217,7 @@ import Testing
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))
         // the vertical, which is filtered, comes to lie flat
-        #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-4)
+        #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-3)
         #expect(after.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
     }
 
