@@ -25,9 +25,10 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
-/// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across; a mean shorter than this share
-/// points nowhere.
+/// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across.
 const CALM: f64 = 0.1;
+/// Choice: a sum of directions that is shorter than this share of them has none.
+const LEAST_LENGTH: f64 = 0.1;
 
 /// Where up is, a unit vector, while the device is hardly accelerated.
 pub(crate) fn calm(up_m_s2: &Vector3<f64>) -> Option<Vector3<f64>> {
@@ -57,9 +58,9 @@ struct Filter {
 }
 
 impl Tilt {
-    /// Up, of about the size 1; `None` before the first sample, and where what was read points nowhere.
+    /// Up, of about the size 1; `None` before the first sample, and where it has no direction.
     pub fn up(&self) -> Option<Vector3<f64>> {
-        self.filter.map(|it| it.up).filter(|up| up.norm() > CALM)
+        self.filter.map(|it| it.up).filter(|up| up.norm() > LEAST_LENGTH)
     }
 
     /// Variance of it about a horizontal axis, what it has at rest aside, rad^2.
@@ -101,7 +102,7 @@ impl Tilt {
         let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
-        let along = it.up.try_normalize(CALM).map_or(0.0, |up| e.dot(&up));
+        let along = it.up.try_normalize(LEAST_LENGTH).map_or(0.0, |up| e.dot(&up));
         it.surprise += gain * ((e.norm_squared() - along * along) / (2.0 * expected) - it.surprise);
         it.up += e * (it.variance / expected);
         it.variance *= noise / expected;

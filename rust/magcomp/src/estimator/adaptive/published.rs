@@ -8,7 +8,7 @@ mod tests;
 use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
 use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;
-use crate::math::symmetric::{basis, six};
+use crate::math::symmetric::{PLACES, basis, six};
 use crate::priors::OUTLYING;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -96,5 +96,8 @@ impl Published {
 /// d ln det(T)^(1/3)/dT: where det M = 1, a T of another size is the same M.
 fn by_shape(t: &Matrix3<f64>) -> Option<SVector<f64, 6>> {
     let inverse = t.try_inverse()?;
-    Some(SVector::from(basis().map(|dt| (inverse * dt).trace() / 3.0)))
+    Some(
+        SVector::from(PLACES.map(|(i, j)| if i == j { inverse[(i, i)] } else { inverse[(i, j)] + inverse[(j, i)] }))
+            / 3.0,
+    )
 }

@@ -17,6 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::step::{Known, gain};
 use super::tuning::Tuning;
 
+/// Choice: share of gravity below which an accelerometer falls with the device, and shows no vertical.
+const LEAST_PULL: f64 = 0.5;
+
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
@@ -91,7 +94,7 @@ impl Motion {
         self.felt = r * self.felt;
         self.slow = r * self.slow;
         self.up = self.up.map(|up| r * up);
-        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= 0.5) else { return };
+        let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= LEAST_PULL) else { return };
         let Some(carried) = self.up else {
             self.up = Some(reads.normalize());
             return;
