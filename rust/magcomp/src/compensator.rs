@@ -211,10 +211,12 @@ impl Compensator {
         if !matches!(self.config.method, Method::Auto | Method::Aided) {
             return false;
         }
-        let Some(is_usable) = self.presence.is_usable(time_ns, previous_ns) else { return false };
+        let Some(is_there) = self.presence.is_there(time_ns, previous_ns) else { return false };
         let belief = &self.belief;
-        let others = self.estimator.follow_gyroscope(is_usable, |given| belief.no_surer_than_usual(given));
-        others && is_usable
+        let is_contradicted = self.axes.is_wrong();
+        let others =
+            self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
+        others && is_there
     }
 
     /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
@@ -241,11 +243,10 @@ impl Compensator {
         }
     }
 
-    /// What the estimator knows of the gyroscope tells the pairing, and whether it is of use.
+    /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
         if let Some(gyroscope) = self.estimator.gyroscope() {
             self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
-            self.presence.judge(gyroscope.is_useless || self.axes.is_wrong());
         }
     }
 

@@ -1,4 +1,4 @@
-//! Whether the gyroscope is there and of use, and how often the chain of its rotations broke.
+//! Whether the gyroscope is there, and how often the chain of its rotations broke.
 
 use super::tuning::Tuning;
 
@@ -7,8 +7,6 @@ use super::tuning::Tuning;
 pub(super) struct Presence {
     /// Time of the latest sample with a rotation, ns.
     rotated_ns: Option<i64>,
-    /// It was found to read nonsense. It is tried again once it has been gone.
-    is_useless: bool,
     gaps: u64,
 }
 
@@ -34,20 +32,12 @@ impl Presence {
         }
     }
 
-    /// Whether the estimator finds it useless.
-    pub fn judge(&mut self, is_useless: bool) {
-        self.is_useless = is_useless;
-    }
-
-    /// Whether it is usable for the sample at this time; `None` where it has never been there.
-    pub fn is_usable(&mut self, time_ns: i64, previous_ns: Option<i64>) -> Option<bool> {
+    /// Whether it is there for the sample at this time; `None` where it has never been there.
+    pub fn is_there(&self, time_ns: i64, previous_ns: Option<i64>) -> Option<bool> {
         let rotated_ns = self.rotated_ns?;
         let is_gone = time_ns.saturating_sub(rotated_ns) > (Tuning::USED.gone_s * 1e9) as i64;
-        if is_gone {
-            self.is_useless = false;
-        }
         // a pause of all sensors is no loss of the gyroscope
-        Some(!self.is_useless && (!is_gone || Some(rotated_ns) == previous_ns))
+        Some(!is_gone || Some(rotated_ns) == previous_ns)
     }
 }
 
@@ -68,7 +58,7 @@ mod tests {
     fn one_that_never_came_is_not_asked_for() {
         let mut presence = Presence::default();
         presence.see(0, None, false);
-        assert_eq!(presence.is_usable(0, None), None);
+        assert_eq!(presence.is_there(0, None), None);
     }
 
     #[test]
@@ -76,7 +66,7 @@ mod tests {
         let mut presence = present();
         for k in 1..=102 {
             presence.see(k * PERIOD_NS, Some((k - 1) * PERIOD_NS), false);
-            assert_eq!(presence.is_usable(k * PERIOD_NS, Some((k - 1) * PERIOD_NS)), Some(k <= 100), "{k}");
+            assert_eq!(presence.is_there(k * PERIOD_NS, Some((k - 1) * PERIOD_NS)), Some(k <= 100), "{k}");
         }
         assert_eq!(presence.gaps(), 1);
     }
@@ -85,25 +75,15 @@ mod tests {
     fn a_pause_of_all_sensors_is_no_loss_but_a_gap() {
         let mut presence = present();
         presence.see(5_000_000_000, Some(0), false);
-        assert_eq!((presence.is_usable(5_000_000_000, Some(0)), presence.gaps()), (Some(true), 1));
-    }
-
-    #[test]
-    fn a_useless_one_is_tried_again_once_it_has_been_gone() {
-        let mut presence = present();
-        presence.judge(true);
-        assert_eq!(presence.is_usable(PERIOD_NS, Some(0)), Some(false));
-        assert_eq!(presence.is_usable(2_000_000_000, Some(1_990_000_000)), Some(false));
-        presence.see(2_010_000_000, Some(2_000_000_000), true);
-        assert_eq!(presence.is_usable(2_010_000_000, Some(2_000_000_000)), Some(true));
+        assert_eq!((presence.is_there(5_000_000_000, Some(0)), presence.gaps()), (Some(true), 1));
     }
 
     #[test]
     fn a_pause_that_is_told_is_a_gap_and_no_gyroscope_is_known_after_it() {
         let mut presence = present();
-        assert_eq!((presence.gaps(), presence.is_usable(PERIOD_NS, Some(0))), (0, Some(true)));
+        assert_eq!((presence.gaps(), presence.is_there(PERIOD_NS, Some(0))), (0, Some(true)));
         presence.pause();
-        assert_eq!((presence.gaps(), presence.is_usable(PERIOD_NS, Some(0))), (1, None));
+        assert_eq!((presence.gaps(), presence.is_there(PERIOD_NS, Some(0))), (1, None));
         presence.pause();
         assert_eq!(presence.gaps(), 2);
     }
@@ -111,7 +91,7 @@ mod tests {
     #[test]
     fn it_is_gone_a_nanosecond_after_a_second() {
         let mut presence = present();
-        assert_eq!(presence.is_usable(1_000_000_000, Some(990_000_000)), Some(true));
-        assert_eq!(presence.is_usable(1_000_000_001, Some(990_000_000)), Some(false));
+        assert_eq!(presence.is_there(1_000_000_000, Some(990_000_000)), Some(true));
+        assert_eq!(presence.is_there(1_000_000_001, Some(990_000_000)), Some(false));
     }
 }

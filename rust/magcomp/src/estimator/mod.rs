@@ -56,11 +56,16 @@ impl Estimator {
         }
     }
 
-    /// The gyroscope is usable now (or no longer): whether it is another estimator's turn. One that comes begins from what is in force, as
-    /// `given` makes it.
-    pub fn follow_gyroscope(&mut self, is_usable: bool, given: impl FnOnce(Given) -> Given) -> bool {
+    /// The gyroscope is there now (or no longer), and whether gravity contradicts it: whether it is another estimator's turn. One that comes begins from
+    /// what is in force, as `given` makes it.
+    pub fn follow_gyroscope(
+        &mut self,
+        is_there: bool,
+        is_contradicted: bool,
+        given: impl FnOnce(Given) -> Given,
+    ) -> bool {
         match self {
-            Self::Ours(ours) => ours.follow_gyroscope(is_usable, |ours| {
+            Self::Ours(ours) => ours.follow_gyroscope(is_there, is_contradicted, |ours| {
                 in_force(ours.untouched(), ours.calibration(), ours.covariance()).map(given)
             }),
             Self::Windowed(_) => false,

@@ -1,5 +1,8 @@
 //! Our two estimators, and which of them answers: with a gyroscope the aided one, without one the adaptive one, and of both while a start
 //! tries them the one that knows more. Each begins anew in memory that was taken once.
+//!
+//! Gyroscope, gravity and field are three witnesses: a gyroscope that gravity contradicts is out of use only while the field does not vouch for it, by samples
+//! that fit its turns. Out of use it is tried beside the magnetometer alone, so that the field can still vouch.
 
 use super::Tunings;
 use super::adaptive::Adaptive;
@@ -22,6 +25,8 @@ pub(crate) struct Ours {
     strength_ut: Option<f64>,
     adaptive: Adaptive,
     gyroscope: Gyroscope,
+    /// Gravity does not turn as the gyroscope says.
+    is_contradicted: bool,
     figures: Figures,
 }
 
@@ -30,7 +35,7 @@ pub(crate) struct Ours {
 enum Gyroscope {
     /// To the adaptive one.
     Missing,
-    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does.
+    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does; or gravity contradicts it.
     Starting(Aided),
     /// To the aided one.
     InUse(Aided),
@@ -48,15 +53,14 @@ pub(crate) struct GyroscopeErrors {
     pub bias_rad_s: Vector3<f64>,
     /// True rate = (I - scale) reading - bias.
     pub scale: Matrix3<f64>,
-    /// What it reads explains nothing.
-    pub is_useless: bool,
 }
 
 impl Ours {
     /// Begins with the one that needs no gyroscope. All memory is taken here.
     pub fn new(tunings: Tunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
         let adaptive = Adaptive::new(tunings.adaptive, strength_ut, None);
-        Self { tunings, strength_ut, adaptive, gyroscope: Gyroscope::Missing, figures: Figures::new(windowed) }
+        let figures = Figures::new(windowed);
+        Self { tunings, strength_ut, adaptive, gyroscope: Gyroscope::Missing, is_contradicted: false, figures }
     }
 
     /// As new, in the memory that is there.
@@ -73,15 +77,22 @@ impl Ours {
         self.figures.look_through(given.map(|given| given.calibration));
     }
 
-    /// The gyroscope is usable now (or no longer): whether it is another estimator's turn. One that comes begins from `given`.
-    pub fn follow_gyroscope(&mut self, is_usable: bool, given: impl FnOnce(&Self) -> Option<Given>) -> bool {
-        self.gyroscope = match (&self.gyroscope, is_usable) {
-            (Gyroscope::Missing, true) => {
-                let mut aided = Aided::new(self.tunings.aided, self.strength_ut);
-                if let Some(given) = given(self) {
-                    aided.begin_from(&given);
-                }
-                Gyroscope::Starting(aided)
+    /// The gyroscope is there now (or no longer), and whether gravity contradicts it: whether it is another estimator's turn. One that comes begins from `given`.
+    pub fn follow_gyroscope(
+        &mut self,
+        is_there: bool,
+        is_contradicted: bool,
+        given: impl FnOnce(&Self) -> Option<Given>,
+    ) -> bool {
+        self.is_contradicted = is_contradicted;
+        let is_used = matches!(self.gyroscope, Gyroscope::InUse(_));
+        let is_in_doubt = is_used && !self.is_trusted();
+        self.gyroscope = match (&self.gyroscope, is_there) {
+            (Gyroscope::Missing, true) => self.begin_aided(given(self)),
+            (Gyroscope::InUse(_), true) if is_in_doubt => {
+                let given = given(self);
+                self.adaptive.restart(given);
+                self.begin_aided(given)
             }
             (Gyroscope::Starting(_), false) => Gyroscope::Missing,
             (Gyroscope::InUse(_), false) => {
@@ -94,6 +105,22 @@ impl Ours {
         true
     }
 
+    fn begin_aided(&self, given: Option<Given>) -> Gyroscope {
+        let mut aided = Aided::new(self.tunings.aided, self.strength_ut);
+        if let Some(given) = given {
+            aided.begin_from(&given);
+        }
+        Gyroscope::Starting(aided)
+    }
+
+    /// Whether gravity and gyroscope agree, or gyroscope and field do.
+    fn is_trusted(&self) -> bool {
+        match &self.gyroscope {
+            Gyroscope::InUse(aided) | Gyroscope::Starting(aided) => !self.is_contradicted || aided.vouches(),
+            Gyroscope::Missing => false,
+        }
+    }
+
     /// One sample that was checked, with what the other sensors said.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
@@ -104,16 +131,17 @@ impl Ours {
             Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
                 let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
-                if knows_more(aided, adaptive) { told } else { other }
+                if knows_more(aided, adaptive, self.is_contradicted) { told } else { other }
             }
         };
         if let Gyroscope::Starting(aided) = &self.gyroscope
             && aided.has_learned()
+            && self.is_trusted()
         {
             self.gyroscope = Gyroscope::InUse(aided.clone());
         }
-        let (gyroscope, adaptive) = (&self.gyroscope, &self.adaptive);
-        let answer = self.figures.finish(answer, &raw_ut, || match gyroscope.speaker(adaptive) {
+        let speaker = self.gyroscope.speaker(&self.adaptive, self.is_contradicted);
+        let answer = self.figures.finish(answer, &raw_ut, || match speaker {
             Speaker::Aided(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
             Speaker::Adaptive(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
         });
@@ -133,7 +161,7 @@ impl Ours {
     }
 
     fn speaker(&self) -> Speaker<'_> {
-        self.gyroscope.speaker(&self.adaptive)
+        self.gyroscope.speaker(&self.adaptive, self.is_contradicted)
     }
 
     /// Samples that the estimator looks at.
@@ -186,23 +214,26 @@ impl Ours {
     pub fn gyroscope(&self) -> Option<GyroscopeErrors> {
         let (Gyroscope::InUse(aided) | Gyroscope::Starting(aided)) = &self.gyroscope else { return None };
         let (bias_rad_s, scale) = aided.gyroscope();
-        Some(GyroscopeErrors { bias_rad_s, scale, is_useless: aided.is_gyroscope_useless() })
+        Some(GyroscopeErrors { bias_rad_s, scale })
     }
 }
 
 impl Gyroscope {
-    fn speaker<'a>(&'a self, adaptive: &'a Adaptive) -> Speaker<'a> {
+    fn speaker<'a>(&'a self, adaptive: &'a Adaptive, is_contradicted: bool) -> Speaker<'a> {
         match self {
-            Self::Starting(aided) if !knows_more(aided, adaptive) => Speaker::Adaptive(adaptive),
+            Self::Starting(aided) if !knows_more(aided, adaptive, is_contradicted) => Speaker::Adaptive(adaptive),
             Self::InUse(aided) | Self::Starting(aided) => Speaker::Aided(aided),
             Self::Missing => Speaker::Adaptive(adaptive),
         }
     }
 }
 
-/// Which of the two of a start answers: the one with the gyroscope, unless that keeps breaking off and the other one alone knows a calibration,
-/// or has learned b better.
-fn knows_more(aided: &Aided, adaptive: &Adaptive) -> bool {
+/// Which of the two of a start answers: the one with the gyroscope, unless gravity contradicts that, or it keeps breaking off and the other one alone
+/// knows a calibration, or has learned b better.
+fn knows_more(aided: &Aided, adaptive: &Adaptive, is_contradicted: bool) -> bool {
+    if is_contradicted && !aided.vouches() {
+        return false;
+    }
     if !aided.broke_within(SETTLED_S) {
         return true;
     }

@@ -4,6 +4,5 @@ pub(crate) mod descend;
 pub(crate) mod elementary;
 pub(crate) mod gaussian;
 pub(crate) mod ldl;
-pub(crate) mod student;
 pub(crate) mod symmetric;
 pub(crate) mod turn;

@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)
-//! useless:  |e| > 16 uT and |e| > 150 uT |theta| in most samples: no offset does that to a turn of theta
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
@@ -14,7 +13,7 @@
 //! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
 use crate::math::elementary::exp;
-use crate::priors::{BEYOND_CHANCE, LARGEST_UT};
+use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
@@ -48,7 +47,6 @@ pub(crate) struct Adaptation {
     slow_age_s: f64,
     /// U_f^2, uT^2.
     followed_ut2: f64,
-    useless_share: f64,
 }
 
 impl Adaptation {
@@ -84,11 +82,6 @@ impl Adaptation {
         if tuning.unevenness {
             self.local_ut = tuning.local_most_ut;
         }
-    }
-
-    /// Whether the gyroscope explains nothing of late.
-    pub(crate) fn is_gyroscope_useless(&self) -> bool {
-        self.useless_share > 0.5
     }
 
     /// The slow difference between the corrected sample and the carried field.
@@ -158,7 +151,6 @@ impl Adaptation {
         raw_ut: &Vector3<f64>,
         known: &Known,
         turn: &Matrix3<f64>,
-        angle_rad: f64,
         dt_s: f64,
         tuning: &Tuning,
     ) {
@@ -166,9 +158,6 @@ impl Adaptation {
         if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
             let size = e.norm();
-            let surprise = size > 2.0 * tuning.smallest_step_ut && size > LARGEST_UT * angle_rad;
-            // a cover or charger moves the field for a second at most
-            self.useless_share += gain(dt_s, tuning.settled_s) * (f64::from(surprise) - self.useless_share);
             let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(1.0) } else { 0.0 };
             let variance = self.variance_ut2;
             self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);

@@ -104,6 +104,11 @@ impl Aided {
         self.phase.running().is_some()
     }
 
+    /// Whether the field vouches for the gyroscope: samples in motion have fitted its turns for long.
+    pub fn vouches(&self) -> bool {
+        matches!(&self.phase, Phase::Running(running) if running.agreed_s > self.tuning.settled_s)
+    }
+
     /// Whether the chain of rotations broke not long ago: it is younger than this.
     pub fn broke_within(&self, seconds: f64) -> bool {
         self.was_broken && self.chain_s < seconds
@@ -140,11 +145,6 @@ impl Aided {
             Phase::Starting(first) => first.gyroscope(),
             Phase::Running(it) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().axes),
         }
-    }
-
-    /// Whether what the gyroscope reads explains nothing.
-    pub fn is_gyroscope_useless(&self) -> bool {
-        self.adaptation.is_gyroscope_useless()
     }
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
@@ -201,7 +201,7 @@ impl Aided {
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
         let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
-            self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank)
+            Some(self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank))
         } else {
             self.adaptation.forget_previous();
             None

@@ -17,7 +17,7 @@ use crate::math::turn::Turn;
 use crate::sensing::pairing::Rotation;
 
 impl Aided {
-    /// What a rotation says of a sample; `None` while the gyroscope explains nothing.
+    /// What a rotation says of a sample.
     pub(super) fn sense<'a>(
         &mut self,
         time_ns: i64,
@@ -26,7 +26,7 @@ impl Aided {
         up: Option<Vector3<f64>>,
         dt_s: f64,
         is_blank: bool,
-    ) -> Option<Step<'a>> {
+    ) -> Step<'a> {
         let tuning = &self.tuning;
         let known = match &self.phase {
             Phase::Starting(first) => first.known(tuning),
@@ -40,7 +40,7 @@ impl Aided {
         if is_blank {
             self.adaptation.forget_previous();
         } else {
-            self.adaptation.step(raw_ut, &known, &turn, angle_rad, dt_s, tuning);
+            self.adaptation.step(raw_ut, &known, &turn, dt_s, tuning);
         }
         self.recent.add(&rotation.increment_rad, dt_s);
         let motion = self.motion.amount(tuning);
@@ -54,7 +54,7 @@ impl Aided {
             local_time_s: tuning.local_time_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
-        (!self.is_gyroscope_useless()).then_some(Step {
+        Step {
             time_ns,
             raw_ut,
             is_blank,
@@ -69,6 +69,6 @@ impl Aided {
             resting: self.motion.at_rest(),
             bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),
             motion,
-        })
+        }
     }
 }

@@ -48,13 +48,13 @@ choices! {
         quick_s: 0.5 * STEP_S, "s", "a hand covers an unevenness in a second or more";
         /// Memory of noise, rate and rest
         memory_s: STEP_S, "s", "priors";
-        /// Memory of what changes slowly: up, unevenness, how much was turned of late, whether the gyroscope makes sense; motion after which a calibration is proven
+        /// Memory of what changes slowly: up, unevenness, how much was turned of late; motion after which a calibration is proven
         settled_s: SETTLED_S, "s", "families";
         /// Gate on v^T S^-1 v (three degrees of freedom): a sample above it is not used
         gate: OUTLYING * OUTLYING, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
-        /// Least size of a step; twice this from one sample to the next is nothing that a turn does; less than half of it is no misfit of a former calibration, nor of a start, nor an event
+        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: RAMP_S, "s", "priors";

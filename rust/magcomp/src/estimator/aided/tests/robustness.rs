@@ -67,25 +67,7 @@ fn the_gyroscope_comes_and_goes() {
 }
 
 #[test]
-fn a_gyroscope_that_reads_nonsense_is_found_out() {
-    let mut world = World::new(10);
-    let mut aided = Aided::new(Tuning::default(), None);
-    for k in 0..1_500 {
-        world.attitude = nalgebra::Rotation3::new(world.random.vector(2.0));
-        let mut sample = world.sample(0.01);
-        let noise = world.random.vector(0.003);
-        sample.inertial.rotation =
-            Some(Rotation { increment_rad: noise * 0.01, rate_rad_s: noise, variance_rad2: 0.0 });
-        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        if k >= 400 {
-            assert!(aided.is_gyroscope_useless(), "at {k}");
-            assert_eq!((output.mode, output.field_ut), (SensorMode::GravityOnly, None), "at {k}");
-        }
-    }
-}
-
-#[test]
-fn a_charger_put_on_slowly_does_not_discredit_the_gyroscope() {
+fn a_charger_put_on_slowly_is_learned() {
     let mut world = World::new(11);
     let mut aided = Aided::new(Tuning::default(), None);
     let before = world.hard_iron_ut;
@@ -94,7 +76,6 @@ fn a_charger_put_on_slowly_does_not_discredit_the_gyroscope() {
         world.hard_iron_ut = before + Vector3::new(500.0, -300.0, 200.0) * put_on;
         let sample = world.sample(0.01);
         let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        assert!(!aided.is_gyroscope_useless(), "at {k}");
         if k >= 2_500 {
             let error = output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 5.0, "after the charger: {error} deg at {k}");
