@@ -1,7 +1,7 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
 //! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
 //! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `outside` (headings and
-//! orientations from outside), `assemble` (heading and attitude), `tuning` (every choice).
+//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `tuning` (every choice), `tunings` (of all parts).
 
 mod adopted;
 mod assemble;
@@ -12,13 +12,14 @@ mod outside;
 mod presence;
 mod rails;
 mod tuning;
+mod tunings;
 
 use crate::calibration::Calibration;
 use crate::config::{Config, Method, validate_heading};
 use crate::coverage::{Coverage, Guidance};
 use crate::ellipsoid::EllipsoidFit;
+use crate::estimator::Estimator;
 use crate::estimator::answer::Answer;
-use crate::estimator::{Estimator, Tunings};
 use crate::explanation::Explanation;
 use crate::heading::HeadingConfig;
 use crate::north::North;
@@ -26,6 +27,7 @@ use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::axes::Axes;
+use crate::sensing::gravity::Gravity;
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
@@ -33,6 +35,8 @@ use belief::Belief;
 use check::Stream;
 use nalgebra::SMatrix;
 use presence::Presence;
+use tuning::Tuning;
+pub use tunings::Tunings;
 
 /// Frees a magnetometer from the disturbance its phone carries, sample by sample.
 ///
@@ -65,10 +69,12 @@ use presence::Presence;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compensator {
     config: Config,
+    tuning: Tuning,
     stream: Stream,
     pairing: InertialPairing,
     presence: Presence,
     axes: Axes,
+    gravity: Gravity,
     tilt: Tilt,
     belief: Belief,
     estimator: Box<Estimator>,
@@ -100,9 +106,11 @@ impl Compensator {
             pairing: InertialPairing::default(),
             presence: Presence::default(),
             axes: Axes::default(),
+            gravity: Gravity::default(),
             tilt: Tilt::default(),
             belief: Belief::default(),
             estimator: Box::new(estimator(&config, tunings)),
+            tuning: tunings.compensator,
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
             north: North::default(),
             stand_in: StandIn::default(),
@@ -120,6 +128,7 @@ impl Compensator {
         self.pairing = InertialPairing::default();
         self.presence = Presence::default();
         self.axes = Axes::default();
+        self.gravity = Gravity::default();
         self.tilt = Tilt::default();
         self.belief = Belief::default();
         self.estimator.restart();
@@ -203,7 +212,7 @@ impl Compensator {
     /// # Errors
     /// [`RejectReason`] says why it would not.
     pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        self.stream.check(sample, self.config.range_ut, self.config.rail_ut)
+        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -213,7 +222,7 @@ impl Compensator {
         }
         let Some(is_there) = self.presence.is_there(time_ns, previous_ns) else { return false };
         let belief = &self.belief;
-        let is_contradicted = self.axes.is_wrong();
+        let is_contradicted = self.tuning.axes && self.axes.is_wrong();
         let others =
             self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
         others && is_there
@@ -221,13 +230,18 @@ impl Compensator {
 
     /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>) -> PairedInertial {
-        let paired = self.pairing.pair(time_ns);
+        let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         match (paired.rotation, previous_ns, paired.up_m_s2) {
             (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
-                self.axes.see(&rotation, (time_ns - previous_ns) as f64 * 1e-9, &up_m_s2);
+                let span_s = (time_ns - previous_ns) as f64 * 1e-9;
+                self.axes.see(&rotation, span_s, &up_m_s2);
+                paired.bias = self.gravity.see(&rotation, span_s, Some(&up_m_s2));
             }
-            _ => self.axes.pause(),
+            _ => {
+                self.axes.pause();
+                self.gravity.pause();
+            }
         }
         paired
     }
@@ -319,7 +333,7 @@ impl Compensator {
 fn estimator(config: &Config, tunings: Tunings) -> Estimator {
     let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
     match config.method {
-        Method::Auto | Method::Aided | Method::Adaptive => Estimator::ours(tunings, strength_ut, windowed),
+        Method::Auto | Method::Aided | Method::Adaptive => Estimator::ours(tunings.estimators, strength_ut, windowed),
         Method::Windowed => Estimator::windowed(false, windowed, strength_ut),
         Method::Constant => Estimator::windowed(true, windowed, strength_ut),
     }

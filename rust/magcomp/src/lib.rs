@@ -79,14 +79,14 @@ mod tuning;
 pub use attitude::{Attitude, attitude, attitude_sigma_deg};
 pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors};
 pub use compensator::Compensator;
+#[doc(hidden)]
+pub use compensator::Tunings;
 pub use config::{Config, Method};
 pub use coverage::{CELLS, Coverage};
 pub use ellipsoid::{
     EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
     fit_ellipsoid,
 };
-#[doc(hidden)]
-pub use estimator::Tunings;
 pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
 pub use explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,

@@ -64,8 +64,14 @@ impl Stream {
         f64::from(self.astray) >= Tuning::USED.run_samples
     }
 
-    /// Whether the sample can be used, for a range and full scale of the sensor, uT.
-    pub fn check(&self, sample: &MagneticSample, range_ut: f64, rail_ut: Option<f64>) -> Result<(), RejectReason> {
+    /// Whether the sample can be used, for a sensor's range and full scale.
+    pub fn check(
+        &self,
+        sample: &MagneticSample,
+        range_ut: f64,
+        rail_ut: Option<f64>,
+        tuning: &Tuning,
+    ) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
@@ -79,10 +85,12 @@ impl Stream {
         if value_ut.abs() > range_ut {
             return Err(RejectReason::OutOfRange { value_ut, limit_ut: range_ut });
         }
-        self.rails.check(field)?;
+        if tuning.rails {
+            self.rails.check(field)?;
+        }
         let repeats = self.repeats.saturating_add(1);
         let is_same = self.latest.is_some_and(|latest| latest.field_ut == *field);
-        if is_same && repeats as f64 >= Tuning::USED.run_samples {
+        if tuning.stuck && is_same && repeats as f64 >= Tuning::USED.run_samples {
             return Err(RejectReason::Stuck { repeats });
         }
         Ok(())

@@ -41,7 +41,9 @@ impl Compensator {
             let axis = HeadedAxis::Device(axis);
             self.push_heading(HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis })?;
         }
-        self.stand_in.take(time_ns, to_world, &mut self.pairing);
+        if self.tuning.stand_in {
+            self.stand_in.take(time_ns, to_world, &mut self.pairing);
+        }
         Ok(())
     }
 

@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn it_is_gone_a_nanosecond_after_a_second() {
-        let mut presence = present();
+        let presence = present();
         assert_eq!(presence.is_there(1_000_000_000, Some(990_000_000)), Some(true));
         assert_eq!(presence.is_there(1_000_000_001, Some(990_000_000)), Some(false));
     }

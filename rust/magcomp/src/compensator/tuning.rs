@@ -18,5 +18,14 @@ choices! {
         changed_between: 0.1, "", "the same";
         /// Share of given calibrations that never held: taken beside a magnet, or of another phone
         never_held: 0.0025, "", "one in 400; tests/host/relaunch.rs";
+    } mechanisms {
+        /// Gravity contradicts a gyroscope whose axes are flipped or dead, or that is read in degrees
+        axes;
+        /// A full scale that nobody told is found
+        rails;
+        /// A sensor that hangs is refused
+        stuck;
+        /// The turns of a camera's pose stand in for a gyroscope
+        stand_in;
     }
 }

@@ -19,7 +19,7 @@ use answer::{Answer, Counted};
 use nalgebra::SMatrix;
 use ours::{GyroscopeErrors, Ours};
 use paper::{Windowed, WindowedConfig};
-pub use tunings::Tunings;
+pub(crate) use tunings::EstimatorTunings;
 
 /// The estimator that a config asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) enum Estimator {
 
 impl Estimator {
     /// Ours, in a field of this strength (uT) where it is known, for a validated config. All memory is taken here.
-    pub fn ours(tunings: Tunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
+    pub fn ours(tunings: EstimatorTunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
         Self::Ours(Ours::new(tunings, strength_ut, windowed))
     }
 

@@ -4,7 +4,7 @@
 //! Gyroscope, gravity and field are three witnesses: a gyroscope that gravity contradicts is out of use only while the field does not vouch for it, by samples
 //! that fit its turns. Out of use it is tried beside the magnetometer alone, so that the field can still vouch.
 
-use super::Tunings;
+use super::EstimatorTunings;
 use super::adaptive::Adaptive;
 use super::aided::Aided;
 use super::answer::{Answer, Counted};
@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ours {
-    tunings: Tunings,
+    tunings: EstimatorTunings,
     strength_ut: Option<f64>,
     adaptive: Adaptive,
     gyroscope: Gyroscope,
@@ -57,7 +57,7 @@ pub(crate) struct GyroscopeErrors {
 
 impl Ours {
     /// Begins with the one that needs no gyroscope. All memory is taken here.
-    pub fn new(tunings: Tunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
+    pub fn new(tunings: EstimatorTunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
         let adaptive = Adaptive::new(tunings.adaptive, strength_ut, None);
         let figures = Figures::new(windowed);
         Self { tunings, strength_ut, adaptive, gyroscope: Gyroscope::Missing, is_contradicted: false, figures }

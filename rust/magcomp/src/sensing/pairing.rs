@@ -14,6 +14,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::gravity::BiasInformation;
 use super::tuning::Tuning;
 use crate::math::elementary::{exp, quaternion, rotation_vector};
 use arrayvec::ArrayVec;
@@ -63,6 +64,8 @@ pub(crate) struct PairedInertial {
     pub rotation: Option<Rotation>,
     /// What an accelerometer at rest reads (m/s^2, Android's sign), at the sample's time; `None` when absent.
     pub up_m_s2: Option<Vector3<f64>>,
+    /// What gravity says of the gyroscope's bias that is new.
+    pub bias: Option<BiasInformation>,
 }
 
 /// Rotation between two magnetometer samples, device frame, the gyroscope's bias not removed.
@@ -203,7 +206,7 @@ impl InertialPairing {
         let rotation = self.rotation_at(time_ns, started);
         let up_m_s2 = self.up_at(time_ns);
         self.last_paired_ns = Some(time_ns);
-        PairedInertial { rotation, up_m_s2 }
+        PairedInertial { bias: None, rotation, up_m_s2 }
     }
 
     fn rotation_at(&mut self, time_ns: i64, started: bool) -> Option<Rotation> {

@@ -114,12 +114,18 @@ impl Adaptation {
 
     /// rho: by how much the variance of f, an average, is larger than the filter, which expects s_d, believes.
     pub(crate) fn factor(&self, step: &Step<'_>, tuning: &Tuning) -> f64 {
+        if !tuning.followed {
+            return 1.0;
+        }
         let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + self.variance_ut2 * step.dt_s;
         (density(self.followed_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
     }
 
     /// G^2, variance per axis of f in a place so uneven that it does not average out, uT^2.
     pub(crate) fn followed_ut2(&self, tuning: &Tuning) -> f64 {
+        if !tuning.followed {
+            return 0.0;
+        }
         2.0 * (self.followed_ut2 - tuning.even_ut.powi(2)).max(0.0)
     }
 
@@ -170,7 +176,7 @@ impl Adaptation {
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
     pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
-        if !tuning.unevenness {
+        if !tuning.unevenness || !tuning.local_learning {
             return;
         }
         let trace_ut2 = innovation.variance_ut2.sum();
@@ -189,6 +195,9 @@ impl Adaptation {
 
     /// The walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
     pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, tuning: &Tuning) {
+        if !tuning.walk_learning {
+            return;
+        }
         self.walked_ut += correction_ut;
         self.walked_s += dt_s;
         if self.walked_s < tuning.walk_s {

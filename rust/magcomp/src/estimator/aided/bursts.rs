@@ -1,7 +1,7 @@
 //! How often the field of the place bursts: quiet for seconds, then tens of microtesla, as a magnet is passed.
 //!
 //! ```text
-//! n, t   misfits, and seconds of motion, both forgotten over T = 40 s       p   share of samples that were gated meanwhile
+//! n, t   misfits, and seconds of motion, both forgotten over T = 30 s       p   share of samples that were gated meanwhile
 //! hold = hold_s ln(1 + (n / (t + T)) / device rate)     how long a change must hold before it is believed: in a place that misfits often, for
 //!                                                       so long that it is no field that is passed; 0 in a quiet place
 //! s^2 = p R^2 / 5,   R^2 = 16 (2 uT)^2                  what may be left in a sample that passed the gate: a field of any size within R
@@ -60,7 +60,7 @@ impl Bursts {
 
     /// How long a change must hold, s.
     pub(super) fn hold_s(&self, tuning: &Tuning) -> f64 {
-        if !tuning.bursts {
+        if !tuning.hold {
             return 0.0;
         }
         let rate_h = 3600.0 * (self.known.count + self.open.count) / (self.seconds + tuning.burst_memory_s);
@@ -69,7 +69,7 @@ impl Bursts {
 
     /// Variance per axis of what bursts leave in samples that fit, uT^2.
     pub(super) fn left_ut2(&self, tuning: &Tuning) -> f64 {
-        if !tuning.bursts || !tuning.unevenness {
+        if !tuning.left || !tuning.unevenness {
             return 0.0;
         }
         self.known.gated_share * tuning.gate * tuning.local_most_ut.powi(2) / (3.0 + 2.0)

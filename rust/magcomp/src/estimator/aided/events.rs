@@ -156,6 +156,11 @@ impl Trial {
     pub(crate) fn turn(&mut self, step: &Step<'_>) {
         self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
         self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
+        if let Some(bias) = &step.bias {
+            // whatever has changed, gravity shows it
+            self.device.learn_bias(bias);
+            self.place.learn_bias(bias);
+        }
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.
@@ -168,7 +173,7 @@ impl Trial {
         tuning: &Tuning,
     ) -> Verdict {
         self.turn(step);
-        if self.age_s < tuning.ramp_s {
+        if tuning.ramp && self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
             self.device.add_variance(HARD_IRON, variance);
             self.place.add_variance(FIELD, variance);
@@ -179,7 +184,7 @@ impl Trial {
             self.place.update_bias(step.rate_rad_s, variance);
         }
         if !step.resting {
-            let seen = |it: &Filter| it.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut);
+            let seen = |it: &Filter| it.innovation(step, tuning);
             if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
                 self.judge(&device, &place, step, tuning);
                 if device.nis < tuning.gate {
@@ -206,7 +211,7 @@ impl Trial {
         self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
             // a ramp, or a field that keeps changing
             // in a place that held, the device may have stepped
-            let held = self.is_place && self.place_s > tuning.settled_s;
+            let held = tuning.place_holds && self.is_place && self.place_s > tuning.settled_s;
             *self = Self {
                 onset_ns: if held { self.fitted_ns } else { self.onset_ns },
                 began: self.began,

@@ -169,7 +169,7 @@ impl FirstFit {
         if is_full {
             // more than a place leaves, less than another unit does: the device may have changed meanwhile
             let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..STRONGEST_AXIS_UT.powi(2);
-            if changed_ut2.contains(&self.misfit_ut2) {
+            if tuning.forget && changed_ut2.contains(&self.misfit_ut2) {
                 self.groups.forget();
             }
             self.groups.close();
@@ -195,7 +195,8 @@ impl FirstFit {
         let found = filter(&x, &covariance, tuning)?;
         self.refused = impossible_field(&found);
         let is_earthly = self.earth_ut.contains(&self.field().norm());
-        if self.refused.is_some() || !is_earthly || !is_plausible(&x, &prior, self.given.is_some()) {
+        if self.refused.is_some() || !is_earthly || tuning.plausible && !is_plausible(&x, &prior, self.given.is_some())
+        {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
             self.given = None;
             self.x = self.prior(None, noise_ut2, tuning).mean;
@@ -256,7 +257,7 @@ impl FirstFit {
         let freedom = (3.0 * normal.groups - 9.0).max(1.0);
         let left = normal.residual_ut2 / freedom - white * (1.0 + 2.0 / freedom.sqrt());
         // no more than the Earth's field itself: more is no place's doing
-        self.misfit_ut2 = left.clamp(0.0, STRONGEST_AXIS_UT.powi(2));
+        self.misfit_ut2 = if tuning.misfit { left.clamp(0.0, STRONGEST_AXIS_UT.powi(2)) } else { 0.0 };
         let assumed = white + prior.place_ut2 * tuning.local_time_s / mean_t;
         let found = white + place_ut2(self.misfit_ut2, tuning) * tuning.local_time_s / mean_t;
         let share = assumed / found;
@@ -265,10 +266,11 @@ impl FirstFit {
         let seen = (normal.curvature - prior.precision) * share;
         let p = (seen + before).cholesky()?.inverse();
         let unseen = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        let feigned = self.feigned(&p, unseen * STRONGEST_AXIS_UT, prior)?;
+        let feigned =
+            if tuning.feigned { self.feigned(&p, unseen * STRONGEST_AXIS_UT, prior)? } else { Matrix::zeros() };
         let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
-        let chain_ut2 = self.field().norm_squared() * CHAIN_RAD.powi(2);
+        let chain_ut2 = if tuning.chain { self.field().norm_squared() * CHAIN_RAD.powi(2) } else { 0.0 };
         let p_bb = HARD_IRON.block(&p);
         // at most what was known before any sample
         let given_ut2 = self.given.as_ref().map(|given| given.calibration.own(HARD_IRON_ALONE));

@@ -68,6 +68,9 @@ impl Aided {
             earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
+        if let Some(bias) = &step.bias {
+            filter.learn_bias(bias);
+        }
         self.quarantine.turn(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
@@ -76,14 +79,15 @@ impl Aided {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         }
-        let Some(innovation) = filter.innovation(step.raw_ut, &step.delayed_rad_s, step.sigma_ut) else {
+        let Some(innovation) = filter.innovation(step, &self.tuning) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         };
         // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
         let local_ut = filter.part(LOCAL);
         let gated = innovation.nis > self.tuning.gate
-            || local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
+            || self.tuning.local_gate
+                && local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let unexplained_ut = innovation.v + local_ut;
         let field = filter.part(FIELD);
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));

@@ -13,9 +13,12 @@ use crate::math::elementary::ln;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
+use super::step::Step;
+use super::tuning::Tuning;
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
+use crate::sensing::gravity::BiasInformation;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -123,12 +126,14 @@ impl Filter {
         }))
     }
 
-    /// The innovation of `raw_ut` with white noise `sigma_ut` per axis; `None` when S has no Cholesky factor.
-    pub(crate) fn innovation(&self, raw_ut: &Vector3<f64>, rate: &Vector3<f64>, sigma_ut: f64) -> Option<Innovation> {
-        let model = Model::of(&self.parts(), rate);
+    /// The innovation of a sample; `None` when S has no Cholesky factor.
+    pub(crate) fn innovation(&self, step: &Step<'_>, tuning: &Tuning) -> Option<Innovation> {
+        let (raw_ut, sigma_ut) = (step.raw_ut, step.sigma_ut);
+        let model = Model::of(&self.parts(), &step.delayed_rad_s);
+        let bilinear_ut2 = if tuning.second_order { self.second_order() } else { Vector3::zeros() };
         let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
         let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
-            + Matrix3::from_diagonal(&self.second_order().add_scalar(sigma_ut * sigma_ut));
+            + Matrix3::from_diagonal(&bilinear_ut2.add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
         let v = raw_ut - model.raw_ut;
@@ -143,6 +148,27 @@ impl Filter {
             gain: ph * l_inverse.transpose(),
             whitened,
         })
+    }
+
+    /// New information of the bias from elsewhere: P <- P - P_.g (I + L P_gg)^-1 L P_g.,   L = its precision.
+    pub(crate) fn learn_bias(&mut self, new: &BiasInformation) {
+        let p = self.own(BIAS);
+        let Some(inner) = (Matrix3::identity() + new.precision * p).try_inverse() else { return };
+        let seen = inner * new.precision;
+        let towards = inner * (new.weighted - new.precision * self.part(BIAS));
+        let eigen = ((seen + seen.transpose()) * 0.5).symmetric_eigen();
+        let columns = self.columns(BIAS);
+        let mut gain = SMatrix::<f64, STATES, 3>::zeros();
+        let mut white = Vector3::zeros();
+        for k in 0..3 {
+            // what is told of an axis by next to nothing is nothing
+            if eigen.eigenvalues[k] > BIAS.least_variance() {
+                let (root, axis) = (eigen.eigenvalues[k].sqrt(), eigen.eigenvectors.column(k).into_owned());
+                gain.set_column(k, &(columns * axis * root));
+                white[k] = axis.dot(&towards) / root;
+            }
+        }
+        self.correct_soundly(gain, &white, NONE);
     }
 
     /// What the magnetometer should read at rest, uT.

@@ -106,7 +106,7 @@ impl Aided {
 
     /// Whether the field vouches for the gyroscope: samples in motion have fitted its turns for long.
     pub fn vouches(&self) -> bool {
-        matches!(&self.phase, Phase::Running(running) if running.agreed_s > self.tuning.settled_s)
+        matches!(&self.phase, Phase::Running(running) if self.tuning.vouching && running.agreed_s > self.tuning.settled_s)
     }
 
     /// Whether the chain of rotations broke not long ago: it is younger than this.
@@ -201,7 +201,7 @@ impl Aided {
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
         let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
-            Some(self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank))
+            Some(self.sense(time_ns, &raw_ut, rotation, inertial, dt_s, is_blank))
         } else {
             self.adaptation.forget_previous();
             None

@@ -11,14 +11,12 @@
 
 use crate::math::elementary::cbrt;
 use crate::priors::TILT_RAD;
+use crate::sensing::gravity::LEAST_PULL;
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Known, gain};
 use super::tuning::Tuning;
-
-/// Choice: share of gravity below which an accelerometer falls with the device, and shows no vertical.
-const LEAST_PULL: f64 = 0.5;
 
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,7 +103,8 @@ impl Motion {
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
-        let best_s = cbrt(self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2));
+        let best_s =
+            if tuning.long_up { cbrt(self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2)) } else { time_s };
         let up_time_s = best_s.max(time_s).min(self.up_age_s);
         let up = carried + (self.felt - carried) * share(up_time_s);
         self.slow += (reads - up - self.slow) * share(time_s);

@@ -129,7 +129,7 @@ impl Running {
 
     /// Whether what does not fit is likelier an error of one's own than a change.
     pub(super) fn is_young(&self, tuning: &Tuning) -> bool {
-        self.moved_s < tuning.settled_s
+        tuning.young && self.moved_s < tuning.settled_s
     }
 
     /// The field of the place is another since then: the Earth's is carried beside it.
@@ -144,7 +144,7 @@ impl Running {
 
     /// A sample that fits: where its field has long been as strong and as deep as the Earth's that is carried beside it, it is that.
     pub(super) fn look_for_earth(&mut self, step: &Step<'_>, up: Option<&Vector3<f64>>, tuning: &Tuning) {
-        let (Some(up), m) = (up, self.filter.part(FIELD)) else { return };
+        let (Some(up), m) = (up.filter(|_| tuning.earth_found), self.filter.part(FIELD)) else { return };
         let _ = self.earth.take_if(|earth| earth.is_astray(step, &m, up, tuning));
     }
 

@@ -1,0 +1,48 @@
+//! The choices and switches of all parts, by name, for `magcomp sensitivity`.
+
+use super::tuning::Tuning;
+use crate::estimator::EstimatorTunings;
+use crate::estimator::{adaptive, aided};
+use crate::tuning::{Choice, Mechanism};
+
+/// The choices of every estimator, and the switches of every part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tunings {
+    pub(crate) estimators: EstimatorTunings,
+    pub(super) compensator: Tuning,
+}
+
+impl Tunings {
+    /// Every choice of the estimators, with the one that makes it.
+    pub fn list() -> impl Iterator<Item = (&'static str, &'static Choice)> {
+        let adaptive = adaptive::Tuning::LIST.iter().map(|choice| ("adaptive", choice));
+        adaptive.chain(aided::Tuning::LIST.iter().map(|choice| ("aided", choice)))
+    }
+
+    /// Every mechanism that can be switched off, with its part.
+    pub fn mechanisms() -> impl Iterator<Item = (&'static str, &'static Mechanism)> {
+        let of = |part: &'static str, all: &'static [Mechanism]| all.iter().map(move |it| (part, it));
+        of("adaptive", adaptive::Tuning::MECHANISMS)
+            .chain(of("aided", aided::Tuning::MECHANISMS))
+            .chain(of("compensator", Tuning::MECHANISMS))
+    }
+
+    /// Switches a mechanism off; whether there is one of that name.
+    pub fn switch_off(&mut self, part: &str, name: &str) -> bool {
+        match part {
+            "adaptive" => self.estimators.adaptive.switch_off(name),
+            "aided" => self.estimators.aided.switch_off(name),
+            "compensator" => self.compensator.switch_off(name),
+            _ => false,
+        }
+    }
+
+    /// Sets a choice; whether there is one of that name.
+    pub fn set(&mut self, estimator: &str, name: &str, value: f64) -> bool {
+        match estimator {
+            "adaptive" => self.estimators.adaptive.set(name, value),
+            "aided" => self.estimators.aided.set(name, value),
+            _ => false,
+        }
+    }
+}
