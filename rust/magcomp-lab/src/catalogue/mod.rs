@@ -13,10 +13,10 @@ mod sensors;
 mod variant;
 
 pub use group::Group;
-pub use happening::{By, Happening, When};
+pub use happening::{By, Happening, Swing, When};
 pub use phones::{CHANGE_S, FIELD_UT, PLACE_S, PhoneChange, phone};
 pub use sensors::Sensors;
-pub use variant::{DeviceKind, Variant};
+pub use variant::{DeviceKind, Kept, Variant};
 
 impl Group {
     /// Its variants, in the order of the table.
