@@ -27,6 +27,16 @@ pub enum Group {
     Faults,
     /// Carried phones: half an hour
     Long,
+    /// Carried phones: a place's field swings while the device goes on as before: a bridge, a tram, mains
+    Swinging,
+    /// Carried phones: turned and moved fast, in step and not, and swayed gently
+    Shaken,
+    /// Carried phones: boards with magnets along the way
+    Magnets,
+    /// Carried phones: changes that go back, and changes in another place
+    Back,
+    /// Carried phones: a second launch at rest or walking, b as it was or changed since
+    Launches,
     /// Even orientations and the magnetometer alone, as in the paper's simulation
     Paper,
 }
@@ -53,6 +63,11 @@ impl Group {
             Self::Sensors => "Carried phones: sensors",
             Self::Faults => "Carried phones: sensors at fault",
             Self::Long => "Carried phones: half an hour",
+            Self::Swinging => "Carried phones: the place's field swings",
+            Self::Shaken => "Carried phones: shaken",
+            Self::Magnets => "Carried phones: boards with magnets",
+            Self::Back => "Carried phones: changes that go back, and in another place",
+            Self::Launches => "Carried phones: the second launch",
             Self::Paper => "The paper's simulation, magnetometer alone",
         }
     }

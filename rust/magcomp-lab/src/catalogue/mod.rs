@@ -5,6 +5,7 @@
 //! the accelerations that belong to it: latitudes, steps of the device, motions, places, sensors, a long run.
 
 mod families;
+mod fields;
 mod group;
 mod happening;
 mod paper;
@@ -53,7 +54,7 @@ pub const COMPARED: [&str; 20] = [
 /// Every variant, a group after the other.
 #[must_use]
 pub fn all() -> Vec<Variant> {
-    [phones::variants(), families::variants(), paper::variants()].concat()
+    [phones::variants(), families::variants(), fields::variants(), paper::variants()].concat()
 }
 
 /// The variant of that name.
