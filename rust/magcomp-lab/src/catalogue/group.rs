@@ -37,6 +37,16 @@ pub enum Group {
     Back,
     /// Carried phones: a second launch at rest or walking, b as it was or changed since
     Launches,
+    /// Carried phones: a field that a logger interpolated or repeated
+    Resampled,
+    /// Carried phones: sensors of 5 to 25 Hz
+    Slow,
+    /// Carried phones: axes, signs, units and kinds of samples that an app mistakes
+    Conventions,
+    /// Carried phones: an accelerometer at fault
+    Accelerometer,
+    /// Carried phones: a gyroscope at fault, or out of time with the magnetometer
+    Gyroscope,
     /// Even orientations and the magnetometer alone, as in the paper's simulation
     Paper,
 }
@@ -68,6 +78,11 @@ impl Group {
             Self::Magnets => "Carried phones: boards with magnets",
             Self::Back => "Carried phones: changes that go back, and in another place",
             Self::Launches => "Carried phones: the second launch",
+            Self::Resampled => "Carried phones: a resampled field",
+            Self::Slow => "Carried phones: slow sensors",
+            Self::Conventions => "Carried phones: other conventions",
+            Self::Accelerometer => "Carried phones: the accelerometer at fault",
+            Self::Gyroscope => "Carried phones: the gyroscope at fault",
             Self::Paper => "The paper's simulation, magnetometer alone",
         }
     }
