@@ -113,20 +113,20 @@ fn swinging_fields_swing_in_their_time_alone() {
 #[test]
 fn shaken_devices_turn_and_move_as_fast_as_they_say() {
     for (name, moved_m_s2, in_step, rates_rad_s) in [
-        ("step1g", GRAVITY_M_S2, true, 5.0..=9.5),
-        ("step2g", 2.0 * GRAVITY_M_S2, true, 5.0..=9.5),
-        ("step3g", 3.0 * GRAVITY_M_S2, true, 5.0..=9.5),
-        ("free1g", GRAVITY_M_S2, false, 5.0..=9.5),
-        ("free2g", 2.0 * GRAVITY_M_S2, false, 5.0..=9.5),
-        ("free3g", 3.0 * GRAVITY_M_S2, false, 5.0..=9.5),
-        ("sway", 4.0, true, 0.5..=3.0),
-        ("sway-wide", 8.0, true, 1.0..=3.5),
+        ("step1g", GRAVITY_M_S2, true, 6.5..=8.5),
+        ("step2g", 2.0 * GRAVITY_M_S2, true, 6.5..=8.5),
+        ("step3g", 3.0 * GRAVITY_M_S2, true, 6.5..=8.5),
+        ("free1g", GRAVITY_M_S2, false, 6.5..=8.5),
+        ("free2g", 2.0 * GRAVITY_M_S2, false, 6.5..=8.5),
+        ("free3g", 3.0 * GRAVITY_M_S2, false, 6.5..=8.5),
+        ("sway", 4.0, true, 0.8..=1.9),
+        ("sway-wide", 8.0, true, 1.4..=2.4),
     ] {
         for scenario in scenarios(&find(&format!("shaken.{name}")).unwrap()) {
             let times = || (0..9000).map(|k| f64::from(k) * 0.01);
             let trajectory = &scenario.trajectory;
             let moved: Vec<Vector3<f64>> = times().map(|time_s| trajectory.acceleration(time_s)).collect();
-            within(name, quantile(moved.iter().map(Vector3::norm).collect(), 0.99) / moved_m_s2, 0.9..=1.4);
+            within(name, quantile(moved.iter().map(Vector3::norm).collect(), 0.99) / moved_m_s2, 1.1..=1.5);
             within(
                 name,
                 quantile(times().map(|s| trajectory.rate_read(s).norm()).collect(), 0.99),
@@ -140,7 +140,7 @@ fn shaken_devices_turn_and_move_as_fast_as_they_say() {
                 Vector3::new(top.x, top.y, 0.0).normalize().dot(moved)
             };
             let pushed: Vec<f64> = attitudes.iter().zip(&moved).map(push).collect();
-            within(name, correlation(&up, &pushed), if in_step { -1.0..=-0.8 } else { -0.3..=0.3 });
+            within(name, correlation(&up, &pushed), if in_step { -1.0..=-0.85 } else { -0.1..=0.1 });
             // a sound gyroscope
             let sensor = scenario.gyroscope.unwrap();
             let bias_deg_s = sensor.bias.norm().to_degrees();
@@ -149,29 +149,31 @@ fn shaken_devices_turn_and_move_as_fast_as_they_say() {
     }
 }
 
-/// Recorded walks among boards: the median of what the place adds is 4 to 34 uT, nine tenths are below 20 to 230, and there are 3 to 16 passes of 20 uT
-/// and more a minute.
+/// 19 recorded walks among boards, by their reference orientation: what the place adds is 4 to 34 uT in the middle, nine tenths of it are below 20 to
+/// 230 uT, and 3 to 16 times a minute it comes to be 20 uT. `strong` is held to that.
 #[test]
 fn boards_are_as_many_and_as_large_as_they_say() {
-    for (line, from_s, middle_ut, most_ut, passes) in [
-        ("few", 25.0, 0.05..=4.0, 5.0..=260.0, 0.5..=5.0),
-        ("many", 25.0, 0.3..=8.0, 30.0..=320.0, 2.0..=9.0),
-        ("start-many", 0.0, 0.3..=8.0, 30.0..=320.0, 2.0..=9.0),
-        ("strong", 25.0, 4.0..=20.0, 80.0..=600.0, 2.0..=12.0),
-        ("start-strong", 0.0, 4.0..=20.0, 80.0..=600.0, 2.0..=12.0),
+    for (line, from_s, largest_ut, middle_ut, tenth_ut, passes) in [
+        ("few", 25.0, 100.0..=181.0, 0.0..=0.5, 2.0..=15.0, 1.5..=4.5),
+        ("many", 25.0, 120.0..=300.0, 0.1..=3.0, 15.0..=45.0, 3.0..=9.0),
+        ("start-many", 0.0, 120.0..=300.0, 0.1..=3.0, 15.0..=45.0, 3.0..=9.0),
+        ("strong", 25.0, 200.0..=600.0, 4.0..=10.0, 40.0..=130.0, 3.0..=10.0),
+        ("start-strong", 0.0, 200.0..=600.0, 4.0..=10.0, 40.0..=130.0, 3.0..=10.0),
     ] {
-        for variant in of(Group::Magnets, line) {
-            for scenario in scenarios(&variant) {
-                let sizes: Vec<f64> = besides(&scenario, from_s, 90.0, 50.0).iter().map(Vector3::norm).collect();
-                let begins = sizes.windows(2).filter(|pair| pair[0] < 20.0 && pair[1] >= 20.0).count() as f64;
-                within(line, begins * 60.0 / (90.0 - from_s), passes.clone());
-                within(line, quantile(sizes.clone(), 1.0), most_ut.clone());
-                within(line, quantile(sizes, 0.5), middle_ut.clone());
-                let before = besides(&scenario, 0.0, from_s - 5.0, 50.0);
-                assert!(before.iter().all(|field| field.norm() < 3.0), "{line}: boards before {from_s} s");
-                assert!(scenario.device_parts.is_empty() && scenario.other_changes.is_empty(), "{line}");
-            }
+        let (mut all_ut, mut begins, mut minutes) = (Vec::new(), 0.0, 0.0);
+        for scenario in of(Group::Magnets, line).iter().flat_map(scenarios) {
+            let sizes_ut: Vec<f64> = besides(&scenario, from_s, 90.0, 50.0).iter().map(Vector3::norm).collect();
+            begins += sizes_ut.windows(2).filter(|pair| pair[0] < 20.0 && pair[1] >= 20.0).count() as f64;
+            minutes += (90.0 - from_s) / 60.0;
+            all_ut.extend(sizes_ut);
+            let before = besides(&scenario, 0.0, from_s - 5.0, 50.0);
+            assert!(before.iter().all(|field| field.norm() < 3.0), "{line}: boards before {from_s} s");
+            assert!(scenario.device_parts.is_empty() && scenario.other_changes.is_empty(), "{line}");
         }
+        within(line, begins / minutes, passes);
+        within(line, quantile(all_ut.clone(), 1.0), largest_ut);
+        within(line, quantile(all_ut.clone(), 0.9), tenth_ut);
+        within(line, quantile(all_ut, 0.5), middle_ut);
     }
 }
 
@@ -224,7 +226,7 @@ fn a_second_launch_is_given_what_the_first_kept() {
                 let fastest = turns.map(|(_, rate)| rate.norm()).fold(0.0, f64::max);
                 if variant.name.ends_with("at-rest") {
                     let lies = scenario.trajectory.at(30.0).0 * Vector3::z();
-                    assert!(fastest == 0.0 && lies.z > 0.99, "{fastest} rad/s, {lies}");
+                    assert!(fastest < 1e-12 && lies.z > 0.99, "{fastest} rad/s, {lies}");
                 } else {
                     assert!(fastest > 0.5, "{fastest} rad/s");
                 }
