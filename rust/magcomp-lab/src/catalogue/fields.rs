@@ -63,7 +63,7 @@ fn swinging() -> Vec<Variant> {
 }
 
 /// Turned by rad, at Hz, moved at m/s^2, in step with the turns: name, and in a few words.
-const SHAKES: [(&str, &str, Shake); 8] = [
+const SHAKES: [(&str, &str, Shake); 9] = [
     ("step1g", "fast, in step, 1 g", fast(1.0, true)),
     ("step2g", "fast, in step, 2 g", fast(2.0, true)),
     ("step3g", "fast, in step, 3 g", fast(3.0, true)),
@@ -71,6 +71,7 @@ const SHAKES: [(&str, &str, Shake); 8] = [
     ("free2g", "fast, not in step, 2 g", fast(2.0, false)),
     ("free3g", "fast, not in step, 3 g", fast(3.0, false)),
     ("sway", "swayed by 0.2 rad at 0.5 Hz, moved at 4 m/s^2 in step", gentle(0.5, 0.2, 4.0)),
+    ("sway1g", "swayed by 0.3 rad at 0.5 Hz, moved at 1 g in step", gentle(0.5, 0.3, G_M_S2)),
     ("sway-wide", "swayed by 0.4 rad at 0.5 Hz, moved at 8 m/s^2 in step", gentle(0.5, 0.4, 8.0)),
 ];
 

@@ -8,9 +8,12 @@ use super::sensors::Sensors;
 use super::variant::Variant;
 use crate::inertial::Fault;
 use crate::motion::Motion::{Game, Look, Mixed, Text};
-use crate::simulate::{Filled, Magnetometer};
+use crate::simulate::{Filled, Magnetometer, Noise};
 use magcomp::nalgebra::{Matrix3, Vector3};
 
+/// Rate to which a field is filled up, samples a second, and its noise, uT.
+const FILLED_HZ: f64 = 200.0;
+const FILLED_NOISE_UT: f64 = 0.7;
 /// From when on a sensor is at fault, s.
 const FAULT_S: f64 = 40.0;
 /// A bias of the gyroscope steps by this, rad/s; that of the accelerometer is this, m/s^2.
@@ -32,14 +35,19 @@ fn magnetic(of: impl Fn(Magnetometer) -> Magnetometer) -> Sensors {
 }
 
 fn resampled() -> Vec<Variant> {
-    let filled = |filled| magnetic(|sensor| Magnetometer { filled: Some(filled), ..sensor });
+    let fast = Sensors::carried().at_rate(FILLED_HZ);
+    let filled = |filled| {
+        let magnetometer =
+            Magnetometer { noise: Noise::Ut(FILLED_NOISE_UT), filled: Some(filled), ..fast.magnetometer };
+        Sensors { magnetometer, ..fast }
+    };
     let lines = vec![
-        line("line2", "100 Hz interpolated from 50", filled(Filled::Interpolated(2))),
-        line("line4", "100 Hz interpolated from 25", filled(Filled::Interpolated(4))),
-        line("line8", "100 Hz interpolated from 12.5", filled(Filled::Interpolated(8))),
-        line("held2", "50 Hz, each value twice", filled(Filled::Held(2))),
-        line("held4", "25 Hz, each value four times", filled(Filled::Held(4))),
-        line("held8", "12.5 Hz, each value eight times", filled(Filled::Held(8))),
+        line("line2", "200 Hz interpolated from 100", filled(Filled::Interpolated(2))),
+        line("line4", "200 Hz interpolated from 50", filled(Filled::Interpolated(4))),
+        line("line8", "200 Hz interpolated from 25", filled(Filled::Interpolated(8))),
+        line("held2", "100 Hz, each value twice", filled(Filled::Held(2))),
+        line("held4", "50 Hz, each value four times", filled(Filled::Held(4))),
+        line("held8", "25 Hz, each value eight times", filled(Filled::Held(8))),
     ];
     table(Group::Resampled, &[(Text, "walk"), (Look, "look")], 80.0, lines)
 }

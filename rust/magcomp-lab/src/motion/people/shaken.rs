@@ -41,7 +41,7 @@ impl Shake {
 
 impl Mover<'_> {
     /// A sine of about this frequency, from any phase on.
-    fn to_and_fro(&mut self, hz: f64) -> Vec<f64> {
+    fn oscillation(&mut self, hz: f64) -> Vec<f64> {
         let (mut phase, wander) = (self.random.uniform(0.0, TAU), self.wander(3.0, 0.025));
         self.grid.each(|k| {
             phase += TAU * hz * (1.0 + wander[k]) * STEP_S;
@@ -52,7 +52,7 @@ impl Mover<'_> {
     fn shaken(&mut self, shake: &Shake) -> Trajectory {
         let yaw = self.turns(TURNED);
         let [lean, tip] = [3.0, 3.0].map(|sd| self.wander(1.5, sd));
-        let [one, two] = [1.0, SECOND_HZ].map(|share| self.to_and_fro(share * shake.hz));
+        let [one, two] = [1.0, SECOND_HZ].map(|share| self.oscillation(share * shake.hz));
         let turned_deg = shake.turned_rad.to_degrees();
         let attitudes = self.attitudes(|k| {
             let pitch = LIFTED_DEG + lean[k] + turned_deg * one[k];
@@ -62,7 +62,7 @@ impl Mover<'_> {
             // up goes to the top edge that is lifted, and the device is pushed away from there
             [one.iter().map(|v| -v).collect(), two, vec![0.0; self.grid.count]]
         } else {
-            OUT_OF_STEP.map(|share| self.to_and_fro(share * shake.hz))
+            OUT_OF_STEP.map(|share| self.oscillation(share * shake.hz))
         };
         let acceleration = (0..self.grid.count)
             .map(|k| {
