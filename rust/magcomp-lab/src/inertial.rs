@@ -28,8 +28,42 @@ pub struct InertialSensor {
     pub skew: Matrix3<f64>,
     /// How much later than its truth an event is stamped, s; may be negative.
     pub delay_s: f64,
-    /// It says nothing for the second so many seconds of each first so many.
-    pub silent_s: Option<(f64, f64)>,
+    /// It says nothing at the end of each so many seconds, for a time between these, s, all of which come up alike.
+    pub silent_s: Option<(f64, (f64, f64))>,
+    /// What the app makes of a reading: axes, sign and unit; the identity where it reads them rightly.
+    pub read_as: Matrix3<f64>,
+    /// What befalls it, and from when on, s.
+    pub fault: Option<(f64, Fault)>,
+}
+
+/// What befalls a sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// It reads exact zeros.
+    Zeros,
+    /// It repeats its last reading.
+    Frozen,
+    /// Its bias steps by this, in the sensor's unit.
+    Biased(Vector3<f64>),
+}
+
+impl Fault {
+    /// The same in this direction, of length 1.
+    pub(crate) fn along(self, direction: &Vector3<f64>) -> Self {
+        match self {
+            Self::Biased(by) => Self::Biased(direction * by.norm()),
+            other => other,
+        }
+    }
+
+    /// What is read: `last` is the last reading before it.
+    fn read(self, reading: Vector3<f64>, last: Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Zeros => Vector3::zeros(),
+            Self::Frozen => last,
+            Self::Biased(by) => reading + by,
+        }
+    }
 }
 
 impl InertialSensor {
@@ -45,6 +79,8 @@ impl InertialSensor {
             skew: Matrix3::zeros(),
             delay_s: 0.0,
             silent_s: None,
+            read_as: Matrix3::identity(),
+            fault: None,
         }
     }
 
@@ -65,6 +101,7 @@ impl InertialSensor {
         let (mut bias, walk) = (self.bias, self.bias_walk / self.rate_hz.sqrt());
         // a dead axis reads its bias, to the last bit
         let lives = self.scale.map(|scale| f64::from(u8::from(scale != 0.0)));
+        let mut last = Vector3::zeros();
         (0..count).filter_map(move |k| {
             let time_s = k as f64 / self.rate_hz;
             let truth = truth(time_s - self.delay_s);
@@ -73,9 +110,23 @@ impl InertialSensor {
                 bias += random.normal3() * walk;
             }
             let strayed = bias - self.bias + random.normal3() * self.noise;
-            let event = (time_ns(time_s), read + self.bias + strayed.component_mul(&lives));
-            let is_silent = self.silent_s.is_some_and(|(every_s, for_s)| time_s % every_s > every_s - for_s);
-            (!is_silent).then_some(event)
+            let reading = read + self.bias + strayed.component_mul(&lives);
+            let reading = match self.fault.filter(|(from_s, _)| time_s >= *from_s) {
+                Some((_, fault)) => fault.read(reading, last),
+                None => {
+                    last = reading;
+                    reading
+                }
+            };
+            (!self.is_silent(time_s)).then(|| (time_ns(time_s), self.read_as * reading))
+        })
+    }
+
+    fn is_silent(&self, time_s: f64) -> bool {
+        self.silent_s.is_some_and(|(every_s, (least_s, most_s))| {
+            // multiples of the golden ratio fall evenly between 0 and 1
+            let share = ((time_s / every_s).floor() * 0.618_033_988_749_895).fract();
+            time_s % every_s > every_s - (least_s + (most_s - least_s) * share)
         })
     }
 

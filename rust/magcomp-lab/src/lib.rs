@@ -17,6 +17,7 @@ pub mod error;
 pub mod experiment;
 pub mod import;
 pub mod inertial;
+pub mod magnetometer;
 pub mod motion;
 pub mod parallel;
 pub mod parameters;

@@ -29,6 +29,8 @@ pub enum Purpose {
     Timing = 9,
     /// Errors of a phone's sensors.
     Sensors = 10,
+    /// What changed since an earlier launch.
+    EarlierLaunch = 11,
 }
 
 /// A generator with the few distributions the lab needs.

@@ -5,6 +5,7 @@
 
 use crate::course::{Course, DevicePart};
 use crate::inertial::InertialSensor;
+pub use crate::magnetometer::{Filled, Magnetometer, Noise, Spikes};
 use crate::motion::Trajectory;
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
@@ -15,79 +16,6 @@ use magcomp::{MagneticSample, RotationRateSample, UpSample};
 
 /// Samples whose stamps are nearer than this are one, s.
 const APART_S: f64 = 1e-4;
-
-/// White noise of the magnetometer, per axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Noise {
-    /// Standard deviation |h| 10^(-SNR/20).
-    SnrDb(f64),
-    /// Standard deviation, uT.
-    Ut(f64),
-}
-
-impl Noise {
-    /// Standard deviation per axis, uT, in a field of `field_ut`.
-    #[must_use]
-    pub fn sigma_ut(self, field_ut: f64) -> f64 {
-        match self {
-            Self::SnrDb(db) => field_ut * 10f64.powf(-db / 20.0),
-            Self::Ut(sigma) => sigma,
-        }
-    }
-}
-
-/// Samples hit by something that is not the field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spikes {
-    /// Share of the samples, 0 to 1.
-    pub share: f64,
-    /// Smallest and largest spike, uT; the direction is random.
-    pub size_ut: (f64, f64),
-}
-
-/// The magnetometer and its oddities.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Magnetometer {
-    /// Samples a second.
-    pub rate_hz: f64,
-    /// White noise.
-    pub noise: Noise,
-    /// Spikes, if any.
-    pub spikes: Option<Spikes>,
-    /// How much later than it is measured a sample is stamped, s ...
-    pub late_s: f64,
-    /// ... and up to how much more, at random, s.
-    pub jitter_s: f64,
-    /// Share of samples that are missing.
-    pub missing: f64,
-    /// Steps of the reading, uT; 0 for none.
-    pub quantum_ut: f64,
-    /// Where each axis saturates softly, uT.
-    pub soft_limits_ut: Option<Vector3<f64>>,
-    /// Where each axis is cut off, uT.
-    pub full_scale_ut: Option<f64>,
-    /// The axes that measure, in the device's; the identity for a sensor without such errors.
-    pub axes: Matrix3<f64>,
-}
-
-impl Magnetometer {
-    /// One without oddities.
-    #[must_use]
-    pub fn plain(rate_hz: f64, noise: Noise) -> Self {
-        Self {
-            rate_hz,
-            noise,
-            spikes: None,
-            late_s: 0.0,
-            jitter_s: 0.0,
-            missing: 0.0,
-            quantum_ut: 0.0,
-            soft_limits_ut: None,
-            full_scale_ut: None,
-            axes: Matrix3::identity(),
-        }
-    }
-}
 
 /// Everything that makes a stream.
 #[derive(Clone, Debug, PartialEq)]
@@ -243,7 +171,8 @@ impl Scenario {
             let measured_s = k as f64 / sensor.rate_hz;
             let (missed, jitter) = (timing.uniform(0.0, 1.0), timing.uniform(0.0, 1.0));
             let stamped_s = measured_s + sensor.late_s + jitter * sensor.jitter_s;
-            if missed < sensor.missing || stamped_s - latest_s <= APART_S || stamped_s >= self.duration_s {
+            let is_inside = (0.0..self.duration_s).contains(&stamped_s);
+            if missed < sensor.missing || stamped_s - latest_s <= APART_S || !is_inside {
                 continue;
             }
             latest_s = stamped_s;
@@ -270,8 +199,17 @@ impl Scenario {
             if let Some(limit) = sensor.full_scale_ut {
                 raw_ut = raw_ut.map(|v| v.clamp(-limit, limit));
             }
+            if sensor.is_mixed && k % 2 == 1 {
+                (raw_ut, clean_ut) = (raw_ut - hard_iron_ut, clean_ut - hard_iron_ut);
+            }
+            let read = |v: Vector3<f64>| sensor.read_as * v;
+            let (raw_ut, clean_ut) = (read(raw_ut), read(clean_ut));
+            let (soft_iron, hard_iron_ut) = (sensor.read_as * soft_iron, read(hard_iron_ut));
             magnetic.push(MagneticSample { time_ns: time_ns(stamped_s), field_ut: raw_ut });
             truth.push(Truth { field_ut, measured_ut, soft_iron, hard_iron_ut, clean_ut, attitude, spike });
+        }
+        if let Some(filled) = sensor.filled {
+            filled.fill(&mut magnetic);
         }
         (magnetic, truth)
     }

@@ -32,6 +32,24 @@ pub enum Surrounding {
         /// s.
         from_s: f64,
     },
+    /// It swings while the device goes on as before: an alternating current nearby.
+    Wave {
+        /// From when until when, s.
+        from_until_s: (f64, f64),
+        /// Per second, and phase, rad.
+        hz_phase: (f64, f64),
+        /// Its amplitude, east-north-up, uT.
+        field_ut: Vector3<f64>,
+    },
+    /// It is another one again and again: girders that are passed.
+    Noise {
+        /// From when until when, s.
+        from_until_s: (f64, f64),
+        /// Values a second.
+        hz: f64,
+        /// Each with its time in the middle, east-north-up, uT.
+        fields_ut: Vec<Vector3<f64>>,
+    },
     /// Steel that is passed: a dipole that comes, turns and goes.
     Door {
         /// When it is nearest, s.
@@ -71,8 +89,24 @@ impl Surrounding {
     /// A door that is passed at `at_s`, its largest field `size_ut`.
     pub fn door(at_s: f64, size_ut: f64, for_s: f64, random: &mut Random) -> Self {
         let moment = random.direction();
-        let largest = (-400..=400).map(|k| door(&moment, f64::from(k) * 0.01).norm()).fold(0.0, f64::max);
+        let largest = along().map(|along| door(&moment, along).norm()).fold(0.0, f64::max);
         Self::Door { at_s, half_s: for_s / 2.0, moment: moment * (size_ut / largest) }
+    }
+
+    /// A board with magnets that is passed at `at_s`: its field is beyond half of its largest, `size_ut`, for `wide_s`.
+    pub fn board(at_s: f64, size_ut: f64, wide_s: f64, random: &mut Random) -> Self {
+        let moment = random.direction();
+        let sizes = || along().map(|along| (along, door(&moment, along).norm()));
+        let largest = sizes().map(|(_, size)| size).fold(0.0, f64::max);
+        let beyond = || sizes().filter(|(_, size)| *size > largest / 2.0).map(|(along, _)| along);
+        let wide = beyond().fold(f64::MIN, f64::max) - beyond().fold(f64::MAX, f64::min);
+        Self::Door { at_s, half_s: wide_s / wide, moment: moment * (size_ut / largest) }
+    }
+
+    /// `hz` values a second, each component of this root mean square, from when until when, s.
+    pub fn noise(rms_ut: f64, hz: f64, from_until_s: (f64, f64), random: &mut Random) -> Self {
+        let count = ((from_until_s.1 - from_until_s.0) * hz).ceil() as usize + 1;
+        Self::Noise { from_until_s, hz, fields_ut: (0..count).map(|_| random.normal3() * rms_ut).collect() }
     }
 
     /// What it adds at a time, s, east-north-up, uT.
@@ -83,6 +117,15 @@ impl Surrounding {
             Self::Uneven { waves, from_s } => {
                 let share = ease((time_s - from_s) / COMES_S);
                 if share > 0.0 { sum(waves, &trajectory.position(time_s)) * share } else { Vector3::zeros() }
+            }
+            Self::Wave { from_until_s: (from_s, until_s), hz_phase: (hz, phase), field_ut } => {
+                let is_there = (*from_s..*until_s).contains(&time_s);
+                if is_there { field_ut * (TAU * hz * time_s + phase).sin() } else { Vector3::zeros() }
+            }
+            Self::Noise { from_until_s: (from_s, until_s), hz, fields_ut } => {
+                let is_there = (*from_s..*until_s).contains(&time_s);
+                let at = ((time_s - from_s) * hz).round().max(0.0) as usize;
+                fields_ut.get(at).copied().filter(|_| is_there).unwrap_or_default()
             }
             Self::Door { at_s, half_s, moment } => door(moment, (time_s - at_s) / half_s),
             Self::Vehicle { at_s, field_ut, shield } => {
@@ -95,6 +138,11 @@ impl Surrounding {
 
 fn sum(waves: &[(Vector3<f64>, f64, f64)], position: &Vector3<f64>) -> Vector3<f64> {
     waves.iter().map(|(wave, phase, size)| wave * (size * (wave.dot(position) + phase).cos())).sum()
+}
+
+/// The way past a door, half of the time for which it matters being 1.
+fn along() -> impl Iterator<Item = f64> {
+    (-400..=400).map(|k| f64::from(k) * 0.01)
 }
 
 /// Field of a door's moment, `along` from where it is nearest.
@@ -123,6 +171,12 @@ mod tests {
             let door = Surrounding::door(30.0, 25.0, 2.0, random);
             assert!((largest(&sizes(&door, 290, 310)) - 25.0).abs() < 0.5);
             assert!(largest(&sizes(&door, 0, 250)) < 1.0);
+            let board = Surrounding::board(30.0, 120.0, 0.8, random);
+            let sizes_ut: Vec<f64> = (0..60_000).map(|k| board.at(f64::from(k) * 1e-3, &walk, &earth).norm()).collect();
+            assert!((largest(&sizes_ut) - 120.0).abs() < 0.5);
+            let beyond = |k: &usize| sizes_ut[*k] > 60.0;
+            let (first, last) = ((0..60_000).find(beyond).unwrap(), (0..60_000).rfind(beyond).unwrap());
+            assert!((790..=810).contains(&(last - first)), "{} ms", last - first);
             let uneven = Surrounding::uneven(5.0, 20.0, 60.0, &walk, random);
             assert_eq!(largest(&sizes(&uneven, 0, 200)), 0.0);
             let square = sizes(&uneven, 230, 600).iter().map(|size| size * size).sum::<f64>() / 370.0;

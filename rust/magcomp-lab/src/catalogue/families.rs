@@ -21,7 +21,14 @@ pub(super) fn variants() -> Vec<Variant> {
     [latitudes(), steps(), motions(), places(), sensors(), faults(), vec![half_hour()]].concat()
 }
 
-fn carried(group: Group, name: &str, about: &str, motion: Motion, duration_s: f64, happens: Vec<Happening>) -> Variant {
+pub(super) fn carried(
+    group: Group,
+    name: &str,
+    about: &str,
+    motion: Motion,
+    duration_s: f64,
+    happens: Vec<Happening>,
+) -> Variant {
     Variant {
         name: name.to_owned(),
         about: about.to_owned(),
@@ -29,6 +36,7 @@ fn carried(group: Group, name: &str, about: &str, motion: Motion, duration_s: f6
         duration_s,
         motion,
         one_axis: None,
+        shaken: None,
         earth: (48.0, 63.0),
         device: DeviceKind::Carried(10.0, 250.0),
         change_s: CHANGE_S,
@@ -36,6 +44,7 @@ fn carried(group: Group, name: &str, about: &str, motion: Motion, duration_s: f6
         pause_s: None,
         sensors: Sensors::carried(),
         is_known: false,
+        kept: None,
         rail_ut: None,
     }
 }
@@ -46,7 +55,7 @@ fn change(at_s: f64, size_ut: f64, soft: f64) -> Happening {
     Happening::Step { when: When::At(at_s), by, over_s: PUT_ON_S, for_s: None }
 }
 
-const BOTH: [(Motion, &str); 2] = [(Text, "walk"), (Game, "game")];
+pub(super) const BOTH: [(Motion, &str); 2] = [(Text, "walk"), (Game, "game")];
 
 fn latitudes() -> Vec<Variant> {
     let earths = [(23, -45), (33, 0), (40, 45), (55, 75), (60, -75), (58, 85), (65, -85)]
@@ -221,7 +230,11 @@ fn faults() -> Vec<Variant> {
             Sensors { gyro_bias_deg_s: (biased_deg_s, biased_deg_s), ..usual },
         ),
         ("gyrolate200", "gyroscope 200 ms late", Sensors { gyro_late_s: 0.2, ..usual }),
-        ("gyrostutter", "gyroscope silent for 0.3 s of each 2", Sensors { gyro_silent_s: Some((2.0, 0.3)), ..usual }),
+        (
+            "gyrostutter",
+            "gyroscope silent for 0.3 s of each 2",
+            Sensors { gyro_silent_s: Some((2.0, (0.3, 0.3))), ..usual },
+        ),
         ("accelbias", "accelerometer biased by 0.5 m/s^2", Sensors { accel_bias: 0.5, ..usual }),
         ("clipped", "axes cut off at 60 uT, which is not told", clipped),
     ];

@@ -27,11 +27,37 @@ pub enum Group {
     Faults,
     /// Carried phones: half an hour
     Long,
+    /// Carried phones: a place's field swings while the device goes on as before: a bridge, a tram, mains
+    Swinging,
+    /// Carried phones: turned and moved fast, in step and not, and swayed gently
+    Shaken,
+    /// Carried phones: boards with magnets along the way
+    Magnets,
+    /// Carried phones: changes that go back, and changes in another place
+    Back,
+    /// Carried phones: a second launch at rest or walking, b as it was or changed since
+    Launches,
+    /// Carried phones: a field that a logger interpolated or repeated
+    Resampled,
+    /// Carried phones: sensors of 5 to 25 Hz
+    Slow,
+    /// Carried phones: axes, signs, units and kinds of samples that an app mistakes
+    Conventions,
+    /// Carried phones: an accelerometer at fault
+    Accelerometer,
+    /// Carried phones: a gyroscope at fault, or out of time with the magnetometer
+    Gyroscope,
     /// Even orientations and the magnetometer alone, as in the paper's simulation
     Paper,
 }
 
 impl Group {
+    /// Its name on the command line, with which the names of its newer variants begin.
+    #[must_use]
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// The table's title.
     #[must_use]
     pub fn title(self) -> &'static str {
@@ -47,6 +73,16 @@ impl Group {
             Self::Sensors => "Carried phones: sensors",
             Self::Faults => "Carried phones: sensors at fault",
             Self::Long => "Carried phones: half an hour",
+            Self::Swinging => "Carried phones: the place's field swings",
+            Self::Shaken => "Carried phones: shaken",
+            Self::Magnets => "Carried phones: boards with magnets",
+            Self::Back => "Carried phones: changes that go back, and in another place",
+            Self::Launches => "Carried phones: the second launch",
+            Self::Resampled => "Carried phones: a resampled field",
+            Self::Slow => "Carried phones: slow sensors",
+            Self::Conventions => "Carried phones: other conventions",
+            Self::Accelerometer => "Carried phones: the accelerometer at fault",
+            Self::Gyroscope => "Carried phones: the gyroscope at fault",
             Self::Paper => "The paper's simulation, magnetometer alone",
         }
     }

@@ -7,6 +7,7 @@ use crate::random::Random;
 use crate::simulate::{Change, ChangeKind};
 use crate::surroundings::Surrounding;
 use magcomp::nalgebra::{Matrix3, Vector3};
+use std::f64::consts::TAU;
 
 /// From one change to the next where the paper's parameters change again and again, s.
 const PERIOD_S: f64 = 15.0;
@@ -62,8 +63,7 @@ impl By {
         let none = Matrix3::zeros();
         match self {
             Self::Random(least_ut, most_ut, soft) => {
-                let share = random.uniform(0.0, 1.0);
-                let size_ut = least_ut * (most_ut / least_ut).powf(share);
+                let size_ut = between((least_ut, most_ut), random);
                 let hard_iron = random.direction() * (size_ut / field_ut);
                 whole(if soft > 0.0 { symmetric(soft, random) } else { none }, hard_iron)
             }
@@ -76,6 +76,15 @@ impl By {
             Self::HardIron(factor) => whole(none, device.hard_iron * (factor - 1.0)),
         }
     }
+}
+
+/// How a place's field swings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swing {
+    /// Another one so many times a second, of a normal distribution.
+    Noise(f64),
+    /// A sine of about this frequency, Hz, in one direction.
+    Wave(f64),
 }
 
 /// Something that happens to the device or its place.
@@ -119,6 +128,11 @@ pub enum Happening {
     Room(f64, f64, f64),
     /// A steel door: size, uT; when it is nearest, s; how long it matters, s.
     Door(f64, f64, f64),
+    /// Boards with magnets are passed, here and there: each one's largest field, uT, between these; for how long it is beyond half of that, s; a board
+    /// each so many seconds, on average; from, s.
+    Boards((f64, f64), f64, f64, f64),
+    /// The place's field swings: amplitude of a sine or standard deviation of each component, uT, between these; from, s; for, s.
+    Swings(Swing, (f64, f64), f64, f64),
     /// The place is uneven: root mean square, uT; from, s.
     Uneven(f64, f64),
     /// A car's body closes around the device: its field, uT; when, s; the share of the Earth's field that it keeps out.
@@ -165,8 +179,7 @@ impl Happening {
                 part(Course::Sine { from_s: 0.0, hz: 1.0 / period_s }, By::Random(ut, ut, 0.0), random);
             }
             Self::Hum(ut, hz) => {
-                // the mains wander, and so does the clock of the samples
-                let hz = (hz + 0.02 * random.normal()) * (1.0 + 0.002 * random.normal());
+                let hz = wandering_hz(hz, random);
                 part(Course::Sine { from_s: 40.0, hz }, By::Random(ut, ut, 0.0), random);
             }
             Self::Load(ut, hz) => {
@@ -184,6 +197,23 @@ impl Happening {
             Self::Room(size_ut, from_s, for_s) => drawn.surroundings.push(room(size_ut, from_s, for_s, random)),
             Self::Door(size_ut, at_s, for_s) => {
                 drawn.surroundings.push(Surrounding::door(at_s, size_ut, for_s, random));
+            }
+            Self::Boards(size_ut, wide_s, every_s, from_s) => {
+                let mut at_s = from_s + random.exponential(every_s);
+                while at_s < setting.duration_s {
+                    drawn.surroundings.push(Surrounding::board(at_s, between(size_ut, random), wide_s, random));
+                    at_s += random.exponential(every_s);
+                }
+            }
+            Self::Swings(swing, size_ut, from_s, for_s) => {
+                let (size_ut, from_until_s) = (between(size_ut, random), (from_s, from_s + for_s));
+                drawn.surroundings.push(match swing {
+                    Swing::Noise(hz) => Surrounding::noise(size_ut, hz, from_until_s, random),
+                    Swing::Wave(hz) => {
+                        let hz_phase = (wandering_hz(hz, random), random.uniform(0.0, TAU));
+                        Surrounding::Wave { from_until_s, hz_phase, field_ut: random.direction() * size_ut }
+                    }
+                });
             }
             Self::Uneven(rms_ut, from_s) => {
                 let place = Surrounding::uneven(rms_ut, from_s, setting.duration_s, trajectory, random);
@@ -213,6 +243,16 @@ impl Happening {
             before = after;
         }
     }
+}
+
+/// Evenly in the logarithm.
+fn between((least, most): (f64, f64), random: &mut Random) -> f64 {
+    least * (most / least).powf(random.uniform(0.0, 1.0))
+}
+
+/// The mains wander, and so does the clock of the samples.
+fn wandering_hz(hz: f64, random: &mut Random) -> f64 {
+    (hz + 0.02 * random.normal()) * (1.0 + 0.002 * random.normal())
 }
 
 fn symmetric(rms: f64, random: &mut Random) -> Matrix3<f64> {

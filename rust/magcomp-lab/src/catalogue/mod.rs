@@ -2,21 +2,25 @@
 //! the sensors with their oddities. A variant and a seed name a stream with its truth, bit for bit.
 //!
 //! `phones` has the phones of 60 s that figures are quoted of, `paper` the scenarios of the paper, `families` phones as they are carried, with
-//! the accelerations that belong to it: latitudes, steps of the device, motions, places, sensors, a long run.
+//! the accelerations that belong to it: latitudes, steps of the device, motions, places, sensors, a long run. `fields` and `readings` have what goes
+//! wrong for users: the first in the field and the hand (a place's field that swings, a device that is shaken, boards with magnets, changes that go
+//! back, a second launch), the second in sensors, loggers and apps (resampled fields, slow sensors, conventions, sensors at fault).
 
 mod families;
+mod fields;
 mod group;
 mod happening;
 mod paper;
 mod phones;
+mod readings;
 mod sensors;
 mod variant;
 
 pub use group::Group;
-pub use happening::{By, Happening, When};
+pub use happening::{By, Happening, Swing, When};
 pub use phones::{CHANGE_S, FIELD_UT, PLACE_S, PhoneChange, phone};
 pub use sensors::Sensors;
-pub use variant::{DeviceKind, Variant};
+pub use variant::{DeviceKind, Kept, Variant};
 
 impl Group {
     /// Its variants, in the order of the table.
@@ -53,7 +57,7 @@ pub const COMPARED: [&str; 20] = [
 /// Every variant, a group after the other.
 #[must_use]
 pub fn all() -> Vec<Variant> {
-    [phones::variants(), families::variants(), paper::variants()].concat()
+    [phones::variants(), families::variants(), fields::variants(), readings::variants(), paper::variants()].concat()
 }
 
 /// The variant of that name.

@@ -55,6 +55,7 @@ fn paper(name: &str, about: &str, motion: Motion, happens: Vec<Happening>) -> Va
         duration_s: 65.0,
         motion,
         one_axis: None,
+        shaken: None,
         earth: (FIELD_UT, 60.0),
         device: DeviceKind::Set(ParameterSet::Mid),
         change_s: CHANGE_S,
@@ -62,6 +63,7 @@ fn paper(name: &str, about: &str, motion: Motion, happens: Vec<Happening>) -> Va
         pause_s: None,
         sensors,
         is_known: false,
+        kept: None,
         rail_ut: None,
     }
 }

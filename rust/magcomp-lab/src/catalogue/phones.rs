@@ -94,6 +94,7 @@ pub fn phone(name: &str, motion: Motion, change: PhoneChange) -> Variant {
         duration_s: DURATION_S,
         motion,
         one_axis: None,
+        shaken: None,
         earth: (FIELD_UT, DIP_DEG),
         device: DeviceKind::Phone,
         change_s: CHANGE_S,
@@ -101,6 +102,7 @@ pub fn phone(name: &str, motion: Motion, change: PhoneChange) -> Variant {
         pause_s: None,
         sensors: Sensors::plain(),
         is_known: false,
+        kept: None,
         rail_ut: None,
     }
 }

@@ -1,6 +1,6 @@
 //! A phone's sensors: what is fixed, and between what limits the errors of one phone are drawn.
 
-use crate::inertial::InertialSensor;
+use crate::inertial::{Fault, InertialSensor};
 use crate::random::Random;
 use crate::simulate::{Magnetometer, Noise};
 use magcomp::nalgebra::{Matrix3, Vector3};
@@ -24,8 +24,12 @@ pub struct Sensors {
     pub gyro_walk_deg_s: f64,
     /// What each axis reads of what it should, 1: one that an app has flipped reads -1, a dead one 0.
     pub gyro_axes: [f64; 3],
-    /// It says nothing for the second so many seconds of each first so many.
-    pub gyro_silent_s: Option<(f64, f64)>,
+    /// It says nothing at the end of each so many seconds, for a time between these, s.
+    pub gyro_silent_s: Option<(f64, (f64, f64))>,
+    /// What the app makes of its readings: axes, sign and unit.
+    pub gyro_read_as: Matrix3<f64>,
+    /// What befalls it, and from when on, s; the direction of a bias is drawn.
+    pub gyro_fault: Option<(f64, Fault)>,
     /// Error of its scale on all axes, a share ...
     pub gyro_scale: f64,
     /// ... and on each axis at most, a share.
@@ -42,6 +46,10 @@ pub struct Sensors {
     pub accel_noise: f64,
     /// Its bias in a random direction, m/s^2.
     pub accel_bias: f64,
+    /// What the app makes of its readings: axes, sign and unit.
+    pub accel_read_as: Matrix3<f64>,
+    /// What befalls it, and from when on, s.
+    pub accel_fault: Option<(f64, Fault)>,
 }
 
 impl Sensors {
@@ -58,6 +66,8 @@ impl Sensors {
             gyro_walk_deg_s: 0.0,
             gyro_axes: [1.0; 3],
             gyro_silent_s: None,
+            gyro_read_as: Matrix3::identity(),
+            gyro_fault: None,
             gyro_scale: 0.0,
             gyro_axis_scale: 0.0,
             gyro_lean_deg: 0.0,
@@ -66,6 +76,8 @@ impl Sensors {
             accel_hz: 100.0,
             accel_noise: 0.05,
             accel_bias: 0.0,
+            accel_read_as: Matrix3::identity(),
+            accel_fault: None,
         }
     }
 
@@ -124,16 +136,23 @@ impl Sensors {
             skew: Matrix3::from_diagonal(&Vector3::from(self.gyro_axes)) * skew,
             delay_s: self.gyro_late_s,
             silent_s: self.gyro_silent_s,
+            read_as: self.gyro_read_as,
+            fault: None,
         };
         let accelerometer = InertialSensor {
             rate_hz: self.accel_hz,
             noise: self.accel_noise,
             bias: random.direction() * self.accel_bias,
+            read_as: self.accel_read_as,
+            fault: self.accel_fault,
             ..InertialSensor::accelerometer()
         };
         let [a, b, c] = [(); 3].map(|()| (random.uniform(-1.0, 1.0) * self.leaning_deg).to_radians());
         let axes = Matrix3::new(1.0, 0.0, 0.0, a.sin(), a.cos(), 0.0, b.sin(), c.sin(), 1.0);
         let magnetometer = Magnetometer { axes, ..self.magnetometer };
+        // drawn last, so that it changes nothing of the others
+        let fault = self.gyro_fault.map(|(from_s, fault)| (from_s, fault.along(&random.direction())));
+        let gyroscope = InertialSensor { fault, ..gyroscope };
         (magnetometer, self.has_gyroscope.then_some(gyroscope), self.has_accelerometer.then_some(accelerometer))
     }
 }

@@ -3,12 +3,16 @@
 use super::group::Group;
 use super::happening::{Drawn, Happening, Setting};
 use super::sensors::Sensors;
-use crate::motion::{Motion, Trajectory};
+use crate::motion::{Motion, Shake, Trajectory};
 use crate::parameters::{ParameterSet, Parameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::{Noise, Scenario, Simulation, world_field_ut};
 use magcomp::nalgebra::Matrix3;
-use magcomp::{Calibration, Config, HeadingConfig, ReferenceAxis};
+use magcomp::{Calibration, CalibrationSource, Config, HeadingConfig, KEPT_VERSION, KeptCalibration, ReferenceAxis};
+
+/// What an earlier launch has learned errs by this: each component of b, uT, and each element of M.
+const LEARNED_UT: f64 = 0.5;
+const LEARNED_IRON: f64 = 0.005;
 
 /// A scenario: what is drawn anew for every seed, and what is not.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +29,8 @@ pub struct Variant {
     pub motion: Motion,
     /// About the vertical or a random axis alone, and how far the axis wobbles, degrees; instead of `motion`.
     pub one_axis: Option<(bool, f64)>,
+    /// Shaken; instead of `motion`.
+    pub shaken: Option<Shake>,
     /// Strength, uT, and dip, degrees, of the Earth's field.
     pub earth: (f64, f64),
     /// How M and b are drawn.
@@ -39,8 +45,19 @@ pub struct Variant {
     pub sensors: Sensors,
     /// The calibration of an earlier session is known, right until the device changes.
     pub is_known: bool,
+    /// What an earlier launch kept.
+    pub kept: Option<Kept>,
     /// `Config::rail_ut`.
     pub rail_ut: Option<f64>,
+}
+
+/// A calibration that an earlier launch learned, and what happened since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// b has changed by so much, in a random direction, uT.
+    pub off_ut: f64,
+    /// Time since, s.
+    pub age_s: u32,
 }
 
 /// How M and b are drawn.
@@ -76,16 +93,40 @@ impl Variant {
         self.is_known.then(known).flatten()
     }
 
+    /// What the earlier launch kept, where there was one, and the time of this one, seconds since 1970.
+    #[must_use]
+    pub fn kept(&self, scenario: &Scenario) -> Option<(KeptCalibration, i64)> {
+        let Kept { off_ut, age_s } = self.kept?;
+        let (strength_ut, dip_deg) = self.earth;
+        let off_ut = Random::new(scenario.seed, Purpose::EarlierLaunch).direction() * off_ut;
+        let hard_iron_ut = scenario.device.hard_iron * strength_ut - off_ut;
+        let variance = |k: usize| if k < 3 { LEARNED_UT.powi(2) } else { LEARNED_IRON.powi(2) };
+        let covariance: Vec<Vec<f64>> =
+            (0..9).map(|i| (0..9).map(|j| if i == j { variance(i) } else { 0.0 }).collect()).collect();
+        let text = serde_json::json!({
+            "magcomp_calibration": KEPT_VERSION,
+            "source": CalibrationSource::Learned,
+            "unix_time_s": 0,
+            "inclination_deg": dip_deg,
+            "soft_iron": scenario.device.soft_iron.as_slice(),
+            "hard_iron_ut": hard_iron_ut.as_slice(),
+            "field_strength_ut": strength_ut,
+            "covariance": covariance,
+        });
+        KeptCalibration::from_json(&text.to_string()).ok().map(|kept| (kept, i64::from(age_s)))
+    }
+
     /// Everything that makes the stream of a seed.
     #[must_use]
     pub fn scenario(&self, seed: u64) -> Scenario {
         let seed = if matches!(self.device, DeviceKind::Carried(..)) { seed ^ hash(&self.name) } else { seed };
         let mut random = Random::new(seed, Purpose::Motion);
-        let trajectory = match self.one_axis {
-            Some((vertical, wobble_deg)) => {
+        let trajectory = match (self.one_axis, self.shaken) {
+            (Some((vertical, wobble_deg)), _) => {
                 Trajectory::about_one_axis(self.duration_s, vertical, wobble_deg, &mut random)
             }
-            None => self.motion.trajectory(self.duration_s, 1.0 / self.sensors.magnetometer.rate_hz, &mut random),
+            (_, Some(shake)) => shake.trajectory(self.duration_s, &mut random),
+            _ => self.motion.trajectory(self.duration_s, 1.0 / self.sensors.magnetometer.rate_hz, &mut random),
         };
         let (strength_ut, dip_deg) = self.earth;
         let earth_ut = world_field_ut(strength_ut, dip_deg);

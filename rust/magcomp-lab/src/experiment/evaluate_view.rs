@@ -21,6 +21,8 @@ const NOTES: &str = "\
   happens at 30 s. Carried phones have 80 s and more, the errors and delays that sensors of phones have, and accelerations of the motion; their device
   changes at 40 s where not said otherwise. `magcomp evaluate --list` has the names, and the lab's `catalogue` the data.
 * The lab's `score` defines each word. All is judged from 20 s on, where it does not say otherwise.
+* In the groups from swinging fields to gyroscopes at fault a line is one thing that users met, made up, in two or more ways of carrying; the device does not
+  change where it is not said. The lab's tests hold that each stream is what its line says, not that its figures are good.
 * answered: share of the samples with a heading, percent, but for those whose x axis is steep.
 * < 5 deg: seconds from a change, or from the start where the device does not change, until the 95th percentile of the heading's error over the
   trailing second stays below 5 degrees, up to the next change or the end (1.0 s is the least that this measure can give); median and worst of all

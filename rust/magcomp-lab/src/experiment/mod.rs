@@ -21,7 +21,7 @@ pub mod story;
 use crate::catalogue::Variant;
 use crate::error::LabError;
 use crate::recording::Recording;
-use crate::replay::{Ignore, Step, replay};
+use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::simulate::Simulation;
 use magcomp::{Config, Method};
@@ -41,7 +41,8 @@ pub fn answers(
     let simulation = scenario.run();
     let config = Config { method, initial: variant.initial(&scenario), ..variant.config() };
     let recording = Recording::of(&simulation, &variant.name);
-    let steps = replay(&recording, &config, ignore)?;
+    let mut player = Player::new(&config, ignore)?.adopting(variant.kept(&scenario));
+    let steps = recording.rows.iter().map(|row| player.play(row)).collect();
     Ok((simulation, recording, steps))
 }
 

@@ -8,6 +8,7 @@ pub mod noise;
 mod people;
 mod trajectory;
 
+pub use people::shaken::Shake;
 pub use trajectory::Trajectory;
 
 use crate::random::Random;
@@ -63,6 +64,8 @@ pub enum Motion {
     Game,
     /// On a table, picked up now and then
     Table,
+    /// On a table, the screen up, never touched
+    Lying,
     /// Standing, turning on the spot with the phone nearly flat
     Look,
     /// Rest, walking and turning over in the hands, in turns of 15 to 70 s
@@ -123,6 +126,7 @@ impl Motion {
             Self::DriveHand => Mover::new(duration_s, random).drive(true),
             Self::Game => Mover::new(duration_s, random).game(),
             Self::Table => Mover::new(duration_s, random).table(),
+            Self::Lying => Mover::new(duration_s, random).lying(),
             Self::Look => Mover::new(duration_s, random).look(),
             Self::Mixed => Mover::new(duration_s, random).mixed(),
         }

@@ -3,6 +3,8 @@
 //! Attitudes are Rz(yaw) Rx(pitch) Ry(roll), device (x right, y top edge, z out of the screen) to east-north-up: yaw counter-clockwise from
 //! north, pitch lifts the top edge. Angles are degrees until they become an attitude.
 
+pub mod shaken;
+
 use super::Trajectory;
 use super::noise::{Grid, Turns, ease};
 use crate::random::Random;
@@ -231,6 +233,13 @@ impl<'a> Mover<'a> {
         let shaken = self.band3(0.3, 4.0, 1.5);
         let acceleration = shaken.iter().zip(&picked_up).map(|(shaken, share)| shaken * *share).collect();
         Trajectory { picked_up_s: spans, ..self.trajectory(attitudes, acceleration) }
+    }
+
+    /// On a table, the screen up, never touched.
+    pub fn lying(&mut self) -> Trajectory {
+        let [yaw, pitch, roll] = [TAU / 2.0, 3.0, 3.0].map(|most| self.random.uniform(-most, most));
+        let attitudes = self.attitudes(|_| euler(yaw, pitch, roll));
+        self.trajectory(attitudes, vec![Vector3::zeros(); self.grid.count])
     }
 
     /// Standing, turning on the spot with the phone nearly flat.

@@ -3,8 +3,8 @@
 use crate::error::LabError;
 use crate::recording::{Course, Inertial, Recording, Row};
 use magcomp::{
-    Calibration, Compensator, Config, HeadedAxis, HeadingSample, MagneticSample, Method, NorthReference, Reading,
-    RotationRateSample, Tunings, UpSample,
+    Calibration, Compensator, Config, HeadedAxis, HeadingSample, KeptCalibration, MagneticSample, Method,
+    NorthReference, Reading, RotationRateSample, Tunings, UpSample,
 };
 use std::time::Instant;
 
@@ -61,6 +61,15 @@ impl Player {
     #[must_use]
     pub fn aided_by_courses(self, axis: Option<HeadedAxis>) -> Self {
         Self { course_of: axis, ..self }
+    }
+
+    /// The same, with what an earlier launch kept in force; the time of this one in seconds since 1970.
+    #[must_use]
+    pub fn adopting(mut self, kept: Option<(KeptCalibration, i64)>) -> Self {
+        if let Some((kept, unix_time_s)) = kept {
+            self.compensator.adopt(&kept, Some(unix_time_s));
+        }
+        self
     }
 
     /// Plays the next row.
