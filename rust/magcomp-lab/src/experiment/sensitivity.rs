@@ -1,222 +1,211 @@
-//! The worth of each choice of the estimators, and of each mechanism: a part of the catalogue with the choice halved and doubled, with the
-//! mechanism off.
-//!
-//! * error: the heading's, from 20 s on, as `score` says, 30 degrees at most and where there is no heading; geometric mean over variants and
-//!   seeds, 0.1 deg at the least;
-//! * z2: the mean square of error over sigma, geometric mean, 0.01 at the least;
-//! * noise: how far the change of a figure strays between two halves of the seeds, over two: that is the standard deviation of what is shown. Root mean
-//!   square over all that change anything. A choice that moves no figure by more than twice that is not seen here.
+//! The worth of each choice of the estimators, and of each mechanism: simulated groups and recordings with the choice halved and doubled, with the
+//! mechanism off. Figures and their noise: `sensitivity_score`; what they are tried on: `sensitivity_bench`.
 
-use super::Spread;
-use crate::catalogue::{Variant, find};
+use super::sensitivity_bench::{Way, stream, trial};
+use super::sensitivity_score::{Moves, Unit};
+use super::sensitivity_view::page;
+use crate::catalogue::{Group, Variant};
 use crate::error::LabError;
 use crate::parallel::{cores, map};
 use crate::progress;
-use crate::recording::Recording;
-use crate::replay::{Player, Step};
-use crate::score::{Figures, rms};
-use crate::simulate::Simulation;
 use crate::table::Table;
-use magcomp::{Choice, Mechanism, Method, Tunings};
+use crate::trials::Folder;
+use magcomp::{Choice, Mechanism, Tunings};
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
-/// Seeds of development.
-pub const SEEDS: RangeInclusive<u64> = 1..=8;
-/// What each estimator is tried on: motions, a step, a place, a drift, sensors, nothing at all.
-const AIDED: [&str; 6] =
-    ["motion.walk", "steps.b50-m", "places.uneven5", "places.room10s", "sensors.late40-game", "phone-walk-drift"];
-/// A walker who turns seldom is no task without a gyroscope.
-const ADAPTIVE: [&str; 4] = ["alone.step", "alone.stroll-steady", "alone.place", "alone.drift"];
-/// No error counts more, or less, degrees; no z2 less.
-const MOST_DEG: f64 = 30.0;
-const LEAST_DEG: f64 = 0.1;
-const LEAST_Z2: f64 = 0.01;
-/// A choice changes nothing when the logarithm of a figure changes by no more than this.
-const NOTHING: f64 = 1e-3;
-
-/// The streams of one estimator, each with the half of the seeds that it belongs to.
-struct Benchmark {
-    estimator: &'static str,
-    method: Method,
-    streams: Vec<(Variant, Simulation, Recording, usize)>,
+/// What is tried, and on what.
+#[derive(Clone, Debug)]
+pub struct SensitivityOptions {
+    /// Folders of recordings with a reference.
+    pub recordings: Vec<PathBuf>,
+    /// Groups and declinations of those that have no index of their own.
+    pub index: Option<PathBuf>,
+    /// Simulated groups; all when empty.
+    pub groups: Vec<Group>,
+    /// Parts of the names of choices and mechanisms; all when empty.
+    pub only: Vec<String>,
+    /// Mechanisms alone.
+    pub switches: bool,
+    /// A stream of each variant for each seed; two at least, or there is no noise.
+    pub seeds: RangeInclusive<u64>,
 }
 
-/// Logarithms of error and z2, the mean of each half of the seeds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Score {
-    error: [f64; 2],
-    z2: [f64; 2],
-}
-
-impl Benchmark {
-    fn new(
-        estimator: &'static str,
-        method: Method,
-        names: &[&str],
-        seeds: RangeInclusive<u64>,
-    ) -> Result<Self, LabError> {
-        let mut streams = Vec::new();
-        for name in names {
-            let variant = find(name).map_err(LabError::Usage)?;
-            for (k, seed) in seeds.clone().enumerate() {
-                let simulation = variant.stream(seed);
-                let recording = Recording::of(&simulation, name);
-                streams.push((variant.clone(), simulation, recording, k % 2));
-            }
-        }
-        Ok(Self { estimator, method, streams })
-    }
-
-    fn score(&self, tunings: Tunings) -> Result<Score, LabError> {
-        let mut score = Score::default();
-        let each = self.streams.len() as f64 / 2.0;
-        for (variant, simulation, recording, half) in &self.streams {
-            let mut player = Player::tuned(variant.config(), self.method, tunings)?;
-            let steps: Vec<Step> = recording.rows.iter().map(|row| player.play(row)).collect();
-            let figures = Figures::of(simulation, &steps);
-            let answered = figures.error.heading_deg.unwrap_or(MOST_DEG).min(MOST_DEG);
-            // where there is no heading the error counts in full
-            let share = figures.answered.unwrap_or(1.0);
-            let error = (share * answered.powi(2) + (1.0 - share) * MOST_DEG.powi(2)).sqrt();
-            score.error[*half] += error.max(LEAST_DEG).ln() / each;
-            score.z2[*half] += figures.z2.unwrap_or(1.0).max(LEAST_Z2).ln() / each;
-        }
-        Ok(score)
-    }
-}
-
-/// What is tried.
+/// A choice or a mechanism.
 #[derive(Clone, Copy)]
-enum Trial {
-    /// A choice, times a factor.
-    Scaled(&'static Choice, f64),
-    /// Without a mechanism.
-    Off(&'static Mechanism),
+pub(super) enum Subject {
+    Choice(&'static Choice),
+    Mechanism(&'static Mechanism),
 }
 
-impl Trial {
-    fn tunings(self, estimator: &str) -> Tunings {
-        let mut tunings = Tunings::default();
-        let is_there = match self {
-            Self::Scaled(choice, factor) => tunings.set(estimator, choice.name, choice.value * factor),
-            Self::Off(mechanism) => tunings.switch_off(estimator, mechanism.name),
+/// One of them, in one way.
+pub(super) struct Row {
+    pub part: &'static str,
+    pub subject: Subject,
+    pub way: Way,
+    /// Half and double, or off.
+    pub moves: Vec<Moves>,
+}
+
+/// A page in the making.
+pub(super) struct Found<'a> {
+    pub options: &'a SensitivityOptions,
+    pub rows: Vec<Row>,
+    pub units: Vec<Unit>,
+    pub variants: Vec<(Way, Vec<Variant>)>,
+    /// Samples that were played.
+    pub samples: usize,
+}
+
+impl Subject {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Choice(choice) => choice.name,
+            Self::Mechanism(mechanism) => mechanism.name,
+        }
+    }
+
+    /// Its settings: half and double, or off.
+    fn tunings(self, part: &str) -> Vec<Tunings> {
+        let with = |set: &dyn Fn(&mut Tunings) -> bool| {
+            let mut tunings = Tunings::default();
+            assert!(set(&mut tunings), "{part} {} is listed", self.name());
+            tunings
         };
-        assert!(is_there, "it is listed");
-        tunings
+        match self {
+            Self::Choice(choice) => {
+                [0.5, 2.0].map(|factor| with(&|it| it.set(part, choice.name, choice.value * factor))).to_vec()
+            }
+            Self::Mechanism(mechanism) => vec![with(&|it| it.switch_off(part, mechanism.name))],
+        }
     }
 }
 
-/// How the logarithms change with one trial, in each half of the seeds.
-struct Line {
-    estimator: &'static str,
-    trial: Trial,
-    change: Score,
+/// Every choice, then every mechanism, with its part, that is asked for.
+fn subjects(options: &SensitivityOptions) -> Result<Vec<(&'static str, Subject)>, LabError> {
+    let choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
+    let mechanisms = Tunings::mechanisms().map(|(part, mechanism)| (part, Subject::Mechanism(mechanism)));
+    let all: Vec<_> = choices.filter(|_| !options.switches).chain(mechanisms).collect();
+    let fits = |name: &str, part: &String| name.contains(part.as_str());
+    if let Some(unknown) = options.only.iter().find(|part| !all.iter().any(|(_, it)| fits(it.name(), part))) {
+        let what = if options.switches { "mechanism" } else { "choice or mechanism" };
+        let why = format!("no {what} has '{unknown}' in its name; docs/dev/TUNING.md lists all");
+        return Err(LabError::Usage(why));
+    }
+    let is_asked_for = |name: &str| options.only.is_empty() || options.only.iter().any(|part| fits(name, part));
+    Ok(all.into_iter().filter(|(_, it)| is_asked_for(it.name())).collect())
 }
 
-/// Mean of both halves, as a change in per cent.
-fn percent(halves: [f64; 2]) -> f64 {
-    100.0 * ((halves[0] + halves[1]) / 2.0).exp_m1()
+/// A piece of work: nothing that two of them need is made twice.
+enum Job<'a> {
+    Stream(&'a (Way, Vec<Tunings>), &'a Variant, u64),
+    Trial(&'a Folder, &'a Path),
 }
 
-/// Every choice, as markdown: docs/dev/TUNING.md.
+/// Every choice and mechanism that is asked for, as the page docs/dev/TUNING.md.
 ///
 /// # Errors
-/// [`LabError::Config`].
-pub fn run(seeds: RangeInclusive<u64>) -> Result<Table, LabError> {
-    let benchmarks = [
-        Benchmark::new("adaptive", Method::Adaptive, &ADAPTIVE, seeds.clone())?,
-        Benchmark::new("aided", Method::Auto, &AIDED, seeds.clone())?,
-    ];
-    let scaled = Tunings::list()
-        .flat_map(|(estimator, choice)| [0.5, 2.0].map(|factor| (estimator, Trial::Scaled(choice, factor))));
-    let off = Tunings::mechanisms().map(|(estimator, mechanism)| (estimator, Trial::Off(mechanism)));
-    let trials: Vec<_> = scaled.chain(off).collect();
-    let bar = progress::bar(trials.len(), "sensitivity");
-    let usual = map(&benchmarks, cores(), |benchmark| benchmark.score(Tunings::default()));
-    let usual: Vec<Score> = usual.into_iter().collect::<Result<_, _>>()?;
-    let of = |estimator: &str| benchmarks.iter().position(|one| one.estimator == estimator).expect("an estimator");
-    let lines = map(&trials, cores(), |&(estimator, trial)| {
-        let score = benchmarks[of(estimator)].score(trial.tunings(estimator))?;
-        bar.inc(1);
-        let usual = usual[of(estimator)];
-        let less = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-        let change = Score { error: less(score.error, usual.error), z2: less(score.z2, usual.z2) };
-        Ok(Line { estimator, trial, change })
-    });
-    bar.finish_and_clear();
-    let lines = lines.into_iter().collect::<Result<Vec<_>, LabError>>()?;
-    Ok(table(&benchmarks, &usual, &lines, &seeds))
+/// [`LabError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference; [`LabError::Read`] and
+/// [`LabError::Recording`] name a file that is at fault.
+pub fn run(options: &SensitivityOptions) -> Result<Table, LabError> {
+    if options.seeds.start() == options.seeds.end() {
+        return Err(LabError::Usage("one seed tells no noise; give two at least, such as --seeds 1-8".to_owned()));
+    }
+    let subjects = subjects(options)?;
+    let mut settings: Vec<(Way, Vec<Tunings>)> = Way::ALL.map(|way| (way, vec![Tunings::default()])).to_vec();
+    let mut places = Vec::new();
+    for (part, subject) in subjects {
+        for (way, own) in settings.iter_mut().filter(|(way, _)| Way::of(part).contains(way)) {
+            let tunings = subject.tunings(part);
+            places.push((part, subject, *way, own.len()..own.len() + tunings.len()));
+            own.extend(tunings);
+        }
+    }
+    // a way in which nothing is tried
+    settings.retain(|(_, own)| own.len() > 1);
+    let folders = options.recordings.iter().map(|path| Folder::open(path, options.index.as_deref()));
+    let folders: Vec<Folder> = folders.collect::<Result<_, _>>()?;
+    let variants = settings.iter().map(|(way, _)| Ok((*way, way.variants(&options.groups)?)));
+    let variants: Vec<(Way, Vec<Variant>)> = variants.collect::<Result<_, LabError>>()?;
+    let (units, samples) = play(&settings, &variants, &folders, &options.seeds)?;
+    let row = |(part, subject, way, places): (&'static str, Subject, Way, std::ops::Range<usize>)| {
+        let own: Vec<&Unit> = units.iter().filter(|unit| unit.way == way).collect();
+        Row { part, subject, way, moves: places.map(|setting| Moves::of(&own, setting)).collect() }
+    };
+    let rows = places.into_iter().map(row).collect();
+    Ok(page(&Found { options, rows, units, variants, samples }))
 }
 
-fn table(benchmarks: &[Benchmark], usual: &[Score], lines: &[Line], seeds: &RangeInclusive<u64>) -> Table {
-    let columns = [
-        "estimator",
-        "choice or mechanism",
-        "value",
-        "unit",
-        "error, half",
-        "double",
-        "off",
-        "z2, half",
-        "double",
-        "off",
-        "what it is",
-        "source",
-    ];
-    let mut table = Table::new("# Choices of the estimators, and what each is worth", &columns);
-    for (benchmark, usual) in benchmarks.iter().zip(usual) {
-        let own: Vec<&Line> = lines.iter().filter(|line| line.estimator == benchmark.estimator).collect();
-        let noise = |halves: fn(&Score) -> [f64; 2]| {
-            let all = own.iter().map(|line| halves(&line.change));
-            let moved = all.filter(|[even, odd]| even.abs() > NOTHING || odd.abs() > NOTHING);
-            100.0 * (rms(moved.map(|[even, odd]| even - odd)).unwrap_or(0.0) / 2.0).exp_m1()
-        };
-        let mean = |halves: [f64; 2]| Spread::of(&halves).mean.exp();
-        table.note(&format!(
-            "{}: error {:.2} deg, z2 {:.2}; noise of a change: {:.1} % of the error, {:.1} % of z2\\",
-            benchmark.estimator,
-            mean(usual.error),
-            mean(usual.z2),
-            noise(|score| score.error),
-            noise(|score| score.z2),
-        ));
+/// Every stream and every trial with every setting of its way, and the samples that were played.
+fn play(
+    settings: &[(Way, Vec<Tunings>)],
+    variants: &[(Way, Vec<Variant>)],
+    folders: &[Folder],
+    seeds: &RangeInclusive<u64>,
+) -> Result<(Vec<Unit>, usize), LabError> {
+    let mut jobs = Vec::new();
+    for folder in folders {
+        jobs.extend(folder.paths.iter().map(|path| Job::Trial(folder, path.as_path())));
     }
-    table.note(&format!(
-        "Error: of the published heading against the truth, root mean square of each run, geometric mean of all. z2: mean square of error over \
-         sigma, 1 where sigma is right. Half and double: the change of both with the choice half and twice as large; off: without the mechanism. Noise: what a change strays by \
-         between two halves of the seeds, over two, root mean square over all that change anything; a change of less than twice that is none. Made by `cargo run --release -- sensitivity`: seeds {} to {} \
-         of {} for aided, of {} for adaptive.",
-        seeds.start(),
-        seeds.end(),
-        AIDED.join(", "),
-        ADAPTIVE.join(", "),
-    ));
-    let shown = |halves: [f64; 2]| format!("{:+.0} %", percent(halves));
-    let mut rest = lines.iter();
-    while let Some(Line { estimator, trial, change }) = rest.next() {
-        let (name, value, unit, what, source) = match trial {
-            Trial::Scaled(choice, _) => {
-                (choice.name, format!("{}", choice.value), choice.unit, choice.meaning, choice.source)
-            }
-            Trial::Off(mechanism) => {
-                (mechanism.name, "on".to_owned(), "", mechanism.meaning, "docs/dev/METHOD-AIDED.md")
-            }
-        };
-        let changes = match trial {
-            Trial::Scaled(..) => {
-                let double = &rest.next().expect("half and double follow one another").change;
-                let (error, z2) = ([change.error, double.error], [change.z2, double.z2]);
-                [shown(error[0]), shown(error[1]), String::new(), shown(z2[0]), shown(z2[1]), String::new()]
-            }
-            Trial::Off(_) => {
-                let none = String::new;
-                [none(), none(), shown(change.error), none(), none(), shown(change.z2)]
-            }
-        };
-        let mut row = vec![(*estimator).to_owned(), name.to_owned(), value, unit.to_owned()];
-        row.extend(changes);
-        row.extend([what.trim().to_owned(), source.to_owned()]);
-        table.row(row);
+    for (own, (_, variants)) in settings.iter().zip(variants) {
+        jobs.extend(variants.iter().flat_map(|it| seeds.clone().map(move |seed| Job::Stream(own, it, seed))));
     }
-    table
+    let bar = progress::bar(jobs.len(), "sensitivity");
+    let found = map(&jobs, cores(), |job| {
+        let found = match job {
+            Job::Stream((way, own), variant, seed) => {
+                stream(*way, variant, *seed, own).map(|(unit, rows)| (vec![unit], rows))
+            }
+            Job::Trial(folder, path) => trial(folder, path, settings),
+        };
+        bar.inc(1);
+        found
+    });
+    bar.finish_and_clear();
+    let (mut units, mut samples) = (Vec::new(), 0);
+    for found in found {
+        let (own, rows) = found?;
+        units.extend(own);
+        samples += rows;
+    }
+    Ok((units, samples))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(only: &[&str], switches: bool) -> SensitivityOptions {
+        let only = only.iter().map(|name| (*name).to_owned()).collect();
+        SensitivityOptions { recordings: Vec::new(), index: None, groups: Vec::new(), only, switches, seeds: 1..=2 }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_tried() {
+        let names = |options| subjects(&options).map(|all| all.iter().map(|(_, it)| it.name()).collect::<Vec<_>>());
+        assert_eq!(names(options(&["quarantine"], false)).unwrap(), ["quarantine"]);
+        let both = names(options(&["noise_ut", "quarantine"], false)).unwrap();
+        assert_eq!(both, ["noise_ut", "quarantine"]);
+        let all = names(options(&[], false)).unwrap().len();
+        let switches = names(options(&[], true)).unwrap().len();
+        assert_eq!(
+            (all, switches),
+            (Tunings::list().count() + Tunings::mechanisms().count(), Tunings::mechanisms().count())
+        );
+        let refused = |options| names(options).unwrap_err().to_string();
+        assert!(refused(options(&["quarantine", "nobody"], false)).contains("'nobody'"));
+        assert!(refused(options(&["noise_ut"], true)).contains("no mechanism has 'noise_ut'"));
+        let alone = SensitivityOptions { seeds: 3..=3, ..options(&[], false) };
+        assert!(run(&alone).unwrap_err().to_string().contains("one seed tells no noise"));
+    }
+
+    #[test]
+    fn a_choice_has_half_and_double_and_a_mechanism_is_off() {
+        for (part, subject) in subjects(&options(&[], false)).unwrap() {
+            let tunings = subject.tunings(part);
+            let is_choice = matches!(subject, Subject::Choice(_));
+            assert_eq!(tunings.len(), if is_choice { 2 } else { 1 }, "{part} {}", subject.name());
+            assert!(tunings.iter().all(|one| *one != Tunings::default()), "{part} {}", subject.name());
+        }
+    }
 }
