@@ -6,14 +6,17 @@ use crate::error::LabError;
 use crate::experiment::sensitivity::{SensitivityOptions, run};
 use clap::Args;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// The recordings of the repository.
+const OURS: &str = "tests/recordings";
 
 /// Every choice of the estimators halved and doubled, every mechanism off, on simulated groups and recordings, as markdown (docs/dev/TUNING.md)
 #[derive(Debug, Args)]
 pub(super) struct Sensitivity {
     /// Folders of recordings with a reference orientation, as of `magcomp evaluate --recordings`; may be given more than once
-    #[arg(long, value_name = "DIR", default_value = "tests/recordings")]
+    #[arg(long, value_name = "DIR", default_value = OURS)]
     recordings: Vec<PathBuf>,
     /// Groups and declinations of the recordings, as of `magcomp evaluate --index`; each folder's INDEX.csv when not given
     #[arg(long, value_name = "CSV")]
@@ -35,6 +38,10 @@ pub(super) struct Sensitivity {
 impl Sensitivity {
     pub fn run(self) -> Result<(), LabError> {
         let started = Instant::now();
+        if self.recordings.iter().any(|folder| folder == Path::new(OURS) && !folder.is_dir()) {
+            let why = format!("{OURS} is not here: run it in the repository, or name a folder with --recordings");
+            return Err(LabError::Usage(why));
+        }
         let seeds = self.seeds.range();
         let Self { recordings, index, group: groups, only, switches, .. } = self;
         let page = run(&SensitivityOptions { recordings, index, groups, only, switches, seeds })?;
