@@ -18,7 +18,7 @@ pub(super) struct Sensitivity {
     /// Folders of recordings with a reference orientation, as of `magcomp evaluate --recordings`; may be given more than once
     #[arg(long, value_name = "DIR", default_value = OURS)]
     recordings: Vec<PathBuf>,
-    /// Groups and declinations of the recordings, as of `magcomp evaluate --index`; each folder's INDEX.csv when not given
+    /// Groups and declinations of recordings, as of `magcomp evaluate --index`, for folders that have no INDEX.csv
     #[arg(long, value_name = "CSV")]
     index: Option<PathBuf>,
     /// Simulated groups; all when not given

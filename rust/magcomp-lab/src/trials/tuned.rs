@@ -2,7 +2,7 @@
 
 use super::figures::{absolute, published};
 use super::folder::{name_of, recordings};
-use super::groups::{Groups, Told};
+use super::groups::{Groups, INDEX, Told};
 use super::score::{config, judge_rows};
 use crate::error::LabError;
 use crate::import::{ImportOptions, open};
@@ -50,11 +50,12 @@ pub struct TrialScore {
 }
 
 impl Folder {
-    /// The recordings of `path`; `index` names groups and declinations, the folder's own `INDEX.csv` when it is none.
+    /// The recordings of `path`, with its own `INDEX.csv`; where it has none, `index` names groups and declinations.
     ///
     /// # Errors
     /// As of [`super::judge_folder`].
     pub fn open(path: &Path, index: Option<&Path>) -> Result<Self, LabError> {
+        let index = index.filter(|_| !path.join(INDEX).is_file());
         Ok(Self { paths: recordings(path)?, groups: Groups::of(path, index)? })
     }
 
@@ -118,7 +119,7 @@ mod tests {
 
     fn trial(name: &str) -> Trial {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
-        let folder = Folder::open(&folder, None).unwrap();
+        let folder = Folder::open(&folder, Some(Path::new("nowhere.csv"))).unwrap();
         let path = folder.paths.iter().find(|path| name_of(path) == name).unwrap();
         folder.read(path).unwrap()
     }
@@ -128,6 +129,7 @@ mod tests {
     fn a_play_is_judged_as_evaluate_does() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
         let trial = trial("broad_34_attached_magnet_3cm");
+        // its own index counts, whatever other is named
         assert_eq!(trial.group, "a magnet on the sensor");
         let path = folder.join("broad_34_attached_magnet_3cm.csv.gz");
         let (score, _) = super::super::Score::of(&path, &Groups::of(&folder, None).unwrap()).unwrap();
