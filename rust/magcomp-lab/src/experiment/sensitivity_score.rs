@@ -31,11 +31,11 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    /// Where there is no heading the error counts in full.
+    /// The share without a heading counts as the largest error. It does so in logarithms: squares of 30 degrees would hide all others.
     pub fn of(answered: f64, heading_deg: Option<f64>, z2: Option<f64>) -> Self {
-        let heading_deg = heading_deg.unwrap_or(MOST_DEG).min(MOST_DEG);
-        let error_deg = (answered * heading_deg.powi(2) + (1.0 - answered) * MOST_DEG.powi(2)).sqrt();
-        Self { error: error_deg.max(LEAST_DEG).ln(), z2: z2.unwrap_or(1.0).max(LEAST_Z2).ln(), ..Self::default() }
+        let error = heading_deg.unwrap_or(MOST_DEG).clamp(LEAST_DEG, MOST_DEG).ln();
+        let error = answered * error + (1.0 - answered) * MOST_DEG.ln();
+        Self { error, z2: z2.unwrap_or(1.0).max(LEAST_Z2).ln(), ..Self::default() }
     }
 }
 
@@ -196,7 +196,7 @@ mod tests {
     fn no_heading_counts_in_full_and_nothing_counts_more() {
         let error = |answered, heading_deg| Outcome::of(answered, heading_deg, None).error.exp();
         assert!((error(1.0, Some(5.0)) - 5.0).abs() < 1e-12 && (error(1.0, Some(90.0)) - 30.0).abs() < 1e-12);
-        assert!((error(0.75, Some(6.0)) - (0.75 * 36.0 + 0.25 * 900.0_f64).sqrt()).abs() < 1e-12);
+        assert!((error(0.75, Some(6.0)) - 6.0_f64.powf(0.75) * 30.0_f64.powf(0.25)).abs() < 1e-9);
         assert!((error(0.0, None) - 30.0).abs() < 1e-12 && (error(1.0, Some(0.0)) - 0.1).abs() < 1e-12);
         let z2 = |z2| Outcome::of(1.0, Some(1.0), z2).z2.exp();
         assert!(

@@ -35,7 +35,7 @@ pub(super) fn page(found: &Found<'_>) -> Table {
     table.note(&format!(
         "A row: a choice halved / doubled, or the estimator without the mechanism, against the usual one; with the gyroscope, or from magnetometer and \
          accelerometer alone, where a recording is begun at 0, 3, 6, 9 and 12 s. All is judged from 20 s on. Error: of the published heading, root mean \
-         square of each stream, a recording's but for one constant, at most 30 deg and where there is none; geometric mean. z2: mean square of error over sigma, 1 \
+         square of each stream, a recording's but for one constant, at most 30 deg, which counts where there is none; geometric mean. z2: mean square of error over sigma, 1 \
          where sigma is right; geometric mean. False steps: device steps of the recordings that no magnet explains. Worst: the largest error of a recording's \
          heading with the constant left in, deg. After +-: the noise of the change, by streams that differ in their seed alone, or by recordings; of the worst, \
          how far the third worst is from it. A figure moves by more than {MOVED} times its noise, and by 1 %; that of the group that moves most by {MOVED_IN_A_GROUP} times. \
@@ -120,7 +120,7 @@ fn made(found: &Found<'_>) -> String {
     });
     let tried: Vec<String> = tried.collect();
     format!(
-        "Made by `{command}`, which plays {:.0} million samples and says how far it is. Seeds {first} to {last} of these variants: {}.",
+        "Made by `{command}`, which plays {:.1} million samples and says how far it is. Seeds {first} to {last} of these variants: {}.",
         found.samples as f64 / 1e6,
         tried.join("; "),
     )

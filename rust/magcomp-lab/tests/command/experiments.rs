@@ -177,7 +177,7 @@ fn sensitivity_tries_what_it_is_asked_for_on_streams_and_recordings() {
     fs::create_dir(&trials).unwrap();
     for seed in ["4", "5", "6"] {
         let path = trials.join(format!("walk{seed}.csv"));
-        assert_eq!(run(&["simulate", text(&path), "--seed", seed, "--seconds", "40", "--motion", "uniform"]).0, 0);
+        assert_eq!(run(&["simulate", text(&path), "--seed", seed, "--seconds", "40"]).0, 0);
     }
     let arguments = ["--only", "noise_learning", "--group", "pause", "--seeds", "1-2", "--recordings", text(&trials)];
     let (code, page, error) = run(&[&["sensitivity"][..], &arguments].concat());
