@@ -3,7 +3,7 @@
 use super::common::Seeds;
 use crate::catalogue::Group;
 use crate::error::LabError;
-use crate::experiment::sensitivity::{SensitivityOptions, run};
+use crate::sensitivity::{SensitivityOptions, run};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,64 @@
 //! The page docs/dev/TUNING.md.
 
-use super::sensitivity::{Found, Row, Subject};
-use super::sensitivity_bench::{Way, group_name};
-use super::sensitivity_score::{MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, absolute_deg};
+use super::bench::group_name;
+use super::score::{MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, Way, absolute_deg};
+use crate::catalogue::{Group, Variant};
 use crate::table::Table;
+use magcomp::{Choice, Mechanism};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// What is tried, and on what.
+#[derive(Clone, Debug)]
+pub struct SensitivityOptions {
+    /// Folders of recordings with a reference.
+    pub recordings: Vec<PathBuf>,
+    /// Groups and declinations of those that have no index of their own.
+    pub index: Option<PathBuf>,
+    /// Simulated groups; all when empty.
+    pub groups: Vec<Group>,
+    /// Parts of the names of choices and mechanisms; all when empty.
+    pub only: Vec<String>,
+    /// Mechanisms alone.
+    pub switches: bool,
+    /// A stream of each variant for each seed; two at least, or there is no noise.
+    pub seeds: RangeInclusive<u64>,
+}
+
+/// A choice or a mechanism.
+#[derive(Clone, Copy)]
+pub(super) enum Subject {
+    Choice(&'static Choice),
+    Mechanism(&'static Mechanism),
+}
+
+/// One of them, in one way.
+pub(super) struct Row {
+    pub part: &'static str,
+    pub subject: Subject,
+    pub way: Way,
+    /// Half and double, or off.
+    pub moves: Vec<Moves>,
+}
+
+/// A page in the making.
+pub(super) struct Found<'a> {
+    pub options: &'a SensitivityOptions,
+    pub rows: Vec<Row>,
+    pub units: Vec<Unit>,
+    pub variants: Vec<(Way, Vec<Variant>)>,
+    /// Samples that were played.
+    pub samples: usize,
+}
+
+impl Subject {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Choice(choice) => choice.name,
+            Self::Mechanism(mechanism) => mechanism.name,
+        }
+    }
+}
 
 const COLUMNS: [&str; 15] = [
     "part",

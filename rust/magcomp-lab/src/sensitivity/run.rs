@@ -1,70 +1,20 @@
 //! The worth of each choice of the estimators, and of each mechanism: simulated groups and recordings with the choice halved and doubled, with the
-//! mechanism off. Figures and their noise: `sensitivity_score`; what they are tried on: `sensitivity_bench`.
+//! mechanism off. Figures and their noise: `score`; what they are tried on: `bench`.
 
-use super::sensitivity_bench::{Way, stream, trial};
-use super::sensitivity_score::{Moves, Unit};
-use super::sensitivity_view::page;
-use crate::catalogue::{Group, Variant};
+use super::bench::{stream, trial};
+use super::score::{Moves, Unit, Way};
+use super::view::{Found, Row, SensitivityOptions, Subject, page};
+use crate::catalogue::Variant;
 use crate::error::LabError;
 use crate::parallel::{cores, map};
 use crate::progress;
 use crate::table::Table;
 use crate::trials::Folder;
-use magcomp::{Choice, Mechanism, Tunings};
+use magcomp::Tunings;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
-
-/// What is tried, and on what.
-#[derive(Clone, Debug)]
-pub struct SensitivityOptions {
-    /// Folders of recordings with a reference.
-    pub recordings: Vec<PathBuf>,
-    /// Groups and declinations of those that have no index of their own.
-    pub index: Option<PathBuf>,
-    /// Simulated groups; all when empty.
-    pub groups: Vec<Group>,
-    /// Parts of the names of choices and mechanisms; all when empty.
-    pub only: Vec<String>,
-    /// Mechanisms alone.
-    pub switches: bool,
-    /// A stream of each variant for each seed; two at least, or there is no noise.
-    pub seeds: RangeInclusive<u64>,
-}
-
-/// A choice or a mechanism.
-#[derive(Clone, Copy)]
-pub(super) enum Subject {
-    Choice(&'static Choice),
-    Mechanism(&'static Mechanism),
-}
-
-/// One of them, in one way.
-pub(super) struct Row {
-    pub part: &'static str,
-    pub subject: Subject,
-    pub way: Way,
-    /// Half and double, or off.
-    pub moves: Vec<Moves>,
-}
-
-/// A page in the making.
-pub(super) struct Found<'a> {
-    pub options: &'a SensitivityOptions,
-    pub rows: Vec<Row>,
-    pub units: Vec<Unit>,
-    pub variants: Vec<(Way, Vec<Variant>)>,
-    /// Samples that were played.
-    pub samples: usize,
-}
+use std::path::Path;
 
 impl Subject {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Choice(choice) => choice.name,
-            Self::Mechanism(mechanism) => mechanism.name,
-        }
-    }
-
     /// Its settings: half and double, or off.
     fn tunings(self, part: &str) -> Vec<Tunings> {
         let with = |set: &dyn Fn(&mut Tunings) -> bool| {

@@ -1,6 +1,6 @@
 //! What choices and mechanisms are tried on: simulated groups and recordings, each made or read once and played with every setting.
 
-use super::sensitivity_score::{Outcome, Unit};
+use super::score::{Outcome, Unit, Way};
 use crate::catalogue::{Group, Variant, find};
 use crate::error::LabError;
 use crate::recording::Recording;
@@ -10,13 +10,6 @@ use crate::trials::{Folder, TrialScore};
 use clap::ValueEnum;
 use magcomp::{Config, Method, Tunings};
 use std::path::Path;
-
-/// With which sensors a setting is tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
-    WithGyroscope,
-    Alone,
-}
 
 /// A variant or two of every group that exercises the estimator with a gyroscope: extend it with the catalogue.
 const WITH_GYROSCOPE: &[&str] = &[

@@ -3,8 +3,6 @@
 //! A figure is the mean of what each stream, or each trial, changes by: each is its own comparison, with the setting and without. Its noise
 //! is that mean's standard error: from seed to seed of each variant, or from trial to trial.
 
-use super::sensitivity_bench::Way;
-
 /// No error counts more, or less, degrees; no z2 less.
 const MOST_DEG: f64 = 30.0;
 const LEAST_DEG: f64 = 0.1;
@@ -16,6 +14,13 @@ pub(super) const MOVED_IN_A_GROUP: f64 = 4.0;
 /// The least noise, of logarithms and of degrees: a change of less than twice that is worth no choice.
 const LEAST_NOISE: f64 = 0.005;
 const LEAST_NOISE_DEG: f64 = 0.05;
+
+/// With which sensors a setting is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    WithGyroscope,
+    Alone,
+}
 
 /// What one setting comes to on one stream or trial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
