@@ -12,6 +12,7 @@ rust() {
     need rust "${rust_tools[@]}" python3:python3
     tests/versions.sh
     tests/circles.py
+    tests/choices-test.py
     tests/choices.py
     tests/privacy.py
     tests/notices.py --check

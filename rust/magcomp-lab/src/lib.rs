@@ -31,6 +31,8 @@ pub mod replay;
 pub mod report;
 #[cfg(not(target_family = "wasm"))]
 pub mod score;
+#[cfg(not(target_family = "wasm"))]
+pub mod sensitivity;
 pub mod simulate;
 pub mod surroundings;
 pub mod table;

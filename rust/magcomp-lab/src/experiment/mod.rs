@@ -10,7 +10,6 @@ mod evaluate_view;
 pub mod follow;
 mod follow_view;
 pub mod nees;
-pub mod sensitivity;
 pub mod step;
 mod step_course;
 mod step_score;

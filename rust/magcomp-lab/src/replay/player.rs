@@ -52,9 +52,9 @@ impl Player {
     ///
     /// # Errors
     /// [`LabError::Config`] when the config is refused.
-    pub fn tuned(config: Config, method: Method, tunings: Tunings) -> Result<Self, LabError> {
+    pub fn tuned(config: Config, method: Method, ignore: Ignore, tunings: Tunings) -> Result<Self, LabError> {
         let compensator = Compensator::tuned(Config { method, ..config }, tunings)?;
-        Ok(Self { compensator, ignore: Ignore::default(), course_of: None })
+        Ok(Self { compensator, ignore, course_of: None })
     }
 
     /// The same, with the recording's courses as headings of `axis` from outside.

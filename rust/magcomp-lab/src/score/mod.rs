@@ -35,6 +35,7 @@ mod statistics;
 mod stretch;
 
 pub use errors::{Mode, Sample, samples};
+pub(crate) use explained::is_explained;
 pub use figures::{Errors, Figures};
 pub use line::{Line, Runs};
 pub(crate) use statistics::rms;

@@ -70,11 +70,11 @@ const fn small(name: &'static str, column: &'static str, of: fn(&Judgement) -> O
     Figure { name, column, shown: (PERCENT, 0), worse: Worse::Small, of }
 }
 
-fn absolute(found: &Judgement) -> Option<AbsoluteHeading> {
+pub(super) fn absolute(found: &Judgement) -> Option<AbsoluteHeading> {
     Some(found.absolute_heading).filter(|heading| heading.headings >= FEWEST)
 }
 
-fn published(found: &Judgement) -> Option<HeadingError> {
+pub(super) fn published(found: &Judgement) -> Option<HeadingError> {
     found.published_heading.filter(|_| absolute(found).is_some())
 }
 

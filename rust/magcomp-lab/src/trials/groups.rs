@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// The index that a folder has itself.
-const INDEX: &str = "INDEX.csv";
+pub(super) const INDEX: &str = "INDEX.csv";
 /// The group of all, without an index; of those that no line fits, with one.
 const ALL: &str = "all";
 const OTHERS: &str = "others";

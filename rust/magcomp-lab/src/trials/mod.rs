@@ -1,5 +1,5 @@
 //! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups; and beside other
-//! methods (`rivals`).
+//! methods (`rivals`), or played again and again with other choices (`tuned`).
 
 mod figures;
 mod folder;
@@ -7,11 +7,13 @@ mod groups;
 mod rivals;
 mod rivals_view;
 mod score;
+mod tuned;
 mod view;
 
 pub use figures::{FIGURES, Figure};
 pub use rivals::{Comparison, compare_folder};
 pub use score::{GroupScore, Score, Summary, Trials};
+pub use tuned::{Folder, Trial, TrialScore};
 
 use crate::error::LabError;
 use crate::{parallel, progress};

@@ -5,9 +5,11 @@ use super::folder::name_of;
 use super::groups::{Groups, Told};
 use crate::error::LabError;
 use crate::import::{ImportOptions, Opened, open};
+use crate::recording::{Extent, Row};
 use crate::replay::{Ignore, Judge, Judgement, Player, usual_part};
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
 use serde::Serialize;
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -95,13 +97,27 @@ impl Score {
 
 /// A recording through the default config, with its declination.
 fn judged(Opened { mut source, .. }: Opened, declination_deg: f64) -> Result<Judgement, LabError> {
-    let heading = HeadingConfig { axis: AXIS, declination_deg: Some(declination_deg), ..HeadingConfig::default() };
-    let mut player = Player::new(&Config { heading, ..Config::default() }, Ignore::default())?;
+    let player = Player::new(&config(declination_deg), Ignore::default())?;
     let extent = *source.extent();
-    let mut judge = Judge::new(&extent, usual_part(&extent), AXIS);
-    for row in source.rows()? {
+    judge_rows(player, &extent, source.rows()?)
+}
+
+/// The default config where magnetic north is so far east of the reference's.
+pub(super) fn config(declination_deg: f64) -> Config {
+    let heading = HeadingConfig { axis: AXIS, declination_deg: Some(declination_deg), ..HeadingConfig::default() };
+    Config { heading, ..Config::default() }
+}
+
+/// Rows through a player, judged from 20 s after the first of them on.
+pub(super) fn judge_rows<R: Borrow<Row>>(
+    mut player: Player,
+    extent: &Extent,
+    rows: impl Iterator<Item = Result<R, LabError>>,
+) -> Result<Judgement, LabError> {
+    let mut judge = Judge::new(extent, usual_part(extent), AXIS);
+    for row in rows {
         let row = row?;
-        judge.add(&row, &player.play(&row));
+        judge.add(row.borrow(), &player.play(row.borrow()));
     }
     Ok(judge.finish())
 }

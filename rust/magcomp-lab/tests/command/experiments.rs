@@ -168,3 +168,46 @@ fn evaluate_gives_the_same_whatever_the_number_of_threads() {
     let (_, list, _) = run(&["evaluate", "--list"]);
     assert!(list.contains("long.mixed30min") && list.contains("walking, b steps by 27 uT"), "{list}");
 }
+
+/// A mechanism on a simulated group and a folder of recordings: a row with figures of both, a summary, the command without the folder's place.
+#[test]
+fn sensitivity_tries_what_it_is_asked_for_on_streams_and_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let trials = folder.path().join("walks");
+    fs::create_dir(&trials).unwrap();
+    for seed in ["4", "5", "6"] {
+        let path = trials.join(format!("walk{seed}.csv"));
+        assert_eq!(run(&["simulate", text(&path), "--seed", seed, "--seconds", "40"]).0, 0);
+    }
+    let arguments = ["--only", "noise_learning", "--group", "pause", "--seeds", "1-2", "--recordings", text(&trials)];
+    let (code, page, error) = run(&[&["sensitivity"][..], &arguments].concat());
+    assert_eq!(code, 0, "{error}");
+    assert!(error.ends_with(" minutes\n"), "{error}");
+    assert!(!page.contains(text(folder.path())), "{page}");
+    assert!(page.contains("0 choices and 1 mechanisms that can be switched off were tried."), "{page}");
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let command = "--seeds 1-2 --recordings walks --group pause --only noise_learning`";
+    assert!(words.contains(command) && words.contains("with gyroscope: pause.2s-b."), "{words}");
+    assert!(words.contains("groups (2 streams)") && words.contains("recordings (3 streams)"), "{words}");
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| aided | noise_learning | on |")).collect();
+    let cells: Vec<&str> = rows[0].split('|').map(str::trim).collect();
+    assert_eq!((rows.len(), cells.len()), (1, 17), "{page}");
+    // groups: error, z2; recordings: error, z2
+    assert!([6, 7, 9, 10].iter().all(|column| cells[*column].contains(" +- ")), "{page}");
+    assert!(cells[8].starts_with("pause: ") || cells[8].starts_with("all: "), "{page}");
+}
+
+#[test]
+fn sensitivity_refuses_what_there_is_not() {
+    let refused = |arguments: &[&str]| {
+        let (code, out, error) = run(&[&["sensitivity"], arguments].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{error}");
+        error
+    };
+    // the package is not the repository
+    assert!(refused(&[]).contains("tests/recordings is not here: run it in the repository"));
+    assert!(refused(&["--recordings", "tests", "--only", "nobody"]).contains("no choice or mechanism has 'nobody'"));
+    assert!(refused(&["--recordings", "tests", "--seeds", "3"]).contains("one seed tells no noise"));
+    assert!(refused(&["--recordings", "src", "--switches"]).contains("no recording"));
+    assert!(refused(&["--recordings", "tests", "--group", "nothing"]).contains("--group"));
+}

@@ -26,7 +26,7 @@ use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
-/// Mathematics: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
+/// Choice: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
 const SIZES: usize = {
     let mut sizes = 1;
     while DAYS_UT * ((1 << sizes) as f64) < BEYOND_CHANCE * LARGEST_UT {

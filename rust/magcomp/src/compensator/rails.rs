@@ -6,9 +6,9 @@ mod tests;
 use crate::reading::{Axis, RejectReason};
 use nalgebra::Vector3;
 
-/// Data sheet: how often an axis repeats an extreme on end, not by chance, where the field turns.
+/// Choice: how often an axis repeats an extreme on end, not by chance, where the field turns.
 const REPEATS: u32 = 4;
-/// Mathematics: where the other axes change by so much about the extreme of this one, it changes by 0.3 uT in a field of 45 uT, two last bits of a sensor, uT.
+/// Choice: where the other axes change by so much about the extreme of this one, it changes by 0.3 uT in a field of 45 uT, two last bits of a sensor, uT.
 const TURNED_UT: f64 = 10.0;
 
 /// See the module.

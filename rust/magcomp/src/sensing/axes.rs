@@ -29,9 +29,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
 const LARGEST_BIAS_RAD_S: f64 = 0.1;
-/// Data sheet: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
+/// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
 const REPEATS: u32 = 50;
-/// Mathematics: rounding moves what a made up stream reads of gravity by less, the noise of a sensor by more, m/s^2.
+/// Choice: rounding moves what a made up stream reads of gravity by less, the noise of a sensor by more, m/s^2.
 const MOVED_M_S2: f64 = 1e-3;
 /// Choice: what a pair of windows keeps of those before it: half a minute.
 const KEPT: f64 = 0.97;

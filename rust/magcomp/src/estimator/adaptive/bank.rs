@@ -23,15 +23,15 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 const MOST: usize = 18;
 /// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, a former one, a fork and a twin.
 const BROUGHT: usize = 23;
-/// Mathematics: frames that hypotheses may run through again with one frame: three of the longest.
+/// Choice: frames that hypotheses may run through again with one frame: three of the longest.
 const BUDGET: i64 = 3 * FRAMES as i64;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
-/// Mathematics: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).
+/// Choice: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).
 pub(super) const LATELY: u64 = 8;
 /// Choice: a window of so many frames that is known is cut to half.
 const KNOWN_FRAMES: u64 = 96;
-/// Mathematics: frames of a young hypothesis, which takes more steps to where it belongs; and from one cold start to the next while nothing is known
+/// Choice: frames of a young hypothesis, which takes more steps to where it belongs; and from one cold start to the next while nothing is known
 /// well: a change that was just seen needs so many before its hypotheses are known to that.
 const YOUNG: u64 = KNOWN_FRAMES / 2;
 

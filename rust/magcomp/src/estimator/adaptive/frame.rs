@@ -62,7 +62,7 @@ impl Frame {
     }
 }
 
-/// Mathematics: logarithm by which a standard deviation of the noise may differ from the believed one: a variance by a factor of 2.
+/// Choice: logarithm by which a standard deviation of the noise may differ from the believed one: a variance by a factor of 2.
 const MOVED: f64 = 0.5 * LN_2;
 
 /// Choice: frames that are kept, some 20 s of motion.

@@ -19,7 +19,7 @@ pub(super) type TauMatrix = SMatrix<f64, COUNT, COUNT>;
 pub(super) const STATES: usize = 17;
 pub(super) type Numbers = SVector<f64, STATES>;
 pub(super) type Covariance = SMatrix<f64, STATES, STATES>;
-/// Physics: half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
+/// Choice: half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
 const BOUNDS: (f64, f64) = (0.25, 3.5);
 

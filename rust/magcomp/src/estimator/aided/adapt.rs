@@ -20,7 +20,7 @@ use super::measure::Innovation;
 use super::step::{Known, Step, gain};
 use super::tuning::Tuning;
 
-/// Data sheet: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
+/// Choice: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
 const LEAST_NOISE_UT: f64 = 0.2;
 
 /// Noise levels, learned.

@@ -19,7 +19,7 @@ use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::reading::EventKind;
 use crate::strength::STRONGEST_AXIS_UT;
 
-/// Mathematics: a hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
+/// Choice: a hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;
 
 /// What just happened in a trial.

@@ -20,7 +20,7 @@ use crate::math::turn::Turn;
 const GROUPS: usize = 32;
 /// Seconds of motion in a group at last: the groups then hold 16 s. Longer ones would not tell motions of a second.
 const LONGEST_S: f64 = Tuning::USED.memory_s;
-/// Mathematics: and at first, before groups have been joined in pairs twice: a fit is made after each.
+/// Choice: and at first, before groups have been joined in pairs twice: a fit is made after each.
 const SHORTEST_S: f64 = LONGEST_S / 4.0;
 
 /// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.

@@ -1,0 +1,218 @@
+//! What choices and mechanisms are tried on: simulated groups and recordings, each made or read once and played with every setting.
+
+use super::score::{Outcome, Unit, Way};
+use crate::catalogue::{Group, Variant, find};
+use crate::error::LabError;
+use crate::recording::Recording;
+use crate::replay::{Ignore, Player, Step};
+use crate::score::Figures;
+use crate::trials::{Folder, TrialScore};
+use clap::ValueEnum;
+use magcomp::{Config, Method, Tunings};
+use std::path::Path;
+
+/// A variant or two of every group that exercises the estimator with a gyroscope: extend it with the catalogue.
+const WITH_GYROSCOPE: &[&str] = &[
+    "phone-hand",
+    "phone-walk-drift",
+    "one-axis.vertical-0",
+    "one-axis.random-0.6",
+    "pause.2s-b",
+    "latitude.58ut85-walk",
+    "steps.b50-m",
+    "steps.off10s",
+    "motion.walk",
+    "motion.pocket",
+    "places.uneven5",
+    "places.room10s",
+    "places.room60s",
+    "sensors.late40-game",
+    "faults.gyroflipped-walk",
+    "faults.accelbias-game",
+];
+/// The same for the magnetometer alone. A walker who turns seldom is no task there, and a stream without an accelerometer has no heading.
+const ALONE: &[&str] = &[
+    "alone.step",
+    "alone.stroll-steady",
+    "alone.place",
+    "alone.drift",
+    "motion.game",
+    "motion.look",
+    "sensors.noise1-game",
+    "faults.accelbias-game",
+];
+/// Parts of the core that have a part in one way alone; all others are tried in both.
+const IN_ONE_WAY: [(&str, Way); 3] =
+    [("adaptive", Way::Alone), ("aided", Way::WithGyroscope), ("start", Way::WithGyroscope)];
+
+impl Way {
+    pub const ALL: [Self; 2] = [Self::WithGyroscope, Self::Alone];
+
+    /// The ways in which a part of the core works.
+    pub fn of(part: &str) -> Vec<Self> {
+        let one = IN_ONE_WAY.iter().find(|(name, _)| *name == part);
+        one.map_or(Self::ALL.to_vec(), |(_, way)| vec![*way])
+    }
+
+    /// In tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WithGyroscope => "with gyroscope",
+            Self::Alone => "alone",
+        }
+    }
+
+    /// Its variants, of these groups if there are any.
+    ///
+    /// # Errors
+    /// [`LabError::Usage`] where the catalogue has no variant of a name.
+    pub fn variants(self, groups: &[Group]) -> Result<Vec<Variant>, LabError> {
+        let names = match self {
+            Self::WithGyroscope => WITH_GYROSCOPE,
+            Self::Alone => ALONE,
+        };
+        let mut variants =
+            names.iter().map(|name| find(name).map_err(LabError::Usage)).collect::<Result<Vec<_>, _>>()?;
+        variants.retain(|variant| groups.is_empty() || groups.contains(&variant.group));
+        Ok(variants)
+    }
+
+    fn method(self) -> Method {
+        match self {
+            Self::WithGyroscope => Method::Auto,
+            Self::Alone => Method::Adaptive,
+        }
+    }
+
+    fn ignore(self) -> Ignore {
+        Ignore { gyroscope: self == Self::Alone, accelerometer: false }
+    }
+
+    /// How long after the first row of a recording it is begun, s: without a gyroscope much hangs on how a recording happens to begin.
+    fn begins_s(self) -> &'static [f64] {
+        match self {
+            Self::WithGyroscope => &[0.0],
+            Self::Alone => &[0.0, 3.0, 6.0, 9.0, 12.0],
+        }
+    }
+}
+
+/// As on the command line.
+pub(super) fn group_name(group: Group) -> String {
+    group.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// The stream of a variant and a seed with every setting, and the samples that were played.
+///
+/// # Errors
+/// [`LabError::Config`] when a config is refused.
+pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), LabError> {
+    let scenario = variant.scenario(seed);
+    let (simulation, initial) = (scenario.run(), variant.initial(&scenario));
+    let recording = Recording::of(&simulation, &variant.name);
+    let outcomes = settings.iter().map(|tunings| {
+        let config = Config { initial, ..variant.config() };
+        let mut player = Player::tuned(config, way.method(), way.ignore(), *tunings)?;
+        let steps: Vec<Step> = recording.rows.iter().map(|row| player.play(row)).collect();
+        let figures = Figures::of(&simulation, &steps);
+        Ok(Outcome {
+            false_steps: figures.false_steps as f64,
+            hours: variant.duration_s / 3600.0,
+            ..Outcome::of(figures.answered.unwrap_or(1.0), figures.error.heading_deg, figures.z2)
+        })
+    });
+    let outcomes = outcomes.collect::<Result<Vec<_>, LabError>>()?;
+    let unit = Unit {
+        way,
+        is_trial: false,
+        name: variant.name.clone(),
+        group: group_name(variant.group),
+        stratum: variant.name.clone(),
+        outcomes,
+    };
+    Ok((unit, recording.rows.len() * settings.len()))
+}
+
+/// A recording with every setting of each way, and the samples that were played. A way in which it cannot be judged is left out.
+///
+/// # Errors
+/// Those of [`Folder::read`], and [`LabError::Config`] when a config is refused.
+pub(super) fn trial(
+    folder: &Folder,
+    path: &Path,
+    settings: &[(Way, Vec<Tunings>)],
+) -> Result<(Vec<Unit>, usize), LabError> {
+    let trial = folder.read(path)?;
+    let (mut units, mut rows) = (Vec::new(), 0);
+    for (way, settings) in settings {
+        let mut outcomes = Vec::new();
+        for tunings in settings {
+            let begun = way.begins_s().iter().map(|begin_s| trial.play(*begin_s, way.method(), way.ignore(), *tunings));
+            let scores: Vec<TrialScore> = begun.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+            rows += scores.iter().map(|score| score.rows).sum::<usize>();
+            outcomes.extend(together(&scores));
+        }
+        if outcomes.len() == settings.len() {
+            let (name, group) = (trial.name.clone(), trial.group.clone());
+            units.push(Unit { way: *way, is_trial: true, stratum: group.clone(), name, group, outcomes });
+        }
+    }
+    Ok((units, rows))
+}
+
+/// The plays of one trial as one: means of error and z2, all of the false steps and hours, the worst absolute heading.
+fn together(scores: &[TrialScore]) -> Option<Outcome> {
+    let each = scores.iter().map(|it| Outcome::of(it.answered, it.heading_deg, it.z2));
+    let count = scores.len() as f64;
+    let mean = each.reduce(|a, b| Outcome { error: a.error + b.error, z2: a.z2 + b.z2, ..a })?;
+    Some(Outcome {
+        error: mean.error / count,
+        z2: mean.z2 / count,
+        false_steps: scores.iter().map(|it| it.false_steps as f64).sum(),
+        hours: scores.iter().map(|it| it.hours).sum(),
+        absolute_deg: scores.iter().filter_map(|it| it.absolute_deg).reduce(f64::max),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A group that is new in the catalogue must be exercised here: those below have no heading with a gyroscope, or last for half an hour.
+    #[test]
+    fn every_group_is_tried() {
+        let named = |way: Way| way.variants(&[]).unwrap().into_iter().map(|variant| variant.group).collect::<Vec<_>>();
+        let all = Way::ALL.map(named).concat();
+        for group in Group::value_variants() {
+            let is_left_out = matches!(group, Group::Long | Group::Paper);
+            assert_eq!(all.contains(group), !is_left_out, "{group:?}: give it a variant or two above");
+        }
+        let few = Way::Alone.variants(&[Group::Alone]).unwrap();
+        assert!(few.len() == 4 && Way::WithGyroscope.variants(&[Group::Alone]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_part_is_tried_where_it_works() {
+        let of = |part| Way::of(part);
+        assert_eq!((of("adaptive"), of("aided")), (vec![Way::Alone], vec![Way::WithGyroscope]));
+        assert_eq!((of("start"), of("sensing")), (vec![Way::WithGyroscope], Way::ALL.to_vec()));
+    }
+
+    #[test]
+    fn plays_of_one_trial_are_one() {
+        let score = |heading_deg, answered, absolute_deg, false_steps| TrialScore {
+            heading_deg,
+            answered,
+            z2: Some(4.0),
+            absolute_deg,
+            false_steps,
+            hours: 0.5,
+            rows: 10,
+        };
+        let found = together(&[score(Some(2.0), 1.0, Some(5.0), 1), score(None, 0.0, None, 2)]).unwrap();
+        // no heading counts as 30 degrees
+        assert!((found.error - (2.0_f64 * 30.0).ln() / 2.0).abs() < 1e-12 && (found.z2 - 4.0_f64.ln()).abs() < 1e-12);
+        assert_eq!((found.false_steps, found.hours, found.absolute_deg), (3.0, 1.0, Some(5.0)));
+        assert_eq!(together(&[]), None);
+    }
+}
