@@ -236,7 +236,11 @@ impl Compensator {
             (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
                 let span_s = (time_ns - previous_ns) as f64 * 1e-9;
                 self.axes.see(&rotation, span_s, &up_m_s2);
-                paired.bias = self.gravity.see(&rotation, span_s, Some(&up_m_s2));
+                if self.tuning.hanging && self.axes.is_gravity_frozen() {
+                    // the gyroscope carries on where up is
+                    paired.up_m_s2 = None;
+                }
+                paired.bias = self.gravity.see(&rotation, span_s, paired.up_m_s2.as_ref());
             }
             _ => {
                 self.axes.pause();

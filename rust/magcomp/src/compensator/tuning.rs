@@ -25,6 +25,8 @@ choices! {
         rails;
         /// A sensor that hangs is refused
         stuck;
+        /// An accelerometer that hangs is no vertical
+        hanging;
         /// The turns of a camera's pose stand in for a gyroscope
         stand_in;
     }

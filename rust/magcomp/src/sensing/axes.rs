@@ -17,6 +17,8 @@
 //! the device would have turned on by more than a whole turn a second, root mean square of all windows; arms and runners have 1.4 rad.
 //!
 //! An axis is dead where it has read one value, to the last bit, 50 times on end while both others and gravity changed: noise lets no axis that lives do so.
+//! All three are dead where they repeat one value each through two windows, and gravity moves from one to the next by more than the largest bias turns it.
+//! An accelerometer hangs that repeats a reading, to the last bit, while the gyroscope turns by 0.3 rad: it is asked again with every sample.
 //! (A made up stream without noise may have such an axis, where the device turns about the vertical: gravity stays then.)
 
 use super::pairing::Rotation;
@@ -24,7 +26,7 @@ use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
-use crate::priors::{OUTLYING, RARE};
+use crate::priors::{HAND_RAD, OUTLYING, RARE};
 use nalgebra::{Matrix3, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
@@ -61,14 +63,29 @@ pub(crate) struct Axes {
     rate_rad_s: Vector3<f64>,
     repeats: [u32; 3],
     up_m_s2: Vector3<f64>,
+    /// How far the gyroscope has turned since the accelerometer last read something else, rad.
+    still_rad: f64,
+    /// Seconds since any of them changed, and whether gravity has moved meanwhile.
+    frozen_s: f64,
+    is_frozen: bool,
 }
 
 impl Axes {
     /// One sample: the rotation since the one before, and how long it took, s; what the accelerometer reads, m/s^2.
     pub fn see(&mut self, rotation: &Rotation, span_s: f64, up_m_s2: &Vector3<f64>) {
+        self.still_rad = if *up_m_s2 == self.up_m_s2 { self.still_rad + rotation.increment_rad.norm() } else { 0.0 };
         let has_moved = (up_m_s2 - self.up_m_s2).norm() > MOVED_M_S2;
         self.up_m_s2 = *up_m_s2;
+        if rotation.rate_rad_s == self.rate_rad_s {
+            self.frozen_s += span_s;
+        } else {
+            (self.frozen_s, self.is_frozen) = (0.0, false);
+        }
         self.read(&rotation.rate_rad_s, has_moved);
+        if self.is_gravity_frozen() {
+            // it is no witness
+            return self.pause();
+        }
         let turn_rad = &rotation.increment_rad;
         let read = Turn::by(&-turn_rad).rotation;
         self.turn(&read, &Turn::by(&-turn_rad.map(f64::to_radians)).rotation, &(up_m_s2 * span_s));
@@ -100,6 +117,8 @@ impl Axes {
     fn compare(&mut self) {
         let means = std::mem::take(&mut self.sum).map(|sum| sum / self.length_s);
         if let Some(before) = self.before.replace(means) {
+            let by_bias = LARGEST_BIAS_RAD_S * Tuning::USED.tilt_s * GRAVITY_M_S2;
+            self.is_frozen |= self.frozen_s > 2.0 * self.length_s && (means[0] - before[0]).norm() > by_bias;
             for way in 0..WAYS {
                 self.moved[way] = self.moved[way] * KEPT + (means[way] - before[way]).norm_squared();
             }
@@ -129,9 +148,14 @@ impl Axes {
         self.net_rad = Vector3::zeros();
     }
 
+    /// Whether the accelerometer hangs: it repeats a reading to the last bit while the gyroscope turns.
+    pub fn is_gravity_frozen(&self) -> bool {
+        self.still_rad > HAND_RAD
+    }
+
     /// Whether axes turn the other way, or one not at all, or are read in degrees. Of axes that were hardly turned about nothing is known.
     pub fn is_wrong(&self) -> bool {
-        self.is_contradicted || self.repeats.iter().any(|repeats| *repeats >= REPEATS)
+        self.is_contradicted || self.is_frozen || self.repeats.iter().any(|repeats| *repeats >= REPEATS)
     }
 
     /// Whether gravity stands still rather where the device turned like this.
@@ -265,6 +289,37 @@ mod tests {
         let mut axes = Axes::default();
         carried(&mut axes, 6000, 0.02, None);
         assert!(!axes.is_wrong());
+    }
+
+    /// A gyroscope that hangs turns no gravity; one that rests on a table repeats its readings too.
+    #[test]
+    fn a_gyroscope_that_hangs_is_found_where_gravity_moves() {
+        for (tilts, is_wrong) in [(0.5, true), (0.0, false)] {
+            let mut axes = Axes::default();
+            for k in 0..1000 {
+                let t = f64::from(k) * 0.01;
+                let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-2;
+                let up = Rotation3::new(Vector3::x() * tilts * (0.8 * t).sin()) * Vector3::new(0.0, 0.0, 9.81);
+                axes.see(&read(Vector3::new(0.01, 0.0, -0.02)), 0.01, &(up + noise));
+            }
+            assert_eq!(axes.is_wrong(), is_wrong, "tilted by {tilts}");
+            axes.see(&read(Vector3::new(0.01, 0.0, -0.01)), 0.01, &Vector3::new(0.0, 0.1, 9.81));
+            assert!(!axes.is_wrong());
+        }
+    }
+
+    /// What repeats to the last bit while the device turns is no gravity, until it reads something else.
+    #[test]
+    fn an_accelerometer_that_hangs_is_found_where_the_device_turns() {
+        let mut axes = Axes::default();
+        let up = Vector3::new(0.1, 5.0, 8.4);
+        for k in 0..200 {
+            axes.see(&read(Vector3::new(0.0, 0.5, 0.01 * f64::from(k % 3))), 0.01, &up);
+            // 0.3 rad at 0.5 rad/s
+            assert_eq!(axes.is_gravity_frozen(), k > 60, "{k}");
+        }
+        axes.see(&read(Vector3::zeros()), 0.01, &(up + Vector3::x() * 1e-9));
+        assert!(!axes.is_gravity_frozen());
     }
 
     /// A tilted device turns about the vertical: the third axis reads 0, in a made up stream for long. It is dead where gravity changes, if only by noise.
