@@ -64,7 +64,7 @@ struct CompassView: View {
         value.formatted(.number.precision(.fractionLength(1))) + " \u{b5}T"
     }
 
-    private func length(_ v: Vector3) -> Double { (v.x * v.x + v.y * v.y + v.z * v.z).squareRoot() }
+    private func length(_ v: DeviceVector) -> Double { (v.x * v.x + v.y * v.y + v.z * v.z).squareRoot() }
 }
 
 #Preview {

@@ -5,7 +5,7 @@ import Foundation
 extension HeadedAxis {
     /// The direction in which a walker holds a phone ahead: between top edge and back camera, so that it points ahead whether the phone
     /// lies in the hand or is held up.
-    public static let heldAhead = HeadedAxis.device(axis: Vector3(x: 0, y: 1, z: -1))
+    public static let heldAhead = HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -1))
 }
 
 extension HeadingAid {

@@ -21,14 +21,16 @@ public final class Compass: Sendable {
     ///     that the first reading has a heading, with a wide sigma
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
     public convenience init(
-        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil
     ) {
         self.init(source: source, config: config, store: store, unixTimeS: systemUnixTimeS)
     }
 
     /// With another wall clock, seconds since 1970.
     init(
-        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil,
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil,
         unixTimeS: @escaping @Sendable () -> Int64
     ) {
         let frames = Locked(
@@ -84,7 +86,7 @@ public final class Compass: Sendable {
     /// The declination of the place, degrees, east positive, for a true heading; nil: there is none.
     public var declinationDeg: Double? { frames.value.declinationDeg }
 
-    /// From now on headings have a true heading by this declination; `GeomagneticField` gives that of a place.
+    /// From now on headings have a true heading by this declination; `EarthMagneticField` gives that of a place.
     ///
     /// - Parameter declinationDeg: degrees, east positive, -180 to 180; nil: no true heading
     /// - Throws: `MagcompError.config` when it is out of range; nothing has changed then

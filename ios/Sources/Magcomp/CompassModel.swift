@@ -23,7 +23,7 @@ public final class CompassModel {
     /// Share of the directions seen, 0 to 1.
     public private(set) var coverage = 0.0
     /// Where the field has not pointed yet, unit vectors in the device frame.
-    public private(set) var unseenDirections: [Vector3] = []
+    public private(set) var unseenDirections: [DeviceVector] = []
     /// What the person can do for a better heading, or nil.
     public private(set) var guidance: String?
     /// Whether the place is disturbed, so that the heading is not to be relied on.

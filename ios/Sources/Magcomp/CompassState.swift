@@ -15,7 +15,7 @@ public struct CompassState: Equatable, Sendable {
     /// Share of the directions seen, 0 to 1.
     public var coverage = 0.0
     /// Where the field has not pointed yet, unit vectors in the device frame.
-    public var unseenDirections: [Vector3] = []
+    public var unseenDirections: [DeviceVector] = []
     /// What the person can do for a better heading, or nil.
     public var guidance: String?
     /// The latest decided change of the field: a cover put on or taken off, another place.

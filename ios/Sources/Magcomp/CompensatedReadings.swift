@@ -52,7 +52,7 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     ///   - capacity: readings kept for a slow iterator, at least 1
     ///   - frame: the heading frame in force at each moment; nil: the config's
     public func compensated(
-        _ config: Config = Config(),
+        _ config: CompensationConfig = CompensationConfig(),
         store: (any CalibrationStore)? = nil,
         capacity: Int = 64,
         frame: (@Sendable () -> HeadingFrame)? = nil

@@ -42,7 +42,7 @@ extension SensorOptions {
 /// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
 /// `MagcompError.config` for options out of range.
 ///
-/// Core Motion tells no range of the magnetometer; where an app knows it, `Config.railUt` takes it. Core Motion's times leave out
+/// Core Motion tells no range of the magnetometer; where an app knows it, `CompensationConfig.railUt` takes it. Core Motion's times leave out
 /// the device's sleep, which ``hiddenS`` counts beside a clock that goes on.
 public final class CoreMotionSource: MagneticFieldSource {
     private let updates: Updates
@@ -203,7 +203,7 @@ private final class Updates: @unchecked Sendable {
     private func take(_ data: CMMagnetometerData, in run: Int) {
         guard let timeNs = nanoseconds(data.timestamp) else { return }
         let nowS = Double(continuousNs()) * 1e-9
-        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))], of: run) {
+        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(data.magneticField)))], of: run) {
             lag.magnetic(data.timestamp)
             sleep.see(data.timestamp, nowS: nowS)
         }
@@ -214,12 +214,12 @@ private final class Updates: @unchecked Sendable {
         var events: [SensorSample] = []
         if options.gyroscope {
             let rate = motion.rotationRate
-            let rateRadS = Vector3(x: rate.x, y: rate.y, z: rate.z)
+            let rateRadS = DeviceVector(x: rate.x, y: rate.y, z: rate.z)
             events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rateRadS)))
         }
         if options.up {
             let (down, g) = (motion.gravity, Self.gravity)
-            let upMS2 = Vector3(x: -down.x * g, y: -down.y * g, z: -down.z * g)
+            let upMS2 = DeviceVector(x: -down.x * g, y: -down.y * g, z: -down.z * g)
             events.append(.up(UpSample(timeNs: timeNs, upMS2: upMS2)))
         }
         if options.systemField {
@@ -231,7 +231,7 @@ private final class Updates: @unchecked Sendable {
                 case 2: .high
                 default: .uncalibrated
                 }
-            let field = Vector3(calibrated.field)
+            let field = DeviceVector(calibrated.field)
             events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
         }
         deliver(events, of: run) { lag.motion(motion.timestamp) }
@@ -349,7 +349,7 @@ private struct Sleep {
     }
 }
 
-extension Vector3 {
+extension DeviceVector {
     fileprivate init(_ field: CMMagneticField) { self.init(x: field.x, y: field.y, z: field.z) }
 }
 #endif

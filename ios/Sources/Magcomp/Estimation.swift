@@ -14,7 +14,7 @@ final class Estimation: @unchecked Sendable {
     /// The slowest a sensor is asked for; what is longer is a pause.
     private static let longestPeriodNs = 1e9
 
-    private let config: Config
+    private let config: CompensationConfig
     private let store: (any CalibrationStore)?
     private let frame: (@Sendable () -> HeadingFrame)?
     private let sleptS: @Sendable () -> Double
@@ -50,7 +50,7 @@ final class Estimation: @unchecked Sendable {
     /// What the store keeps, and the time of the sample it was saved at.
     private var saved: Correction?
     private var savedNs: Int64?
-    private var unseen: [Vector3] = []
+    private var unseen: [DeviceVector] = []
     private var lookedNs: Int64?
     /// Whether anything else was told of where north is: asking what it is worth costs a call.
     private var isAided = false
@@ -58,7 +58,7 @@ final class Estimation: @unchecked Sendable {
     private var isTold = false
 
     init(
-        _ config: Config, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
+        _ config: CompensationConfig, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
         unixTimeS: @escaping @Sendable () -> Int64 = systemUnixTimeS, frame: (@Sendable () -> HeadingFrame)?
     ) {
         (self.config, self.store, self.frame) = (config, store, frame)
@@ -236,7 +236,7 @@ final class Estimation: @unchecked Sendable {
         else { return sample }
         let (raw, field) = (sample.fieldUt, systemField.fieldUt)
         var told = sample
-        told.reportedHardIronUt = Vector3(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
+        told.reportedHardIronUt = DeviceVector(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
         return told
     }
 
@@ -288,9 +288,9 @@ final class Estimation: @unchecked Sendable {
 /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
 struct Correction: Equatable {
     private let softIron: SoftIron
-    private let hardIronUt: Vector3
+    private let hardIronUt: DeviceVector
 
-    init(_ calibration: Calibration) { (softIron, hardIronUt) = (calibration.softIron, calibration.hardIronUt) }
+    init(_ calibration: MagnetometerCalibration) { (softIron, hardIronUt) = (calibration.softIron, calibration.hardIronUt) }
 }
 
 /// Seconds since 1970.

@@ -46,11 +46,11 @@ public struct SystemFieldSample: Equatable, Codable, Sendable {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     public var timeNs: Int64
     /// The calibrated field, microtesla, device frame.
-    public var fieldUt: Vector3
+    public var fieldUt: DeviceVector
     /// How well it is calibrated.
     public var accuracy: Accuracy
 
-    public init(timeNs: Int64, fieldUt: Vector3, accuracy: Accuracy) {
+    public init(timeNs: Int64, fieldUt: DeviceVector, accuracy: Accuracy) {
         self.timeNs = timeNs
         self.fieldUt = fieldUt
         self.accuracy = accuracy

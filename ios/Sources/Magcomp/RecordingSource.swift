@@ -177,9 +177,9 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         }
     }
 
-    private func vector(_ names: [String], _ cells: [String]) throws -> Vector3? {
+    private func vector(_ names: [String], _ cells: [String]) throws -> DeviceVector? {
         guard names.allSatisfy({ columns[$0] != nil }) else { return nil }
-        return try Vector3(x: number(names[0], cells), y: number(names[1], cells), z: number(names[2], cells))
+        return try DeviceVector(x: number(names[0], cells), y: number(names[1], cells), z: number(names[2], cells))
     }
 
     private func number(_ column: String, _ cells: [String]) throws -> Double {

@@ -11,7 +11,7 @@ import Testing
         await model.run()
         // its axis is automatic
         let last = try #require(
-            try Compensator(config: Config(heading: HeadingConfig(axis: .auto))).pushAll(events).last)
+            try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .auto))).pushAll(events).last)
         #expect(model.headingDeg == last.heading?.headingDeg && model.headingDeg != nil)
         #expect(model.headingSigmaDeg == last.heading?.headingSigmaDeg)
         #expect(model.totalFieldUt == last.totalFieldUt)
@@ -32,11 +32,11 @@ import Testing
 
         var state = CompassState()
         let event = FieldEvent(kind: .deviceStep, sinceNs: 1, decidedNs: 2)
-        let unseen = [Vector3(x: 0, y: 0, z: 1)]
-        let sample = MagneticSample(timeNs: 3, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let unseen = [DeviceVector(x: 0, y: 0, z: 1)]
+        let sample = MagneticSample(timeNs: 3, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         state.show(
             CompensatedReading(
-                reading: Reading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
+                reading: MagneticReading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
         #expect(state.event == event && state.unseenDirections == unseen && state.status == "tracking")
     }
 
@@ -111,10 +111,10 @@ import Testing
             (.held(reason: .noGyroscope), nil), (.held(reason: .constant), nil), (.tracking, nil),
             (.suspect(sinceNs: 1), nil), (.rejected(reason: .notFinite), nil),
         ]
-        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         var state = CompassState()
         for (status, guidance) in expected {
-            state.show(CompensatedReading(reading: Reading(status: status), sample: sample))
+            state.show(CompensatedReading(reading: MagneticReading(status: status), sample: sample))
             #expect(state.guidance == guidance && state.status == status.text, "\(status)")
             #expect(state.isDisturbed == (status.label == "disturbed"))
         }
@@ -277,7 +277,7 @@ import Testing
 
     /// The system's field and enough for a heading: whatever a model can show.
     var everything: [SensorSample] {
-        let system = SystemFieldSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3), accuracy: .high)
+        let system = SystemFieldSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3), accuracy: .high)
         return [.systemField(system)] + tumbling(600)
     }
 

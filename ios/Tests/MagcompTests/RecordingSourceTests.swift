@@ -34,8 +34,8 @@ import Testing
         // with the mark, the line ends and the empty last line of a spreadsheet
         let source = source("\u{FEFF}mz,note,mx,my,t_s,ax,ay,az\r\n3,?, 1,2,0.25,0,0,9.8\r\n\r\n")
         let expected: [SensorSample] = [
-            .up(UpSample(timeNs: 250_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.8))),
-            .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))),
+            .up(UpSample(timeNs: 250_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))),
+            .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))),
         ]
         #expect(try await source.samples().collected() == expected)
         #expect(try await source.samples().collected() == expected)
@@ -89,7 +89,7 @@ import Testing
         let readings = try await Compass(source: source).readings().collected()
         let all = try await RecordingSource(url: try prepared("recording.csv")).samples().collected()
         #expect(readings.allSatisfy { $0.droppedBefore == 0 })
-        let config = Config(heading: HeadingConfig(axis: .auto))
+        let config = CompensationConfig(heading: HeadingConfig(axis: .auto))
         #expect(try readings.map(\.reading) == Compensator(config: config).pushAll(all))
     }
 

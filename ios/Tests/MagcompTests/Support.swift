@@ -18,7 +18,7 @@ func vectors<T: Decodable>(_ name: String, as type: T.Type = T.self) throws -> T
     return try decoder.decode(type, from: Data(contentsOf: repository.appendingPathComponent("tests/vectors/\(name)")))
 }
 
-extension Vector3 {
+extension DeviceVector {
     init(_ v: [Double]) { self.init(x: v[0], y: v[1], z: v[2]) }
 
     func isClose(to other: [Double], within tolerance: Double) -> Bool {
@@ -36,7 +36,7 @@ func newer(_ text: String) -> String {
 
 /// 100 Hz.
 let stepNs: Int64 = 10_000_000
-let hardIronUt = Vector3(x: 120, y: -80, z: 300)
+let hardIronUt = DeviceVector(x: 120, y: -80, z: 300)
 
 /// A device tumbled in a field of 50 uT, noise of 0.3 uT, around `hardIronUt`, with `up` beside every sample.
 func tumbling(_ samples: Int) -> [SensorSample] {
@@ -49,10 +49,10 @@ func tumbling(_ samples: Int) -> [SensorSample] {
         let (a, b) = (Double(k) * 0.11, Double(k) * 0.031)
         let timeNs = Int64(k + 1) * stepNs
         let (x, y, z) = (cos(a) * cos(b), sin(a) * cos(b), sin(b))
-        let field = Vector3(
+        let field = DeviceVector(
             x: 50 * x + hardIronUt.x + noise(), y: 50 * y + hardIronUt.y + noise(), z: 50 * z + hardIronUt.z + noise())
         // the field dips by 53 degrees wherever the device points
-        let up = Vector3(
+        let up = DeviceVector(
             x: 9.81 * (-0.8 * x - 0.6 * sin(a)), y: 9.81 * (-0.8 * y + 0.6 * cos(a)), z: -9.81 * 0.8 * z)
         return [
             .up(UpSample(timeNs: timeNs, upMS2: up)),
@@ -64,9 +64,9 @@ func tumbling(_ samples: Int) -> [SensorSample] {
 /// One more sample, number `k`, of a device that lies flat.
 func flat(_ k: Int) -> [SensorSample] {
     let timeNs = Int64(k + 1) * stepNs
-    let field = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
+    let field = DeviceVector(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
     return [
-        .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+        .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
         .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
     ]
 }
@@ -95,7 +95,7 @@ extension AsyncSequence {
 }
 
 extension Compensator {
-    func pushAll(_ events: [SensorSample]) throws -> [Reading] { try events.compactMap { try push($0) } }
+    func pushAll(_ events: [SensorSample]) throws -> [MagneticReading] { try events.compactMap { try push($0) } }
 }
 
 /// Waits for what must happen; a test that waits in vain fails after half a minute.
