@@ -53,15 +53,28 @@ public final class Compensator: Sendable {
         return try check(magcomp_push_up(handle, sample.timeNs, up.x, up.y, up.z)) == 0
     }
 
-    /// Any event; the answer to a magnetic one.
+    /// Any event; the answer to a magnetic one. A heading whose time is not right is passed over.
+    ///
+    /// - Throws: `MagcompError.eventRejected` for a heading whose numbers can't be
     public func push(_ event: SensorSample) throws -> MagneticReading? {
         switch event {
         case .magnetic(let sample): return try push(sample)
         case .rotationRate(let sample): try pushRotationRate(sample)
         case .up(let sample): try pushUp(sample)
         case .systemField: break
+        case .heading(let sample): _ = try Self.taken { try pushHeading(sample) }
         }
         return nil
+    }
+
+    /// Whether help from outside was taken; false where its time was not right.
+    static func taken(_ push: () throws -> Void) throws -> Bool {
+        do {
+            try push()
+            return true
+        } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
+            return false
+        }
     }
 
     /// A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s

@@ -25,7 +25,7 @@ func keep(_ events: [SensorSample]) {
         case .magnetic(let s): magcomp_test_bare_add(0, s.timeNs, s.fieldUt.x, s.fieldUt.y, s.fieldUt.z)
         case .rotationRate(let s): magcomp_test_bare_add(1, s.timeNs, s.rateRadS.x, s.rateRadS.y, s.rateRadS.z)
         case .up(let s): magcomp_test_bare_add(2, s.timeNs, s.upMS2.x, s.upMS2.y, s.upMS2.z)
-        case .systemField: break
+        case .systemField, .heading: break
         }
     }
 }
@@ -52,7 +52,7 @@ var seen = 0.0
             case .magnetic(let sample): seen += try native.push(sample: sample).coverage
             case .rotationRate(let sample): try? native.pushRotationRate(sample: sample)
             case .up(let sample): try? native.pushUp(sample: sample)
-            case .systemField: break
+            case .systemField, .heading: break
             }
         }
     }

@@ -215,7 +215,7 @@ import Testing
         case .up(var sample):
             sample.timeNs += byNs
             return .up(sample)
-        case .rotationRate, .systemField: return event
+        case .rotationRate, .systemField, .heading: return event
         }
     }
 }
