@@ -142,6 +142,7 @@ extension Compass {
     @discardableResult
     public func aid(_ attitude: AttitudeSample) throws -> Bool {
         try attitude.check()
+        estimation.see(attitude)
         return try aid { try $0.pushAttitude(attitude) }
     }
 }

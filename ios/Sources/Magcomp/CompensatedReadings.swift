@@ -59,7 +59,7 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     ) -> CompensatedReadings {
         let events = (self as? SensorSamples) ?? SensorSamples { self }
         return CompensatedReadings {
-            Readers(of: { events }, by: Estimation(config, store: store, frame: frame)).place(capacity: capacity)
+            Readers(of: { events }, by: Estimation(config, store: store, frame: frame), graceS: 0).place(capacity: capacity)
         }
     }
 }

@@ -96,7 +96,7 @@ import Testing
     }
 
     @Test func theLagIsTheLargestOfThisSecondAndTheOneBefore() async throws {
-        let source = CoreMotionSource(options: SensorOptions(holdS: 0), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(holdS: 0), scripted: manager)
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         /// The lag when device motion has come so much later than the magnetometer's latest event.
@@ -116,7 +116,7 @@ import Testing
     @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
         let clock = Shared(0.0)
         let source = CoreMotionSource(
-            options: SensorOptions(gyroscope: false, up: false), manager: { manager },
+            options: SensorOptions(gyroscope: false, up: false), scripted: manager,
             continuousNs: { Int64(clock.value * 1e9) })
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
@@ -149,7 +149,7 @@ import Testing
     }
 
     @Test func theSystemsOwnFieldIsBesideOurs() async throws {
-        let source = CoreMotionSource(options: SensorOptions(systemField: true), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(systemField: true), scripted: manager)
         var readings = source.samples().compensated().makeAsyncIterator()
         readings.start()
         try await eventually { manager.isDeviceMotionActive }

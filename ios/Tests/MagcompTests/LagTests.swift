@@ -26,7 +26,7 @@ import Testing
         /// The readings when device motion comes so much later.
         func readings(lagS: Double, holdS: Double) async throws -> (readings: [MagneticReading], seenS: Double?) {
             let manager = CMMotionManager()
-            let source = CoreMotionSource(options: SensorOptions(holdS: holdS), manager: manager)
+            let source = CoreMotionSource(options: SensorOptions(holdS: holdS), scripted: manager)
             var iterator = source.samples().compensated(capacity: rows.count).makeAsyncIterator()
             iterator.start()
             try await eventually { manager.isMagnetometerActive }

@@ -80,7 +80,7 @@ import Testing
         let shown = Shared<[Int64]>([])
         let compass = Compass(source: source)
         let running = Task {
-            await compass.follow(CompassDisplay(rateHz: 1e6)) { state in
+            await compass.follow(CompassDisplay(rateHz: 1e6), retries: AsyncStream { $0.finish() }) { state in
                 if let reading = state.reading { shown.change { $0.append(reading.sample.timeNs) } }
             }
         }

@@ -71,6 +71,24 @@ func flat(_ k: Int) -> [SensorSample] {
     ]
 }
 
+// Tests look at what happens when the last reader leaves, so their compasses have no grace time but where they say so: of two that fit,
+// the compiler takes the one without defaults.
+extension Compass {
+    convenience init(source: any MagneticFieldSource) { self.init(source: source, graceS: 0) }
+
+    convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?) {
+        self.init(source: source, store: store, graceS: 0)
+    }
+
+    convenience init(source: any MagneticFieldSource, config: CompensationConfig) {
+        self.init(source: source, config: config, graceS: 0)
+    }
+
+    convenience init(source: any MagneticFieldSource, config: CompensationConfig, store: (any CalibrationStore)?) {
+        self.init(source: source, config: config, store: store, graceS: 0)
+    }
+}
+
 /// All at once, as often as it is asked.
 struct Played: MagneticFieldSource {
     let events: [SensorSample]
@@ -222,6 +240,21 @@ struct Gated: MagneticFieldSource {
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 
+extension CoreMotionSource {
+    /// With a manager that the test goes on to script, which an app can't: the stand-in has a lock.
+    convenience init(
+        options: SensorOptions = SensorOptions(), scripted: CMMotionManager,
+        continuousNs: (@Sendable () -> Int64)? = nil
+    ) {
+        nonisolated(unsafe) let manager = scripted
+        if let continuousNs {
+            self.init(options: { options }, manager: { manager }, continuousNs: continuousNs)
+        } else {
+            self.init(options: { options }, manager: { manager })
+        }
+    }
+}
+
 /// Tests over a stand-in of Core Motion that plays what they script.
 protocol OverCoreMotion {
     var manager: CMMotionManager { get }
@@ -237,7 +270,7 @@ extension OverCoreMotion {
     /// The first samples while `play` runs, once updates are on.
     func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
         var samples: [SensorSample] = []
-        var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        var iterator = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
         iterator.start()
         play()
         while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
@@ -247,7 +280,7 @@ extension OverCoreMotion {
     /// As many readings while `play` runs.
     func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
         var readings: [CompensatedReading] = []
-        var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
+        var iterator = CoreMotionSource(scripted: manager).samples().compensated(capacity: count).makeAsyncIterator()
         iterator.start()
         try await eventually { manager.isMagnetometerActive }
         play()
