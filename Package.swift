@@ -1,19 +1,22 @@
 // swift-tools-version: 6.0
+import Foundation
 import PackageDescription
 
 // The native library: on Apple platforms an XCFramework, that of a release or, with MAGCOMP_XCFRAMEWORK, one in a folder
 // of this package (`ios/build-xcframework.sh` makes it); on Linux what `cargo build --release -p magcomp-ffi` left in
 // target/release, or in the folder MAGCOMP_NATIVE, which a Mac uses too where it is given: the tests need its hooks.
+// With MAGCOMP_RELEASE=1 it is what an app gets of a release, on Linux too, for the tests of this manifest.
 // `ios/build-xcframework.sh --release URL` fills this in: where a release's XCFramework is, and its checksum.
 let release: (url: String, checksum: String)? = nil
 
 let environment = Context.environment
 let localFramework = "target/ios/MagcompFFI.xcframework"
 
+let isRelease = environment["MAGCOMP_RELEASE"] == "1"
 #if os(Linux)
-let (fromCargo, shared) = (environment["MAGCOMP_XCFRAMEWORK"] == nil, "so")
+let (fromCargo, shared) = (environment["MAGCOMP_XCFRAMEWORK"] == nil && !isRelease, "so")
 #else
-let (fromCargo, shared) = (environment["MAGCOMP_NATIVE"] != nil, "dylib")
+let (fromCargo, shared) = (environment["MAGCOMP_NATIVE"] != nil && !isRelease, "dylib")
 #endif
 
 let native: Target =
@@ -22,8 +25,19 @@ let native: Target =
     } else if let release, environment["MAGCOMP_XCFRAMEWORK"] == nil {
         .binaryTarget(name: "MagcompFFI", url: release.url, checksum: release.checksum)
     } else {
-        .binaryTarget(name: "MagcompFFI", path: environment["MAGCOMP_XCFRAMEWORK"] ?? localFramework)
+        .binaryTarget(name: "MagcompFFI", path: built(environment["MAGCOMP_XCFRAMEWORK"] ?? localFramework))
     }
+
+/// A framework that is there: else the package manager would say no more than that it "does not contain a binary artifact".
+func built(_ framework: String) -> String {
+    let place = framework.hasPrefix("/") ? framework : "\(Context.packageDirectory)/\(framework)"
+    if !FileManager.default.fileExists(atPath: place) {
+        fatalError(
+            "magcomp: \(place) is missing. This is a state of the repository without a release: build its native library on a Mac by "
+                + "ios/build-xcframework.sh, as ios/README.md says under 'Building it', or take a version that is released")
+    }
+    return framework
+}
 let folder = environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/target/release"
 // allow-shlib-undefined: Swift 6.0's libswiftObservation.so lacks a symbol of the runtime, which it calls when all is lost
 let linking: [LinkerSetting] =

@@ -26,7 +26,7 @@ done
 perl bindings/kotlin.pl "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
 perl bindings/swift.pl "$fresh/swift/Magcomp.swift"
 perl bindings/texts.pl "$fresh/texts"
-made=(android/library/src/main/res android/library/src/maven android/aar/src/main/aar/R.txt ios/Sources/Magcomp/Resources)
+made=(android/library/src/main/res android/library/src/maven android/aar/src/main/aar/R.txt ios/Sources/Magcomp/Resources ios/Sources/Magcomp/EnglishTexts.swift)
 if [ "${1:-}" = --check ]; then
     for language in kotlin swift; do
         diff -r "bindings/$language" "$fresh/$language" || {

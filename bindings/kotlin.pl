@@ -21,10 +21,15 @@ must 'interfaces of objects', $text =~ s/^public (?=interface Native)/internal /
 must 'objects', $text =~ s/^(?=open class Native)/internal /mg;
 must 'the reader of errors', $text =~ s/^( +)(?=companion object ErrorHandler)/$1internal /mg;
 
+# what uniffi.toml renames, in documents too where a field follows: `Config.initial`; alone, it may be an error's case
+my ($lines) = do { local @ARGV = 'rust/magcomp-ffi/uniffi.toml'; <> } =~ /^\[bindings\.kotlin\.rename\]\n((?:(?!\[).*\n)*)/m;
+my %names = $lines =~ /^(\w+) = "(\w+)"/mg;
+
 # documents: `field_ut` is fieldUt, but for a path as an error says it; a value that is missing is null
 $text =~ s{(/\*\*.*?\*/)}{
     my $document = $1;
     $document =~ s/`(?![a-z]\w*\.)([^`]*)`/my $name = $1; $name =~ s,(?<=[a-z0-9])_([a-z0-9]),\u$1,g; "`$name`"/ge;
+    $document =~ s/`([A-Z]\w*)(?=\.[a-z])/"`" . ($names{$1} || $1)/ge;
     $document =~ s/\bNone(?=[\s*]+(?:where|while|before|without|when|until|for)\b|: (?:not known|no true))/Null/g;
     $document =~ s/\bDefault none\b/Default null/g;
     $document

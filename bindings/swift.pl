@@ -36,11 +36,16 @@ my $error = substr $text, $from, $length;
 must 'capital cases of errors', $error =~ s/(^    case |return \.|case let \.|        case \.)([A-Z])/$1\l$2/mg;
 substr($text, $from, $length) = $error;
 
+# what uniffi.toml renames, in documents too where a field follows: `Config.initial`; alone, it may be an error's case
+my ($lines) = do { local @ARGV = 'rust/magcomp-ffi/uniffi.toml'; <> } =~ /^\[bindings\.swift\.rename\]\n((?:(?!\[).*\n)*)/m;
+my %names = $lines =~ /^(\w+) = "(\w+)"/mg;
+
 # documents: `field_ut` is fieldUt, but for a path as an error says it; `KeptDamaged` is MagcompError.keptDamaged
 my $errors = join '|', map { ucfirst } $error =~ /^    case (\w+)/mg;
 $text =~ s{^(\s*\*\s.*)$}{
     my $line = $1;
     $line =~ s/`(?![a-z]\w*\.)([^`]*)`/my $name = $1; $name =~ s,(?<=[a-z0-9])_([a-z0-9]),\u$1,g; "`$name`"/ge;
+    $line =~ s/`([A-Z]\w*)(?=\.[a-z])/"`" . ($names{$1} || $1)/ge;
     $line =~ s/\b(with|or|after|from|until) `($errors)`/$1 `MagcompError.\l$2`/g;
     $line
 }mge;

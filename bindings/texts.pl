@@ -73,6 +73,11 @@ for my $file (sort glob 'bindings/texts/*.txt') {
     written("ios/Sources/Magcomp/Resources/$project.lproj/Localizable.strings", "/* $generated */\n$swift");
 }
 
+# the same in Swift, for an app that was copied without the package's bundle
+written('ios/Sources/Magcomp/EnglishTexts.swift', "// swift-format-ignore-file\n// $generated\n\n"
+    . "/// The package's English `Localizable.strings`.\nlet englishTexts: [String: String] = [\n"
+    . join('', map { qq(    "$_": ") . formatted($english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(",\n) } @$names) . "]\n");
+
 # what Android's own tools make of the resources, for Maven's build, which has none of them
 my @android = grep { !/^ios_/ } @$names;
 my $id = 0x7f0e0000;

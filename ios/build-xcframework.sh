@@ -144,7 +144,8 @@ if [ $# = 2 ]; then
     # SwiftPM's checksum is SHA-256
     checksum=$(checksum "$framework.zip")
     line="let release: (url: String, checksum: String)? = (\"$2\", \"$checksum\")"
-    sed "s|^let release: .*|$line|" Package.swift >"$target/ios/Package.swift"
+    # awk by the environment: in a replacement of sed's an & of the URL would mean something
+    line=$line awk '/^let release: / { print ENVIRON["line"]; next } { print }' Package.swift >"$target/ios/Package.swift"
     grep -qF "$line" "$target/ios/Package.swift" || { echo "xcframework: Package.swift has no line for the release" >&2; exit 1; }
     cat "$target/ios/Package.swift" >Package.swift
     echo "xcframework: $framework.zip, $checksum; attach it to the release at $2 and commit Package.swift"

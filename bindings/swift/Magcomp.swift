@@ -273,7 +273,7 @@ fileprivate enum UniffiInternalError: LocalizedError {
 
     public var errorDescription: String? {
         switch self {
-        case .bufferOverflow: return "Reading the requested value would read past the end of the buffer"
+        case .bufferOverflow: return "MagneticReading the requested value would read past the end of the buffer"
         case .incompleteData: return "The buffer still has data after lifting its containing value"
         case .unexpectedOptionalTag: return "Unexpected optional tag; should be 0 or 1"
         case .unexpectedEnumCase: return "Raw enum value doesn't match any cases"
@@ -592,12 +592,12 @@ package protocol ConstantFieldProtocol: AnyObject, Sendable {
      * One raw sample, microtesla, device frame. Fails with `MagcompError.rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
-    func add(rawUt: Vector3) throws
+    func add(rawUt: DeviceVector) throws
 
     /**
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
-    func coverage() throws  -> Coverage
+    func coverage() throws  -> DirectionCoverage
 
     /**
      * The calibration with its covariance. Fails with `MagcompError.fit`, which says what is missing; the session can go on.
@@ -693,7 +693,7 @@ public convenience init(samplesPerOrientation: Int32) {
      * One raw sample, microtesla, device frame. Fails with `MagcompError.rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
-public func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func add(rawUt: DeviceVector)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_add(
             self.uniffiCloneHandle(),
@@ -705,7 +705,7 @@ public func add(rawUt: Vector3)throws   {try rustCallWithError(FfiConverterTypeM
     /**
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
-public func coverage()throws  -> Coverage  {
+public func coverage()throws  -> DirectionCoverage  {
     return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_coverage(
@@ -822,7 +822,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      * first readings are as unsure as that. Fails with `MagcompError.calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
-    func adopt(calibration: Calibration, hardIronSigmaUt: Double) throws
+    func adopt(calibration: MagnetometerCalibration, hardIronSigmaUt: Double) throws
 
     /**
      * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
@@ -835,7 +835,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * Hard iron, soft iron and field strength in force, if any.
      */
-    func calibration() throws  -> Calibration?
+    func calibration() throws  -> MagnetometerCalibration?
 
     /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
@@ -846,7 +846,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * Which directions were seen, for guidance.
      */
-    func coverage() throws  -> Coverage
+    func coverage() throws  -> DirectionCoverage
 
     /**
      * A number for the fast paths, JNI and C, for the library's own wrapper.
@@ -875,7 +875,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-    func push(sample: MagneticSample) throws  -> Reading
+    func push(sample: MagneticSample) throws  -> MagneticReading
 
     /**
      * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
@@ -981,7 +981,7 @@ package final class NativeCompensator: NativeCompensatorProtocol, @unchecked Sen
     /**
      * A compensator for a config. Fails with `MagcompError.config` or `MagcompError.calibration` when a field is out of range.
      */
-public convenience init(config: Config)throws  {
+public convenience init(config: CompensationConfig)throws  {
     let handle =
         try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
@@ -1010,7 +1010,7 @@ public convenience init(config: Config)throws  {
      * first readings are as unsure as that. Fails with `MagcompError.calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
-public func adopt(calibration: Calibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func adopt(calibration: MagnetometerCalibration, hardIronSigmaUt: Double)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_adopt(
             self.uniffiCloneHandle(),
@@ -1039,7 +1039,7 @@ public func adoptKept(text: String, unixTimeS: Int64?)throws   {try rustCallWith
     /**
      * Hard iron, soft iron and field strength in force, if any.
      */
-public func calibration()throws  -> Calibration?  {
+public func calibration()throws  -> MagnetometerCalibration?  {
     return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_calibration(
@@ -1064,7 +1064,7 @@ public func covariance()throws  -> [Double]?  {
     /**
      * Which directions were seen, for guidance.
      */
-public func coverage()throws  -> Coverage  {
+public func coverage()throws  -> DirectionCoverage  {
     return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_coverage(
@@ -1129,7 +1129,7 @@ public func keep(unixTimeS: Int64)throws  -> String?  {
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-public func push(sample: MagneticSample)throws  -> Reading  {
+public func push(sample: MagneticSample)throws  -> MagneticReading  {
     return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push(
@@ -1317,7 +1317,7 @@ fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensa
  * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
  * north, up), north magnetic. w is at least 0.
  */
-public struct Attitude: Equatable, Hashable, Codable {
+public struct DeviceAttitude: Equatable, Hashable, Codable {
     /**
      * The real part.
      */
@@ -1372,16 +1372,16 @@ public struct Attitude: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Attitude: Sendable {}
+extension DeviceAttitude: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Attitude {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAttitude {
         return
-            try Attitude(
+            try DeviceAttitude(
                 w: FfiConverterDouble.read(from: &buf),
                 x: FfiConverterDouble.read(from: &buf),
                 y: FfiConverterDouble.read(from: &buf),
@@ -1390,7 +1390,7 @@ fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: Attitude, into buf: inout [UInt8]) {
+    public static func write(_ value: DeviceAttitude, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.w, into: &buf)
         FfiConverterDouble.write(value.x, into: &buf)
         FfiConverterDouble.write(value.y, into: &buf)
@@ -1403,14 +1403,14 @@ fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> Attitude {
+fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> DeviceAttitude {
     return try FfiConverterTypeAttitude.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAttitude_lower(_ value: Attitude) -> RustBuffer {
+fileprivate func FfiConverterTypeAttitude_lower(_ value: DeviceAttitude) -> RustBuffer {
     return FfiConverterTypeAttitude.lower(value)
 }
 
@@ -1443,7 +1443,7 @@ public struct AttitudeSample: Equatable, Hashable, Codable {
     /**
      * What is known of that world's y axis.
      */
-    public var yaw: Yaw
+    public var yaw: WorldYaw
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -1466,7 +1466,7 @@ public struct AttitudeSample: Equatable, Hashable, Codable {
          */z: Double,
         /**
          * What is known of that world's y axis.
-         */yaw: Yaw) {
+         */yaw: WorldYaw) {
         self.timeNs = timeNs
         self.w = w
         self.x = x
@@ -1529,7 +1529,7 @@ fileprivate func FfiConverterTypeAttitudeSample_lower(_ value: AttitudeSample) -
 /**
  * Raw field = soft iron * field + hard iron.
  */
-public struct Calibration: Equatable, Hashable, Codable {
+public struct MagnetometerCalibration: Equatable, Hashable, Codable {
     /**
      * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
@@ -1537,7 +1537,7 @@ public struct Calibration: Equatable, Hashable, Codable {
     /**
      * b, microtesla, each component within +-100 000: subtracted from the raw field.
      */
-    public var hardIronUt: Vector3
+    public var hardIronUt: DeviceVector
     /**
      * Strength of the field it was found in, microtesla, 1 to 1000.
      */
@@ -1551,7 +1551,7 @@ public struct Calibration: Equatable, Hashable, Codable {
          */softIron: SoftIron,
         /**
          * b, microtesla, each component within +-100 000: subtracted from the raw field.
-         */hardIronUt: Vector3,
+         */hardIronUt: DeviceVector,
         /**
          * Strength of the field it was found in, microtesla, 1 to 1000.
          */fieldStrengthUt: Double) {
@@ -1566,23 +1566,23 @@ public struct Calibration: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Calibration: Sendable {}
+extension MagnetometerCalibration: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Calibration {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagnetometerCalibration {
         return
-            try Calibration(
+            try MagnetometerCalibration(
                 softIron: FfiConverterTypeSoftIron.read(from: &buf),
                 hardIronUt: FfiConverterTypeVector3.read(from: &buf),
                 fieldStrengthUt: FfiConverterDouble.read(from: &buf)
         )
     }
 
-    public static func write(_ value: Calibration, into buf: inout [UInt8]) {
+    public static func write(_ value: MagnetometerCalibration, into buf: inout [UInt8]) {
         FfiConverterTypeSoftIron.write(value.softIron, into: &buf)
         FfiConverterTypeVector3.write(value.hardIronUt, into: &buf)
         FfiConverterDouble.write(value.fieldStrengthUt, into: &buf)
@@ -1593,14 +1593,14 @@ fileprivate struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCalibration_lift(_ buf: RustBuffer) throws -> Calibration {
+fileprivate func FfiConverterTypeCalibration_lift(_ buf: RustBuffer) throws -> MagnetometerCalibration {
     return try FfiConverterTypeCalibration.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCalibration_lower(_ value: Calibration) -> RustBuffer {
+fileprivate func FfiConverterTypeCalibration_lower(_ value: MagnetometerCalibration) -> RustBuffer {
     return FfiConverterTypeCalibration.lower(value)
 }
 
@@ -1608,7 +1608,7 @@ fileprivate func FfiConverterTypeCalibration_lower(_ value: Calibration) -> Rust
 /**
  * All settings of a compensator. A setting left out has the library's default; `defaultConfig()` shows them all.
  */
-public struct Config: Equatable, Hashable, Codable {
+public struct CompensationConfig: Equatable, Hashable, Codable {
     /**
      * How the hard and soft iron are estimated. Default `Auto`.
      */
@@ -1616,7 +1616,7 @@ public struct Config: Equatable, Hashable, Codable {
     /**
      * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
      */
-    public var initial: Calibration?
+    public var initial: MagnetometerCalibration?
     /**
      * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
      * first headings less sure, and learning faster.
@@ -1660,7 +1660,7 @@ public struct Config: Equatable, Hashable, Codable {
          */method: CompensationMethod? = nil,
         /**
          * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
-         */initial: Calibration? = nil,
+         */initial: MagnetometerCalibration? = nil,
         /**
          * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
          * first headings less sure, and learning faster.
@@ -1705,16 +1705,16 @@ public struct Config: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Config: Sendable {}
+extension CompensationConfig: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Config {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationConfig {
         return
-            try Config(
+            try CompensationConfig(
                 method: FfiConverterOptionTypeCompensationMethod.read(from: &buf),
                 initial: FfiConverterOptionTypeCalibration.read(from: &buf),
                 initialSigmaUt: FfiConverterOptionDouble.read(from: &buf),
@@ -1727,7 +1727,7 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: Config, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensationConfig, into buf: inout [UInt8]) {
         FfiConverterOptionTypeCompensationMethod.write(value.method, into: &buf)
         FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
         FfiConverterOptionDouble.write(value.initialSigmaUt, into: &buf)
@@ -1744,14 +1744,14 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeConfig_lift(_ buf: RustBuffer) throws -> Config {
+fileprivate func FfiConverterTypeConfig_lift(_ buf: RustBuffer) throws -> CompensationConfig {
     return try FfiConverterTypeConfig.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeConfig_lower(_ value: Config) -> RustBuffer {
+fileprivate func FfiConverterTypeConfig_lower(_ value: CompensationConfig) -> RustBuffer {
     return FfiConverterTypeConfig.lower(value)
 }
 
@@ -1759,7 +1759,7 @@ fileprivate func FfiConverterTypeConfig_lower(_ value: Config) -> RustBuffer {
 /**
  * Which directions of the sphere have been seen, for guidance.
  */
-public struct Coverage: Equatable, Hashable, Codable {
+public struct DirectionCoverage: Equatable, Hashable, Codable {
     /**
      * Share of the 48 equal cells of the sphere that were seen, 0 to 1.
      */
@@ -1767,7 +1767,7 @@ public struct Coverage: Equatable, Hashable, Codable {
     /**
      * Middles of the cells not yet seen, unit vectors, device frame: turn the device so that the field points there.
      */
-    public var unseenDirections: [Vector3]
+    public var unseenDirections: [DeviceVector]
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -1777,7 +1777,7 @@ public struct Coverage: Equatable, Hashable, Codable {
          */share: Double,
         /**
          * Middles of the cells not yet seen, unit vectors, device frame: turn the device so that the field points there.
-         */unseenDirections: [Vector3]) {
+         */unseenDirections: [DeviceVector]) {
         self.share = share
         self.unseenDirections = unseenDirections
     }
@@ -1788,22 +1788,22 @@ public struct Coverage: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Coverage: Sendable {}
+extension DirectionCoverage: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Coverage {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DirectionCoverage {
         return
-            try Coverage(
+            try DirectionCoverage(
                 share: FfiConverterDouble.read(from: &buf),
                 unseenDirections: FfiConverterSequenceTypeVector3.read(from: &buf)
         )
     }
 
-    public static func write(_ value: Coverage, into buf: inout [UInt8]) {
+    public static func write(_ value: DirectionCoverage, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.share, into: &buf)
         FfiConverterSequenceTypeVector3.write(value.unseenDirections, into: &buf)
     }
@@ -1813,14 +1813,14 @@ fileprivate struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> Coverage {
+fileprivate func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> DirectionCoverage {
     return try FfiConverterTypeCoverage.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCoverage_lower(_ value: Coverage) -> RustBuffer {
+fileprivate func FfiConverterTypeCoverage_lower(_ value: DirectionCoverage) -> RustBuffer {
     return FfiConverterTypeCoverage.lower(value)
 }
 
@@ -1832,7 +1832,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * M, b and the field strength.
      */
-    public var calibration: Calibration
+    public var calibration: MagnetometerCalibration
     /**
      * 9 x 9, row by row, in the order b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless).
      */
@@ -1844,7 +1844,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * Why they ended.
      */
-    public var termination: Termination
+    public var termination: FitTermination
     /**
      * Rms distance of the samples from the ellipsoid, microtesla: the noise per axis.
      */
@@ -1867,7 +1867,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
     public init(
         /**
          * M, b and the field strength.
-         */calibration: Calibration,
+         */calibration: MagnetometerCalibration,
         /**
          * 9 x 9, row by row, in the order b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless).
          */covariance: [Double],
@@ -1876,7 +1876,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
          */iterations: Int32,
         /**
          * Why they ended.
-         */termination: Termination,
+         */termination: FitTermination,
         /**
          * Rms distance of the samples from the ellipsoid, microtesla: the noise per axis.
          */residualRmsUt: Double,
@@ -2040,7 +2040,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
     /**
      * The residual that a fit squares and sums. Default `Corrected`.
      */
-    public var residual: Residual?
+    public var residual: FitResidual?
     /**
      * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
      * carries the sensor's scale. Every method listens to it. Default none: found by the method.
@@ -2081,7 +2081,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
     public init(
         /**
          * The residual that a fit squares and sums. Default `Corrected`.
-         */residual: Residual? = nil,
+         */residual: FitResidual? = nil,
         /**
          * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
          * carries the sensor's scale. Every method listens to it. Default none: found by the method.
@@ -2248,7 +2248,7 @@ fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclinatio
 /**
  * The Earth's field at a place and date.
  */
-public struct GeomagneticField: Equatable, Hashable, Codable {
+public struct EarthMagneticField: Equatable, Hashable, Codable {
     /**
      * From true to magnetic north, degrees, east positive.
      */
@@ -2262,7 +2262,7 @@ public struct GeomagneticField: Equatable, Hashable, Codable {
      */
     public var inclinationDeg: Double
     /**
-     * Strength, microtesla: what `Config.fieldStrengthUt` takes.
+     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
      */
     public var totalFieldUt: Double
 
@@ -2279,7 +2279,7 @@ public struct GeomagneticField: Equatable, Hashable, Codable {
          * Below the horizon, degrees, positive when the field points down.
          */inclinationDeg: Double,
         /**
-         * Strength, microtesla: what `Config.fieldStrengthUt` takes.
+         * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
          */totalFieldUt: Double) {
         self.declinationDeg = declinationDeg
         self.declinationSigmaDeg = declinationSigmaDeg
@@ -2293,16 +2293,16 @@ public struct GeomagneticField: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension GeomagneticField: Sendable {}
+extension EarthMagneticField: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> GeomagneticField {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EarthMagneticField {
         return
-            try GeomagneticField(
+            try EarthMagneticField(
                 declinationDeg: FfiConverterDouble.read(from: &buf),
                 declinationSigmaDeg: FfiConverterDouble.read(from: &buf),
                 inclinationDeg: FfiConverterDouble.read(from: &buf),
@@ -2310,7 +2310,7 @@ fileprivate struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: GeomagneticField, into buf: inout [UInt8]) {
+    public static func write(_ value: EarthMagneticField, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.declinationDeg, into: &buf)
         FfiConverterDouble.write(value.declinationSigmaDeg, into: &buf)
         FfiConverterDouble.write(value.inclinationDeg, into: &buf)
@@ -2322,14 +2322,14 @@ fileprivate struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeGeomagneticField_lift(_ buf: RustBuffer) throws -> GeomagneticField {
+fileprivate func FfiConverterTypeGeomagneticField_lift(_ buf: RustBuffer) throws -> EarthMagneticField {
     return try FfiConverterTypeGeomagneticField.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticField) -> RustBuffer {
+fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: EarthMagneticField) -> RustBuffer {
     return FfiConverterTypeGeomagneticField.lower(value)
 }
 
@@ -2337,7 +2337,7 @@ fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: GeomagneticFiel
 /**
  * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
-public struct Heading: Equatable, Hashable, Codable {
+public struct CompassHeading: Equatable, Hashable, Codable {
     /**
      * Clockwise from magnetic north, 0 to 360 degrees.
      */
@@ -2382,16 +2382,16 @@ public struct Heading: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Heading: Sendable {}
+extension CompassHeading: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeHeading: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Heading {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompassHeading {
         return
-            try Heading(
+            try CompassHeading(
                 headingDeg: FfiConverterDouble.read(from: &buf),
                 headingSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
                 trueHeadingDeg: FfiConverterOptionDouble.read(from: &buf),
@@ -2399,7 +2399,7 @@ fileprivate struct FfiConverterTypeHeading: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: Heading, into buf: inout [UInt8]) {
+    public static func write(_ value: CompassHeading, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.headingDeg, into: &buf)
         FfiConverterOptionDouble.write(value.headingSigmaDeg, into: &buf)
         FfiConverterOptionDouble.write(value.trueHeadingDeg, into: &buf)
@@ -2411,14 +2411,14 @@ fileprivate struct FfiConverterTypeHeading: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeading_lift(_ buf: RustBuffer) throws -> Heading {
+fileprivate func FfiConverterTypeHeading_lift(_ buf: RustBuffer) throws -> CompassHeading {
     return try FfiConverterTypeHeading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeading_lower(_ value: Heading) -> RustBuffer {
+fileprivate func FfiConverterTypeHeading_lower(_ value: CompassHeading) -> RustBuffer {
     return FfiConverterTypeHeading.lower(value)
 }
 
@@ -2703,13 +2703,13 @@ public struct MagneticSample: Equatable, Hashable, Codable {
     /**
      * Raw (uncalibrated) field, microtesla, device frame.
      */
-    public var fieldUt: Vector3
+    public var fieldUt: DeviceVector
     /**
      * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
+     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
      * the first calibration.
      */
-    public var reportedHardIronUt: Vector3?
+    public var reportedHardIronUt: DeviceVector?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -2719,12 +2719,12 @@ public struct MagneticSample: Equatable, Hashable, Codable {
          */timeNs: Int64,
         /**
          * Raw (uncalibrated) field, microtesla, device frame.
-         */fieldUt: Vector3,
+         */fieldUt: DeviceVector,
         /**
          * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-         * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
+         * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
          * the first calibration.
-         */reportedHardIronUt: Vector3? = nil) {
+         */reportedHardIronUt: DeviceVector? = nil) {
         self.timeNs = timeNs
         self.fieldUt = fieldUt
         self.reportedHardIronUt = reportedHardIronUt
@@ -2778,7 +2778,7 @@ fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -
 /**
  * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
-public struct Reading: Equatable, Hashable, Codable {
+public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * Time of the sample, nanoseconds.
      */
@@ -2786,7 +2786,7 @@ public struct Reading: Equatable, Hashable, Codable {
     /**
      * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
      */
-    public var fieldUt: Vector3?
+    public var fieldUt: DeviceVector?
     /**
      * One standard deviation of `fieldUt` per axis, microtesla. None when it is not known.
      */
@@ -2794,7 +2794,7 @@ public struct Reading: Equatable, Hashable, Codable {
     /**
      * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
      */
-    public var filteredFieldUt: Vector3?
+    public var filteredFieldUt: DeviceVector?
     /**
      * Length of `fieldUt`, microtesla.
      */
@@ -2802,12 +2802,12 @@ public struct Reading: Equatable, Hashable, Codable {
     /**
      * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
      */
-    public var heading: Heading?
+    public var heading: CompassHeading?
     /**
      * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
      * `up`, or where the field is vertical.
      */
-    public var attitude: Attitude?
+    public var attitude: DeviceAttitude?
     /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
      */
@@ -2861,23 +2861,23 @@ public struct Reading: Equatable, Hashable, Codable {
          */timeNs: Int64,
         /**
          * The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
-         */fieldUt: Vector3?,
+         */fieldUt: DeviceVector?,
         /**
          * One standard deviation of `fieldUt` per axis, microtesla. None when it is not known.
          */fieldSigmaUt: Double?,
         /**
          * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
-         */filteredFieldUt: Vector3?,
+         */filteredFieldUt: DeviceVector?,
         /**
          * Length of `fieldUt`, microtesla.
          */totalFieldUt: Double?,
         /**
          * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
-         */heading: Heading?,
+         */heading: CompassHeading?,
         /**
          * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
          * `up`, or where the field is vertical.
-         */attitude: Attitude?,
+         */attitude: DeviceAttitude?,
         /**
          * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
          */sigmaT: Double?,
@@ -2937,16 +2937,16 @@ public struct Reading: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Reading: Sendable {}
+extension MagneticReading: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Reading {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticReading {
         return
-            try Reading(
+            try MagneticReading(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 fieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
                 fieldSigmaUt: FfiConverterOptionDouble.read(from: &buf),
@@ -2967,7 +2967,7 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: Reading, into buf: inout [UInt8]) {
+    public static func write(_ value: MagneticReading, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterOptionTypeVector3.write(value.fieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.fieldSigmaUt, into: &buf)
@@ -2992,14 +2992,14 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReading_lift(_ buf: RustBuffer) throws -> Reading {
+fileprivate func FfiConverterTypeReading_lift(_ buf: RustBuffer) throws -> MagneticReading {
     return try FfiConverterTypeReading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReading_lower(_ value: Reading) -> RustBuffer {
+fileprivate func FfiConverterTypeReading_lower(_ value: MagneticReading) -> RustBuffer {
     return FfiConverterTypeReading.lower(value)
 }
 
@@ -3015,7 +3015,7 @@ public struct RotationRateSample: Equatable, Hashable, Codable {
     /**
      * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
      */
-    public var rateRadS: Vector3
+    public var rateRadS: DeviceVector
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -3025,7 +3025,7 @@ public struct RotationRateSample: Equatable, Hashable, Codable {
          */timeNs: Int64,
         /**
          * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
-         */rateRadS: Vector3) {
+         */rateRadS: DeviceVector) {
         self.timeNs = timeNs
         self.rateRadS = rateRadS
     }
@@ -3193,7 +3193,7 @@ public struct UpSample: Equatable, Hashable, Codable {
     /**
      * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
      */
-    public var upMS2: Vector3
+    public var upMS2: DeviceVector
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -3203,7 +3203,7 @@ public struct UpSample: Equatable, Hashable, Codable {
          */timeNs: Int64,
         /**
          * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
-         */upMS2: Vector3) {
+         */upMS2: DeviceVector) {
         self.timeNs = timeNs
         self.upMS2 = upMS2
     }
@@ -3254,7 +3254,7 @@ fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer
 /**
  * Three components in the device frame: x right, y up along the screen, z out of the screen.
  */
-public struct Vector3: Equatable, Hashable, Codable {
+public struct DeviceVector: Equatable, Hashable, Codable {
     /**
      * Along the screen, to the right.
      */
@@ -3291,23 +3291,23 @@ public struct Vector3: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Vector3: Sendable {}
+extension DeviceVector: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeVector3: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Vector3 {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceVector {
         return
-            try Vector3(
+            try DeviceVector(
                 x: FfiConverterDouble.read(from: &buf),
                 y: FfiConverterDouble.read(from: &buf),
                 z: FfiConverterDouble.read(from: &buf)
         )
     }
 
-    public static func write(_ value: Vector3, into buf: inout [UInt8]) {
+    public static func write(_ value: DeviceVector, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.x, into: &buf)
         FfiConverterDouble.write(value.y, into: &buf)
         FfiConverterDouble.write(value.z, into: &buf)
@@ -3318,14 +3318,14 @@ fileprivate struct FfiConverterTypeVector3: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeVector3_lift(_ buf: RustBuffer) throws -> Vector3 {
+fileprivate func FfiConverterTypeVector3_lift(_ buf: RustBuffer) throws -> DeviceVector {
     return try FfiConverterTypeVector3.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeVector3_lower(_ value: Vector3) -> RustBuffer {
+fileprivate func FfiConverterTypeVector3_lower(_ value: DeviceVector) -> RustBuffer {
     return FfiConverterTypeVector3.lower(value)
 }
 
@@ -3349,12 +3349,12 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
     /**
      * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
      */
-    public var normalisation: Normalisation?
+    public var normalisation: SigmaNormalisation?
     /**
      * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
      * is fitted however far its samples lie from one ellipsoid.
      */
-    public var residual: Residual?
+    public var residual: FitResidual?
     /**
      * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
      * coverage where the residual is small.
@@ -3375,11 +3375,11 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
          */sigmaTh: Double? = nil,
         /**
          * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
-         */normalisation: Normalisation? = nil,
+         */normalisation: SigmaNormalisation? = nil,
         /**
          * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
          * is fitted however far its samples lie from one ellipsoid.
-         */residual: Residual? = nil,
+         */residual: FitResidual? = nil,
         /**
          * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
          * coverage where the residual is small.
@@ -3447,7 +3447,7 @@ fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -
  * An axis of the device.
  */
 
-public enum Axis: Equatable, Hashable, Codable {
+public enum DeviceAxis: Equatable, Hashable, Codable {
 
     /**
      * Along the screen, to the right.
@@ -3469,16 +3469,16 @@ public enum Axis: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Axis: Sendable {}
+extension DeviceAxis: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeAxis: FfiConverterRustBuffer {
-    typealias SwiftType = Axis
+    typealias SwiftType = DeviceAxis
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Axis {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAxis {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -3492,7 +3492,7 @@ fileprivate struct FfiConverterTypeAxis: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: Axis, into buf: inout [UInt8]) {
+    public static func write(_ value: DeviceAxis, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -3515,14 +3515,14 @@ fileprivate struct FfiConverterTypeAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAxis_lift(_ buf: RustBuffer) throws -> Axis {
+fileprivate func FfiConverterTypeAxis_lift(_ buf: RustBuffer) throws -> DeviceAxis {
     return try FfiConverterTypeAxis.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAxis_lower(_ value: Axis) -> RustBuffer {
+fileprivate func FfiConverterTypeAxis_lower(_ value: DeviceAxis) -> RustBuffer {
     return FfiConverterTypeAxis.lower(value)
 }
 
@@ -4311,7 +4311,7 @@ public enum HeadedAxis: Equatable, Hashable, Codable {
     case device(
         /**
          * Of any length but 0, device frame.
-         */axis: Vector3
+         */axis: DeviceVector
     )
     /**
      * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
@@ -5042,7 +5042,7 @@ fileprivate func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBu
  * How the standard deviations in sigma_T are normalised.
  */
 
-public enum Normalisation: Equatable, Hashable, Codable {
+public enum SigmaNormalisation: Equatable, Hashable, Codable {
 
     /**
      * By half the range of each axis.
@@ -5060,16 +5060,16 @@ public enum Normalisation: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Normalisation: Sendable {}
+extension SigmaNormalisation: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
-    typealias SwiftType = Normalisation
+    typealias SwiftType = SigmaNormalisation
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Normalisation {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SigmaNormalisation {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5081,7 +5081,7 @@ fileprivate struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: Normalisation, into buf: inout [UInt8]) {
+    public static func write(_ value: SigmaNormalisation, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5100,14 +5100,14 @@ fileprivate struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeNormalisation_lift(_ buf: RustBuffer) throws -> Normalisation {
+fileprivate func FfiConverterTypeNormalisation_lift(_ buf: RustBuffer) throws -> SigmaNormalisation {
     return try FfiConverterTypeNormalisation.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeNormalisation_lower(_ value: Normalisation) -> RustBuffer {
+fileprivate func FfiConverterTypeNormalisation_lower(_ value: SigmaNormalisation) -> RustBuffer {
     return FfiConverterTypeNormalisation.lower(value)
 }
 
@@ -5300,7 +5300,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
     case saturated(
         /**
          * The axis of the component.
-         */axis: Axis,
+         */axis: DeviceAxis,
         /**
          * The component, microtesla.
          */valueUt: Double,
@@ -5454,7 +5454,7 @@ fileprivate func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> Ru
  * The residual that a fit squares and sums.
  */
 
-public enum Residual: Equatable, Hashable, Codable {
+public enum FitResidual: Equatable, Hashable, Codable {
 
     /**
      * Eq. (10) of the paper as written.
@@ -5472,16 +5472,16 @@ public enum Residual: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Residual: Sendable {}
+extension FitResidual: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeResidual: FfiConverterRustBuffer {
-    typealias SwiftType = Residual
+    typealias SwiftType = FitResidual
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Residual {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitResidual {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5493,7 +5493,7 @@ fileprivate struct FfiConverterTypeResidual: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: Residual, into buf: inout [UInt8]) {
+    public static func write(_ value: FitResidual, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5512,14 +5512,14 @@ fileprivate struct FfiConverterTypeResidual: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> Residual {
+fileprivate func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> FitResidual {
     return try FfiConverterTypeResidual.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeResidual_lower(_ value: Residual) -> RustBuffer {
+fileprivate func FfiConverterTypeResidual_lower(_ value: FitResidual) -> RustBuffer {
     return FfiConverterTypeResidual.lower(value)
 }
 
@@ -5719,7 +5719,7 @@ fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBu
  * Why an iteration stopped. Each is an answer; the last two say how good.
  */
 
-public enum Termination: Equatable, Hashable, Codable {
+public enum FitTermination: Equatable, Hashable, Codable {
 
     /**
      * The last step was below the tolerance.
@@ -5741,16 +5741,16 @@ public enum Termination: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Termination: Sendable {}
+extension FitTermination: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
-    typealias SwiftType = Termination
+    typealias SwiftType = FitTermination
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Termination {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitTermination {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5764,7 +5764,7 @@ fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: Termination, into buf: inout [UInt8]) {
+    public static func write(_ value: FitTermination, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5787,14 +5787,14 @@ fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeTermination_lift(_ buf: RustBuffer) throws -> Termination {
+fileprivate func FfiConverterTypeTermination_lift(_ buf: RustBuffer) throws -> FitTermination {
     return try FfiConverterTypeTermination.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeTermination_lower(_ value: Termination) -> RustBuffer {
+fileprivate func FfiConverterTypeTermination_lower(_ value: FitTermination) -> RustBuffer {
     return FfiConverterTypeTermination.lower(value)
 }
 
@@ -5804,7 +5804,7 @@ fileprivate func FfiConverterTypeTermination_lower(_ value: Termination) -> Rust
  * What is known of the y axis of an outside world.
  */
 
-public enum Yaw: Equatable, Hashable, Codable {
+public enum WorldYaw: Equatable, Hashable, Codable {
 
     /**
      * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
@@ -5829,16 +5829,16 @@ public enum Yaw: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension Yaw: Sendable {}
+extension WorldYaw: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
-    typealias SwiftType = Yaw
+    typealias SwiftType = WorldYaw
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Yaw {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> WorldYaw {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5851,7 +5851,7 @@ fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: Yaw, into buf: inout [UInt8]) {
+    public static func write(_ value: WorldYaw, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5872,14 +5872,14 @@ fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeYaw_lift(_ buf: RustBuffer) throws -> Yaw {
+fileprivate func FfiConverterTypeYaw_lift(_ buf: RustBuffer) throws -> WorldYaw {
     return try FfiConverterTypeYaw.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeYaw_lower(_ value: Yaw) -> RustBuffer {
+fileprivate func FfiConverterTypeYaw_lower(_ value: WorldYaw) -> RustBuffer {
     return FfiConverterTypeYaw.lower(value)
 }
 
@@ -6008,7 +6008,7 @@ fileprivate struct FfiConverterOptionString: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
-    typealias SwiftType = Attitude?
+    typealias SwiftType = DeviceAttitude?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6032,7 +6032,7 @@ fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
-    typealias SwiftType = Calibration?
+    typealias SwiftType = MagnetometerCalibration?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6152,7 +6152,7 @@ fileprivate struct FfiConverterOptionTypeFoundDeclination: FfiConverterRustBuffe
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeHeading: FfiConverterRustBuffer {
-    typealias SwiftType = Heading?
+    typealias SwiftType = CompassHeading?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6200,7 +6200,7 @@ fileprivate struct FfiConverterOptionTypeHeadingConfig: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeVector3: FfiConverterRustBuffer {
-    typealias SwiftType = Vector3?
+    typealias SwiftType = DeviceVector?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6320,7 +6320,7 @@ fileprivate struct FfiConverterOptionTypeModelOrder: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeNormalisation: FfiConverterRustBuffer {
-    typealias SwiftType = Normalisation?
+    typealias SwiftType = SigmaNormalisation?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6368,7 +6368,7 @@ fileprivate struct FfiConverterOptionTypeReferenceAxis: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeResidual: FfiConverterRustBuffer {
-    typealias SwiftType = Residual?
+    typealias SwiftType = FitResidual?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6465,9 +6465,9 @@ fileprivate struct FfiConverterSequenceDouble: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
-    typealias SwiftType = [Vector3]
+    typealias SwiftType = [DeviceVector]
 
-    public static func write(_ value: [Vector3], into buf: inout [UInt8]) {
+    public static func write(_ value: [DeviceVector], into buf: inout [UInt8]) {
         let len = Int32(value.count)
         writeInt(&buf, len)
         for item in value {
@@ -6475,9 +6475,9 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
         }
     }
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> [Vector3] {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> [DeviceVector] {
         let len: Int32 = try readInt(&buf)
-        var seq = [Vector3]()
+        var seq = [DeviceVector]()
         seq.reserveCapacity(Int(len))
         for _ in 0 ..< len {
             seq.append(try FfiConverterTypeVector3.read(from: &buf))
@@ -6488,7 +6488,7 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
 /**
  * The library's defaults, every field given.
  */
-package func defaultConfig() -> Config  {
+package func defaultConfig() -> CompensationConfig  {
     return try!  FfiConverterTypeConfig_lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_default_config(uniffiCallStatus
@@ -6503,7 +6503,7 @@ package func defaultConfig() -> Config  {
  * of the nearest day of those years, and the declination's sigma is wider by what the Earth's field changes meanwhile. Fails with
  * `Place` at a place outside the model's range.
  */
-package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> GeomagneticField  {
+package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> EarthMagneticField  {
     return try  FfiConverterTypeGeomagneticField_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_geomagnetic_field(
@@ -6531,7 +6531,7 @@ package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall()
  *
  * None when the field is vertical, or anything is not finite or zero. It has no sigma.
  */
-package func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
+package func attitude(fieldUt: DeviceVector, up: DeviceVector)throws  -> DeviceAttitude?  {
     return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_attitude(
@@ -6545,7 +6545,7 @@ package func attitude(fieldUt: Vector3, up: Vector3)throws  -> Attitude?  {
  *
  * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
  */
-package func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3  {
+package func correct(calibration: MagnetometerCalibration, rawUt: DeviceVector)throws  -> DeviceVector  {
     return try  FfiConverterTypeVector3_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_correct(
@@ -6559,7 +6559,7 @@ package func correct(calibration: Calibration, rawUt: Vector3)throws  -> Vector3
  *
  * None when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
  */
-package func heading(fieldUt: Vector3, up: Vector3, frame: HeadingFrame)throws  -> Heading?  {
+package func heading(fieldUt: DeviceVector, up: DeviceVector, frame: HeadingFrame)throws  -> CompassHeading?  {
     return try  FfiConverterOptionTypeHeading.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_heading(

@@ -13,7 +13,8 @@ struct CompassView: View {
             Text(heading).font(.largeTitle).monospacedDigit()
             Text(field).monospacedDigit()
             CompassAdvice(
-                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
+                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error,
+                retry: model.retry)
             ProgressView("directions seen", value: model.coverage)
             Picker("Help by the course", selection: headed) {
                 Text("none").tag(HeadedAxis?.none)
@@ -33,7 +34,7 @@ struct CompassView: View {
             }
         }
         .padding()
-        .background(WindowOrientation { if let rotation = ScreenRotation($0) { model.compass.screenRotation = rotation } })
+        .compassScreen(model.compass)
         .task { await model.run() }
     }
 
@@ -64,53 +65,9 @@ struct CompassView: View {
         value.formatted(.number.precision(.fractionLength(1))) + " \u{b5}T"
     }
 
-    private func length(_ v: Vector3) -> Double { (v.x * v.x + v.y * v.y + v.z * v.z).squareRoot() }
+    private func length(_ v: DeviceVector) -> Double { (v.x * v.x + v.y * v.y + v.z * v.z).squareRoot() }
 }
 
 #Preview {
     CompassView(model: CompassModel(compass: Compass(source: SimulatedSource())), source: nil)
-}
-
-/// Says how the window is turned, at the beginning and whenever that changes.
-struct WindowOrientation: UIViewRepresentable {
-    let changed: (UIInterfaceOrientation) -> Void
-
-    func makeUIView(context: Context) -> Watching { Watching(changed) }
-
-    func updateUIView(_ view: Watching, context: Context) {}
-
-    final class Watching: UIView {
-        private let changed: (UIInterfaceOrientation) -> Void
-
-        init(_ changed: @escaping (UIInterfaceOrientation) -> Void) {
-            self.changed = changed
-            super.init(frame: .zero)
-        }
-
-        @available(*, unavailable)
-        required init?(coder: NSCoder) { fatalError("made in code alone") }
-
-        private var observed: NSKeyValueObservation?
-
-        // half a turn lays no view out anew: the scene tells of it
-        override func didMoveToWindow() {
-            super.didMoveToWindow()
-            observed = nil
-            if #available(iOS 16, *), let scene = window?.windowScene {
-                observed = scene.observe(\.effectiveGeometry) { [weak self] _, _ in
-                    Task { @MainActor in self?.tell() }
-                }
-            }
-        }
-
-        // turning the window lays its views out anew
-        override func layoutSubviews() {
-            super.layoutSubviews()
-            tell()
-        }
-
-        private func tell() {
-            if let orientation = window?.windowScene?.interfaceOrientation { changed(orientation) }
-        }
-    }
 }

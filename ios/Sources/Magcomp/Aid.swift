@@ -5,7 +5,7 @@ import Foundation
 extension HeadedAxis {
     /// The direction in which a walker holds a phone ahead: between top edge and back camera, so that it points ahead whether the phone
     /// lies in the hand or is held up.
-    public static let heldAhead = HeadedAxis.device(axis: Vector3(x: 0, y: 1, z: -1))
+    public static let heldAhead = HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -1))
 }
 
 extension HeadingAid {
@@ -142,6 +142,7 @@ extension Compass {
     @discardableResult
     public func aid(_ attitude: AttitudeSample) throws -> Bool {
         try attitude.check()
+        estimation.see(attitude)
         return try aid { try $0.pushAttitude(attitude) }
     }
 }

@@ -10,7 +10,7 @@ extension MagcompError: LocalizedError {
     public var errorDescription: String? { text }
 }
 
-extension Reading {
+extension MagneticReading {
     /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
     public var headingDeg: Double? { heading?.headingDeg }
     /// One standard deviation of it, degrees.
@@ -19,14 +19,14 @@ extension Reading {
     public var trueHeadingDeg: Double? { heading?.trueHeadingDeg }
 }
 
-extension Vector3 {
+extension DeviceVector {
     /// From the standard library's vector.
     public init(_ v: SIMD3<Double>) { self.init(x: v.x, y: v.y, z: v.z) }
 }
 
 extension SIMD3<Double> {
     /// To the standard library's vector, which computes.
-    public init(_ v: Vector3) { self.init(v.x, v.y, v.z) }
+    public init(_ v: DeviceVector) { self.init(v.x, v.y, v.z) }
 }
 
 #if canImport(simd)
@@ -34,22 +34,22 @@ import simd
 
 extension simd_quatd {
     /// From device to east, magnetic north and up.
-    public init(_ attitude: Attitude) { self.init(ix: attitude.x, iy: attitude.y, iz: attitude.z, r: attitude.w) }
+    public init(_ attitude: DeviceAttitude) { self.init(ix: attitude.x, iy: attitude.y, iz: attitude.z, r: attitude.w) }
 }
 #endif
 
-extension Config {
+extension CompensationConfig {
     /// The library's defaults, every field given.
-    public static var defaults: Config { defaultConfig() }
+    public static var defaults: CompensationConfig { defaultConfig() }
 }
 
-extension Calibration {
+extension MagnetometerCalibration {
     /// The field a raw sample stands for, h = M^-1 (raw - b).
     ///
     /// - Parameter rawUt: the sample, microtesla, device frame
     /// - Returns: microtesla, device frame
     /// - Throws: `MagcompError.calibration` when the soft iron is not positive definite or a number is out of range
-    public func correct(_ rawUt: Vector3) throws -> Vector3 {
+    public func correct(_ rawUt: DeviceVector) throws -> DeviceVector {
         try MagcompBindings.correct(calibration: self, rawUt: rawUt)
     }
 }

@@ -1,11 +1,11 @@
 import Foundation
 
-extension Calibration {
+extension MagnetometerCalibration {
     /// Reads the calibration that the command `magcomp replay --calibration OUT.json` writes: `soft_iron`, the nine elements of
     /// the symmetric matrix M; `hard_iron_ut`, the three components of b, microtesla; `field_strength_ut`, microtesla. Other
     /// names in the file are passed over, the covariance too.
     ///
-    /// The result can be `Config.initial` or go to ``Compensator/adopt(_:hardIronSigmaUt:)``.
+    /// The result can be `CompensationConfig.initial` or go to ``Compensator/adopt(_:hardIronSigmaUt:)``.
     ///
     /// - Parameter json: the content of the file
     /// - Throws: `MagcompError.calibration` when it is no such JSON, or the numbers are no calibration
@@ -29,8 +29,8 @@ extension Calibration {
         guard m[1] == m[3], m[2] == m[6], m[5] == m[7] else { throw refused("soft_iron is not symmetric") }
         self.init(
             softIron: SoftIron(xx: m[0], yy: m[4], zz: m[8], xy: m[1], xz: m[2], yz: m[5]),
-            hardIronUt: Vector3(x: b[0], y: b[1], z: b[2]), fieldStrengthUt: read.fieldStrengthUt)
+            hardIronUt: DeviceVector(x: b[0], y: b[1], z: b[2]), fieldStrengthUt: read.fieldStrengthUt)
         // the core refuses what is none
-        _ = try correct(Vector3(x: 0, y: 0, z: 0))
+        _ = try correct(DeviceVector(x: 0, y: 0, z: 0))
     }
 }

@@ -4,7 +4,7 @@ import Foundation
 /// version, source, date and covariance; a store need not look into it. Of a text that is damaged or of a newer version nothing is
 /// taken over, and ``CompensatedReading/storeError`` tells it.
 public protocol CalibrationStore: Sendable {
-    /// The text that was saved last, or nil.
+    /// The text that was saved last, or nil. Called in the background when readings begin, which wait for it; nothing else does.
     func load() -> String?
 
     /// Keeps a text in the place of the one before. Never called while nothing was learned from live samples, so neither the
@@ -12,8 +12,8 @@ public protocol CalibrationStore: Sendable {
     /// then when the calibration has changed and 10 s have passed since the save before, and at the end of the
     /// readings; and when the app calls ``Compass/save()``. A change of hard iron or soft iron counts. A change
     /// of the field strength alone does not, because it follows the noise of a device at rest. Never called when
-    /// ``load()`` or the save before has kept the same, nor twice at once. Readings wait for it, the app's main thread
-    /// does not.
+    /// ``load()`` or the save before has kept the same, nor twice at once. The readings of a recording wait for it, those of
+    /// sensors and the app's main thread do not.
     func save(_ text: String)
 
     /// Keeps nothing from now on, until it is told to save: called in the background after ``Compass/reset()``.

@@ -6,11 +6,11 @@ import CoreMotion
 
 /// A compass from a phone's own sensors: `for try await reading in Compass().readings() { ... }`.
 ///
-/// All iterations of its readings share one estimator and one run of the sensors, which lasts while anybody iterates.
+/// All iterations of its readings share one estimator and one run of the sensors, which lasts while anybody iterates and 5 s longer.
 /// The compass keeps the learned calibration as long as it lives, so a screen that comes back has its heading at once.
 public final class Compass: Sendable {
     private let readers: Readers
-    private let estimation: Estimation
+    let estimation: Estimation
     private let frames: Locked<HeadingFrame>
 
     /// - Parameters:
@@ -20,15 +20,19 @@ public final class Compass: Sendable {
     ///     iOS's own hard iron the first calibration where there is no other and the source delivers iOS's field, so
     ///     that the first reading has a heading, with a wide sigma
     ///   - store: where the calibration is kept from one launch to the next; nil: nowhere
+    ///   - graceS: how long sensors run on after the last iterator has left, seconds, at least 0, so that a screen that comes back soon
+    ///     has its heading at once; what can wait, such as a ``RecordingSource``, ends at once
     public convenience init(
-        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil, graceS: Double = 5
     ) {
-        self.init(source: source, config: config, store: store, unixTimeS: systemUnixTimeS)
+        self.init(source: source, config: config, store: store, graceS: graceS, unixTimeS: systemUnixTimeS)
     }
 
-    /// With another wall clock, seconds since 1970.
+    /// With another wall clock, seconds since 1970, and another patience with an iterator that asks for nothing, seconds.
     init(
-        source: any MagneticFieldSource, config: Config = Config(), store: (any CalibrationStore)? = nil,
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil, graceS: Double = 0, patienceS: Double = 5,
         unixTimeS: @escaping @Sendable () -> Int64
     ) {
         let frames = Locked(
@@ -39,8 +43,10 @@ public final class Compass: Sendable {
         self.frames = frames
         estimation = Estimation(
             config, store: store, hiddenS: { source.hiddenS }, unixTimeS: unixTimeS, frame: { frames.value })
-        readers = Readers(of: { source.samples() }, by: estimation)
+        readers = Readers(of: { source.samples() }, by: estimation, graceS: graceS, patienceS: patienceS)
     }
+
+    deinit { readers.endGrace() }
 
     #if canImport(CoreMotion) && !os(macOS)
     /// The phone's sensors at 100 Hz, the calibration kept in the app's user defaults. Where iOS has a calibrated field it is asked for,
@@ -52,8 +58,14 @@ public final class Compass: Sendable {
         #if targetEnvironment(simulator)
         self.init(source: SimulatedSource())
         #else
-        self.init(source: CoreMotionSource(options: .ofCompass(CMMotionManager.self)), store: UserDefaultsStore())
+        self.init(
+            source: CoreMotionSource(options: { .compass }, manager: { CMMotionManager() }), store: UserDefaultsStore())
         #endif
+    }
+
+    /// As ``init()``, with the app's motion manager (``CoreMotionSource/init(options:manager:)``), in the Simulator too.
+    public convenience init(manager: sending CMMotionManager) {
+        self.init(source: CoreMotionSource(options: { .compass }, manager: { manager }), store: UserDefaultsStore())
     }
     #endif
 
@@ -84,7 +96,7 @@ public final class Compass: Sendable {
     /// The declination of the place, degrees, east positive, for a true heading; nil: there is none.
     public var declinationDeg: Double? { frames.value.declinationDeg }
 
-    /// From now on headings have a true heading by this declination; `GeomagneticField` gives that of a place.
+    /// From now on headings have a true heading by this declination; `EarthMagneticField` gives that of a place.
     ///
     /// - Parameter declinationDeg: degrees, east positive, -180 to 180; nil: no true heading
     /// - Throws: `MagcompError.config` when it is out of range; nothing has changed then
@@ -127,6 +139,9 @@ public final class Compass: Sendable {
 
     /// The declination that true headings from outside have shown; nil before the first, and while ``declinationDeg`` is set.
     public func foundDeclination() throws -> FoundDeclination? { try estimation.foundDeclination() }
+
+    /// The latest reading while the sensors run.
+    var latest: CompensatedReading? { readers.latest }
 
     /// Tells the estimator what something else knows; false where there is none, or it came too late or too early.
     func aid(_ push: (Compensator) throws -> Void) throws -> Bool { try estimation.aid(push) }

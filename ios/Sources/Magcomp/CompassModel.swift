@@ -2,9 +2,10 @@ import Observation
 
 /// What a compass screen shows, for SwiftUI: `.task { await model.run() }`. For iOS 15 and 16 there is ``CompassObject``.
 ///
-/// Every run begins with nothing shown. A run that ends with an error leaves only the ``error``, and its text in ``status``. A
-/// value is set only when it differs, and at most as often as a screen is drawn, so a view is drawn anew only for the
-/// values it shows.
+/// Any number of views may run one model: they share one run, which begins with nothing shown, or with the latest reading where the
+/// sensors still run on after another screen. A run that ends with an error leaves only the ``error``, and its text in ``status``; one
+/// whose error may pass (``CompassError/mayPass``) waits for ``retry()``. A value is set only when it differs, and at most as often as a
+/// screen is drawn, so a view is drawn anew only for the values it shows.
 @available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
 @MainActor @Observable
 public final class CompassModel {
@@ -23,7 +24,7 @@ public final class CompassModel {
     /// Share of the directions seen, 0 to 1.
     public private(set) var coverage = 0.0
     /// Where the field has not pointed yet, unit vectors in the device frame.
-    public private(set) var unseenDirections: [Vector3] = []
+    public private(set) var unseenDirections: [DeviceVector] = []
     /// What the person can do for a better heading, or nil.
     public private(set) var guidance: String?
     /// Whether the place is disturbed, so that the heading is not to be relied on.
@@ -32,15 +33,24 @@ public final class CompassModel {
     public private(set) var event: FieldEvent?
     /// All that the latest reading has.
     public private(set) var reading: CompensatedReading?
-    /// Why there are no readings: the latest run ended with it. Nil while one runs, and after one that was cancelled.
+    /// Why there are no readings. Nil while they come, and after a run that was cancelled.
     public private(set) var error: CompassError?
 
     /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
     public let compass: Compass
     private let display: CompassDisplay
+    private let runs = SharedRun()
+    private var isPreview = false
 
     public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
         (self.compass, self.display) = (compass, display)
+    }
+
+    /// Shows a state, for previews: no sensor runs, ``run()`` returns at once.
+    public init(state: CompassState) {
+        (compass, display) = (Compass(source: NoSource()), CompassDisplay())
+        isPreview = true
+        show(state)
     }
 
     #if canImport(CoreMotion) && !os(macOS)
@@ -49,7 +59,13 @@ public final class CompassModel {
     #endif
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
-    public func run() async { await compass.follow(display) { show($0) } }
+    public func run() async {
+        if isPreview { return }
+        await runs.join { [self] retries in await compass.follow(display, retries: retries) { show($0) } }
+    }
+
+    /// Tries again after an error that may pass, such as a sensor that has stopped: the run that waits goes on. Else it does nothing.
+    public func retry() { runs.retry() }
 
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }

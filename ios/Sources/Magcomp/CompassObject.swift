@@ -10,9 +10,17 @@ public final class CompassObject: ObservableObject {
     /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
     public let compass: Compass
     private let display: CompassDisplay
+    private let runs = SharedRun()
+    private var isPreview = false
 
     public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
         (self.compass, self.display) = (compass, display)
+    }
+
+    /// Shows a state, for previews: no sensor runs, ``run()`` returns at once.
+    public init(state: CompassState) {
+        (compass, display) = (Compass(source: NoSource()), CompassDisplay())
+        (self.state, isPreview) = (state, true)
     }
 
     #if canImport(CoreMotion) && !os(macOS)
@@ -22,9 +30,15 @@ public final class CompassObject: ObservableObject {
 
     /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
     public func run() async {
-        // an equal state tells nobody
-        await compass.follow(display) { if $0 != state { state = $0 } }
+        if isPreview { return }
+        await runs.join { [self] retries in
+            // an equal state tells nobody
+            await compass.follow(display, retries: retries) { if $0 != state { state = $0 } }
+        }
     }
+
+    /// Tries again after an error that may pass: ``CompassModel/retry()``.
+    public func retry() { runs.retry() }
 
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }

@@ -3,18 +3,18 @@
 import SwiftUI
 
 /// A compass rose: north, east, south and west in the app's language and a tick every 10 degrees turn against the heading under a
-/// lubber line, which stands for the phone, with a sector of one standard deviation to both sides of north. Without a heading the
-/// circle alone. Letters follow Dynamic Type; VoiceOver reads the heading and how sure it is.
+/// lubber line, which stands for the phone, with a cone of two standard deviations to both sides of north, in which it lies 19 times
+/// of 20. Without a heading the circle alone. Letters follow Dynamic Type; VoiceOver reads the heading and how sure it is.
 @available(iOS 15, macOS 12, *)
 public struct CompassRose: View {
     private let headingDeg: Double?
     private let sigmaDeg: Double
 
     /// - Parameters:
-    ///   - headingDeg: clockwise from the north the rose has, degrees; nil: not known
-    ///   - sigmaDeg: one standard deviation of it, degrees
+    ///   - headingDeg: clockwise from the north the rose has, degrees, any number of turns; nil, or what is no number: not known
+    ///   - sigmaDeg: one standard deviation of it, degrees; what is no sigma counts as 180
     public init(headingDeg: Double?, sigmaDeg: Double) {
-        (self.headingDeg, self.sigmaDeg) = (headingDeg, sigmaDeg)
+        (self.headingDeg, self.sigmaDeg) = (CompassState.shownDeg(headingDeg), CompassState.shownSigmaDeg(sigmaDeg))
     }
 
     public var body: some View {
@@ -22,7 +22,7 @@ public struct CompassRose: View {
             Circle().stroke(.secondary, lineWidth: 2)
             if let headingDeg {
                 Group {
-                    Sector(halfWidthDeg: min(sigmaDeg, 180)).fill(.red.opacity(0.25))
+                    Cone(halfWidthDeg: min(2 * sigmaDeg, 180)).fill(.red.opacity(0.25))
                     Ticks().stroke(.secondary, lineWidth: 1)
                     ForEach(Array(roseLetters().enumerated()), id: \.offset) { k, letter in
                         VStack {
@@ -40,12 +40,14 @@ public struct CompassRose: View {
         .aspectRatio(1, contentMode: .fit)
         .accessibilityElement()
         .accessibilityLabel(CompassState.spoken(headingDeg: headingDeg, sigmaDeg: sigmaDeg))
+        // else VoiceOver would speak without end
+        .accessibilityAddTraits(.updatesFrequently)
     }
 }
 
-/// A sector towards the top.
+/// A sector about the top.
 @available(iOS 15, macOS 12, *)
-private struct Sector: Shape {
+private struct Cone: Shape {
     let halfWidthDeg: Double
 
     func path(in rect: CGRect) -> Path {
@@ -90,13 +92,14 @@ private struct LubberLine: Shape {
 }
 
 /// What the compass is doing and what the person can do, under a rose; a disturbed place stands out. Where access to the sensors was
-/// refused there is a button to the app's page in Settings.
+/// refused there is a button to the app's page in Settings, and where an error may pass one to try again.
 @available(iOS 15, macOS 12, *)
 public struct CompassAdvice: View {
     private let status: String
     private let guidance: String?
     private let isDisturbed: Bool
     private let error: CompassError?
+    private let retry: (() -> Void)?
     @Environment(\.openURL) private var openURL
 
     /// - Parameters:
@@ -104,15 +107,23 @@ public struct CompassAdvice: View {
     ///   - guidance: ``CompassState/guidance``
     ///   - isDisturbed: ``CompassState/isDisturbed``
     ///   - error: ``CompassState/error``
-    public init(status: String, guidance: String?, isDisturbed: Bool, error: CompassError? = nil) {
+    ///   - retry: ``CompassModel/retry()``, for a button where the error may pass; nil: no button
+    public init(
+        status: String, guidance: String?, isDisturbed: Bool, error: CompassError? = nil, retry: (() -> Void)? = nil
+    ) {
         (self.status, self.guidance, self.isDisturbed, self.error) = (status, guidance, isDisturbed, error)
+        self.retry = retry
     }
 
     public var body: some View {
         VStack(spacing: 4) {
             Text(status)
             if let guidance { Text(guidance).bold() }
-            if let recovery = error?.recoverySuggestion { Text(recovery) }
+            if error?.mayPass == true, let retry {
+                Button(say("ios_try_again"), action: retry)
+            } else if let recovery = error?.recoverySuggestion {
+                Text(recovery)
+            }
             #if os(iOS)
             if error?.isMendedInSettings == true, let settings = URL(string: UIApplication.openSettingsURLString) {
                 Button(say("ios_open_settings")) { openURL(settings) }

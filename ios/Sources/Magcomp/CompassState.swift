@@ -15,7 +15,7 @@ public struct CompassState: Equatable, Sendable {
     /// Share of the directions seen, 0 to 1.
     public var coverage = 0.0
     /// Where the field has not pointed yet, unit vectors in the device frame.
-    public var unseenDirections: [Vector3] = []
+    public var unseenDirections: [DeviceVector] = []
     /// What the person can do for a better heading, or nil.
     public var guidance: String?
     /// The latest decided change of the field: a cover put on or taken off, another place.
@@ -30,8 +30,11 @@ public struct CompassState: Equatable, Sendable {
         if case .disturbed = reading?.reading.status { true } else { false }
     }
 
-    /// Nothing known: before the first reading, and for previews.
+    /// Nothing known: before the first reading.
     public init() {}
+
+    /// What a screen shows of one reading, for previews.
+    public init(_ reading: CompensatedReading) { show(reading) }
 
     /// Nothing known, for a reason.
     init(error: CompassError) { (self.error, status) = (error, error.localizedDescription) }
@@ -82,18 +85,32 @@ public struct CompassDisplay: Equatable, Sendable {
 
 extension Compass {
     /// Gives what a screen shows, until the task is cancelled or the source ends, whose last state stays then. Begins with
-    /// nothing known; an error leaves nothing but itself and its text.
+    /// nothing known, or while the sensors run on after another screen with what they know; an error leaves nothing but itself and its
+    /// text. After one that may pass it waits until it is told to try again.
     @MainActor
-    func follow(_ display: CompassDisplay, show: (CompassState) -> Void) async {
-        var screen = CompassScreen(display)
-        show(screen.state)
-        do {
-            try display.check()
-            // a screen needs the newest alone
-            for try await answer in readings(capacity: 1) where screen.see(answer) { show(screen.state) }
-            if screen.end() { show(screen.state) }
-        } catch {
-            show(CompassState(error: CompassError(error)))
+    func follow(_ display: CompassDisplay, retries: SharedRun.Retries, show: (CompassState) -> Void) async {
+        while true {
+            var screen = CompassScreen(display)
+            do {
+                try display.check()
+                if let latest { _ = screen.see(latest) }
+                show(screen.state)
+                // a screen needs the newest alone
+                for try await answer in readings(capacity: 1) where screen.see(answer) { show(screen.state) }
+                if screen.end() { show(screen.state) }
+                return
+            } catch {
+                let error = CompassError(error)
+                show(CompassState(error: error))
+                guard error.mayPass else { return }
+            }
+            var isTold = false
+            for await _ in retries {
+                isTold = true
+                break
+            }
+            // else the task was cancelled
+            if !isTold { return }
         }
     }
 }

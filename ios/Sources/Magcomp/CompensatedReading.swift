@@ -3,14 +3,14 @@ import Foundation
 /// The answer to one magnetometer sample, as iterators get it.
 public struct CompensatedReading: Equatable, Codable, Sendable {
     /// Corrected field, heading, and what the compensator is doing.
-    public var reading: Reading
+    public var reading: MagneticReading
     /// The raw sample it answers.
     public var sample: MagneticSample
     /// The operating system's own calibrated field, the latest before it, where the source delivers that.
     public var systemField: SystemFieldSample?
     /// Where the field has not pointed yet, unit vectors in the device frame: an app may ask for the phone to be turned so
     /// that it does. Renewed several times a second.
-    public var unseenDirections: [Vector3]
+    public var unseenDirections: [DeviceVector]
     /// `MagcompError.keptDamaged` or `MagcompError.keptNewer` for the text that the calibration store gave, until something was
     /// learned and saved; else nil.
     public var storeError: MagcompError?
@@ -21,8 +21,8 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
 
     /// For previews and tests: an app gets its readings by iterating.
     public init(
-        reading: Reading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
-        unseenDirections: [Vector3] = [], storeError: MagcompError? = nil, headingAid: HeadingAid? = nil,
+        reading: MagneticReading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
+        unseenDirections: [DeviceVector] = [], storeError: MagcompError? = nil, headingAid: HeadingAid? = nil,
         droppedBefore: Int = 0
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
@@ -39,7 +39,7 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     }
 }
 
-extension Reading {
+extension MagneticReading {
     /// For previews and tests. A value that is not given is unknown.
     ///
     /// - Parameters:
@@ -51,8 +51,8 @@ extension Reading {
     ///   - coverage: share of the directions seen, 0 to 1
     ///   - event: the latest decided change
     public init(
-        timeNs: Int64 = 0, status: CompensationStatus, heading: Heading? = nil, attitude: Attitude? = nil,
-        fieldUt: Vector3? = nil, coverage: Double = 0, event: FieldEvent? = nil
+        timeNs: Int64 = 0, status: CompensationStatus, heading: CompassHeading? = nil, attitude: DeviceAttitude? = nil,
+        fieldUt: DeviceVector? = nil, coverage: Double = 0, event: FieldEvent? = nil
     ) {
         let length = fieldUt.map { ($0.x * $0.x + $0.y * $0.y + $0.z * $0.z).squareRoot() }
         self.init(

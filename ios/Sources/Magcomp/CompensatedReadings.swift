@@ -52,14 +52,14 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     ///   - capacity: readings kept for a slow iterator, at least 1
     ///   - frame: the heading frame in force at each moment; nil: the config's
     public func compensated(
-        _ config: Config = Config(),
+        _ config: CompensationConfig = CompensationConfig(),
         store: (any CalibrationStore)? = nil,
         capacity: Int = 64,
         frame: (@Sendable () -> HeadingFrame)? = nil
     ) -> CompensatedReadings {
         let events = (self as? SensorSamples) ?? SensorSamples { self }
         return CompensatedReadings {
-            Readers(of: { events }, by: Estimation(config, store: store, frame: frame)).place(capacity: capacity)
+            Readers(of: { events }, by: Estimation(config, store: store, frame: frame), graceS: 0).place(capacity: capacity)
         }
     }
 }

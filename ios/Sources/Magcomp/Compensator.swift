@@ -5,15 +5,15 @@ import MagcompFFI
 /// Any thread may call it, and close it meanwhile: a call after ``close()`` throws `MagcompError.closed`. After a defect of
 /// the library calls throw `MagcompError.panicked` until ``reset()``.
 public final class Compensator: Sendable {
-    /// The config it was made with. A field left out has the library's default, as in ``Compass`` (`Config.defaults` shows all).
-    public let config: Config
+    /// The config it was made with. A field left out has the library's default, as in ``Compass`` (`CompensationConfig.defaults` shows all).
+    public let config: CompensationConfig
     private let native: NativeCompensator
     // a number, not a pointer: that of a closed object finds nothing
     private let handle: Int64
 
     /// - Throws: `MagcompError.config` when a field of the config is out of range, `MagcompError.calibration` when
-    ///   `Config.initial` is no calibration
-    public init(config: Config = Config()) throws {
+    ///   `CompensationConfig.initial` is no calibration
+    public init(config: CompensationConfig = CompensationConfig()) throws {
         self.config = config
         native = try NativeCompensator(config: config)
         handle = native.fastHandle()
@@ -24,7 +24,7 @@ public final class Compensator: Sendable {
     /// the compensator assumes another clock: it keeps the calibration and begins anew with everything else. At the
     /// sensor's full scale (`.saturated`) a gyroscope carries the field on: the reading has a carried field and a heading,
     /// and nothing is learned.
-    public func push(_ sample: MagneticSample) throws -> Reading {
+    public func push(_ sample: MagneticSample) throws -> MagneticReading {
         let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
         let unknown = Double.nan
         var out = MagcompReading()
@@ -32,7 +32,7 @@ public final class Compensator: Sendable {
             handle, sample.timeNs, field.x, field.y, field.z,
             reported?.x ?? unknown, reported?.y ?? unknown, reported?.z ?? unknown, &out)
         try check(code)
-        return Reading(out, timeNs: sample.timeNs)
+        return MagneticReading(out, timeNs: sample.timeNs)
     }
 
     /// A gyroscope event.
@@ -53,15 +53,28 @@ public final class Compensator: Sendable {
         return try check(magcomp_push_up(handle, sample.timeNs, up.x, up.y, up.z)) == 0
     }
 
-    /// Any event; the answer to a magnetic one.
-    public func push(_ event: SensorSample) throws -> Reading? {
+    /// Any event; the answer to a magnetic one. A heading whose time is not right is passed over.
+    ///
+    /// - Throws: `MagcompError.eventRejected` for a heading whose numbers can't be
+    public func push(_ event: SensorSample) throws -> MagneticReading? {
         switch event {
         case .magnetic(let sample): return try push(sample)
         case .rotationRate(let sample): try pushRotationRate(sample)
         case .up(let sample): try pushUp(sample)
         case .systemField: break
+        case .heading(let sample): _ = try Self.taken { try pushHeading(sample) }
         }
         return nil
+    }
+
+    /// Whether help from outside was taken; false where its time was not right.
+    static func taken(_ push: () throws -> Void) throws -> Bool {
+        do {
+            try push()
+            return true
+        } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
+            return false
+        }
     }
 
     /// A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s
@@ -88,7 +101,7 @@ public final class Compensator: Sendable {
     public func setHeadingFrame(_ frame: HeadingFrame) throws { try native.setHeadingFrame(frame: frame) }
 
     /// Hard iron, soft iron and field strength in force, if any.
-    public func calibration() throws -> Calibration? { try native.calibration() }
+    public func calibration() throws -> MagnetometerCalibration? { try native.calibration() }
 
     /// From now on this calibration is in force, until something better is learned. The stream goes on.
     ///
@@ -98,7 +111,7 @@ public final class Compensator: Sendable {
     ///     readings are as unsure as that
     /// - Throws: `MagcompError.calibration` when the numbers are no calibration, `MagcompError.config` when the
     ///   standard deviation is out of range; nothing has changed then
-    public func adopt(_ calibration: Calibration, hardIronSigmaUt: Double) throws {
+    public func adopt(_ calibration: MagnetometerCalibration, hardIronSigmaUt: Double) throws {
         try native.adopt(calibration: calibration, hardIronSigmaUt: hardIronSigmaUt)
     }
 
@@ -139,7 +152,7 @@ public final class Compensator: Sendable {
     public func fit() throws -> EllipsoidFit? { try native.fit() }
 
     /// Which directions were seen, for guidance.
-    public func coverage() throws -> Coverage { try native.coverage() }
+    public func coverage() throws -> DirectionCoverage { try native.coverage() }
 
     /// Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
     /// compensator usable again after `MagcompError.panicked`.

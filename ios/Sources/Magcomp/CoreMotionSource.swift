@@ -21,18 +21,18 @@ public struct SensorOptions: Equatable, Sendable {
     }
 }
 
+extension SensorOptions {
+    static func check(holdS: Double, of name: String) throws {
+        guard (0...0.25).contains(holdS) else {
+            throw MagcompError.config(field: "\(name).holdS", value: "\(holdS)", expected: "0 to 0.25 s")
+        }
+    }
+}
+
 // macOS has a CoreMotion without these sensors
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-
-extension SensorOptions {
-    /// What a compass asks of this manager: the system's field too, where there is one.
-    static func ofCompass(_ manager: CMMotionManager.Type) -> SensorOptions {
-        let isThere = manager.availableAttitudeReferenceFrames().contains(.xArbitraryCorrectedZVertical)
-        return SensorOptions(systemField: isThere)
-    }
-}
 
 /// The phone's own sensors: the raw magnetometer, and device motion for gravity and the gyroscope.
 ///
@@ -42,24 +42,33 @@ extension SensorOptions {
 /// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
 /// `MagcompError.config` for options out of range.
 ///
-/// Core Motion tells no range of the magnetometer; where an app knows it, `Config.railUt` takes it. Core Motion's times leave out
+/// Core Motion tells no range of the magnetometer; where an app knows it, `CompensationConfig.railUt` takes it. Core Motion's times leave out
 /// the device's sleep, which ``hiddenS`` counts beside a clock that goes on.
 public final class CoreMotionSource: MagneticFieldSource {
     private let updates: Updates
 
-    /// - Parameters:
-    ///   - options: which sensors, how often
-    ///   - manager: an app should have one alone; its magnetometer and device-motion updates are this source's. It is asked for
-    ///     when the first iterator begins, once
-    public convenience init(
-        options: SensorOptions = SensorOptions(), manager: @autoclosure @escaping () -> CMMotionManager = CMMotionManager()
-    ) {
-        self.init(options: options, manager: manager, continuousNs: systemContinuousNs)
+    /// With a motion manager of its own, made when the first iterator begins.
+    ///
+    /// - Parameter options: which sensors, how often
+    public convenience init(options: SensorOptions = SensorOptions()) {
+        self.init(options: { options }, manager: { CMMotionManager() }, continuousNs: systemContinuousNs)
     }
 
-    /// With another clock that counts sleep, nanoseconds.
+    /// With the app's motion manager, of which there should be one alone. From now on its magnetometer and device-motion updates are
+    /// this source's; the app goes on with its other sensors only where it keeps no hold on it: what still uses the manager itself
+    /// pushes (``PushedSource``).
+    ///
+    /// - Parameters:
+    ///   - options: which sensors, how often
+    ///   - manager: handed over: the compiler sees to it that nothing else uses it on another thread
+    public convenience init(options: SensorOptions = SensorOptions(), manager: sending CMMotionManager) {
+        self.init(options: { options }, manager: { manager }, continuousNs: systemContinuousNs)
+    }
+
+    /// With another clock that counts sleep, nanoseconds. The system is asked for nothing before the first iterator begins.
     init(
-        options: SensorOptions, manager: @escaping () -> CMMotionManager, continuousNs: @escaping @Sendable () -> Int64
+        options: @escaping @Sendable () -> SensorOptions, manager: @escaping () -> CMMotionManager,
+        continuousNs: @escaping @Sendable () -> Int64 = systemContinuousNs
     ) {
         updates = Updates(manager, options, continuousNs)
     }
@@ -81,15 +90,13 @@ public final class CoreMotionSource: MagneticFieldSource {
 private final class Updates: @unchecked Sendable {
     typealias Listener = AsyncThrowingStream<SensorSample, any Error>.Continuation
 
-    /// Standard gravity, m/s^2: what Core Motion calls 1 g.
-    private static let gravity = 9.80665
-
-    private let options: SensorOptions
     private let queue = OperationQueue()
     // what follows is used inside `lock` alone
     private let lock = NSLock()
     private let make: () -> CMMotionManager
     private lazy var manager = make()
+    private let ask: @Sendable () -> SensorOptions
+    private lazy var options = ask()
     private var listeners: [Int: Listener] = [:]
     private var number = 0
     /// Runs of the sensors so far: what an old one still has to say is not of the present one.
@@ -100,9 +107,10 @@ private final class Updates: @unchecked Sendable {
     private let continuousNs: @Sendable () -> Int64
 
     init(
-        _ make: @escaping () -> CMMotionManager, _ options: SensorOptions, _ continuousNs: @escaping @Sendable () -> Int64
+        _ make: @escaping () -> CMMotionManager, _ ask: @escaping @Sendable () -> SensorOptions,
+        _ continuousNs: @escaping @Sendable () -> Int64
     ) {
-        (self.make, self.options, self.continuousNs) = (make, options, continuousNs)
+        (self.make, self.ask, self.continuousNs) = (make, ask, continuousNs)
         queued = EventQueue(holdS: 0)
         queue.name = "org.magcomp.sensors"
         // events stay in order
@@ -142,9 +150,7 @@ private final class Updates: @unchecked Sendable {
             throw MagcompError.config(
                 field: "SensorOptions.rateHz", value: "\(options.rateHz)", expected: "1 to 1000")
         }
-        guard (0...0.25).contains(options.holdS) else {
-            throw MagcompError.config(field: "SensorOptions.holdS", value: "\(options.holdS)", expected: "0 to 0.25 s")
-        }
+        try SensorOptions.check(holdS: options.holdS, of: "SensorOptions")
         if refused(type(of: manager)) { throw SensorError.accessRefused(sensor: .motion) }
         guard manager.isMagnetometerAvailable else {
             throw SensorError.missing(sensor: .magnetometer, advice: "hide the compass")
@@ -201,47 +207,21 @@ private final class Updates: @unchecked Sendable {
     }
 
     private func take(_ data: CMMagnetometerData, in run: Int) {
-        guard let timeNs = nanoseconds(data.timestamp) else { return }
         let nowS = Double(continuousNs()) * 1e-9
-        deliver([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(data.magneticField)))], of: run) {
+        deliver(SensorSample.events(of: data), of: run) {
             lag.magnetic(data.timestamp)
             sleep.see(data.timestamp, nowS: nowS)
         }
     }
 
     private func take(_ motion: CMDeviceMotion, in run: Int) {
-        guard let timeNs = nanoseconds(motion.timestamp) else { return }
-        var events: [SensorSample] = []
-        if options.gyroscope {
-            let rate = motion.rotationRate
-            let rateRadS = Vector3(x: rate.x, y: rate.y, z: rate.z)
-            events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rateRadS)))
-        }
-        if options.up {
-            let (down, g) = (motion.gravity, Self.gravity)
-            let upMS2 = Vector3(x: -down.x * g, y: -down.y * g, z: -down.z * g)
-            events.append(.up(UpSample(timeNs: timeNs, upMS2: upMS2)))
-        }
-        if options.systemField {
-            let calibrated = motion.magneticField
-            let accuracy: SystemFieldSample.Accuracy =
-                switch calibrated.accuracy.rawValue {
-                case 0: .low
-                case 1: .medium
-                case 2: .high
-                default: .uncalibrated
-                }
-            let field = Vector3(calibrated.field)
-            events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
-        }
-        deliver(events, of: run) { lag.motion(motion.timestamp) }
+        deliver(SensorSample.events(of: motion, options), of: run) { lag.motion(motion.timestamp) }
     }
-
-    /// Nil for what is no time at all, which Core Motion never reports.
-    private func nanoseconds(_ seconds: TimeInterval) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
 
     /// Notes times, inside `lock`, and gives events to all listeners.
     private func deliver(_ events: [SensorSample], of run: Int, note: () -> Void) {
+        // what has no time at all, which Core Motion never reports, tells nothing
+        guard !events.isEmpty else { return }
         let (all, due): ([Listener], [SensorSample]) = lock.withLock {
             // they were on their way when their run ended, and another has begun since
             guard run == self.run else { return ([], []) }
@@ -347,9 +327,5 @@ private struct Sleep {
         hiddenS += min(max(new.lagS - least, 0), Self.longestS)
         (leastS, other) = (new.lagS, nil)
     }
-}
-
-extension Vector3 {
-    fileprivate init(_ field: CMMagneticField) { self.init(x: field.x, y: field.y, z: field.z) }
 }
 #endif

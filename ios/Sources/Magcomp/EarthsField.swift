@@ -1,6 +1,6 @@
 import Foundation
 
-extension GeomagneticField {
+extension EarthMagneticField {
     /// The Earth's field by the World Magnetic Model.
     ///
     /// - Parameters:
@@ -23,7 +23,7 @@ extension GeomagneticField {
 #if canImport(CoreLocation)
 import CoreLocation
 
-extension GeomagneticField {
+extension EarthMagneticField {
     /// The Earth's field where and when a location was taken: its `declinationDeg` is for
     /// ``Compass/setDeclinationDeg(_:)``.
     ///

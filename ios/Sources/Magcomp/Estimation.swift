@@ -1,7 +1,8 @@
 import Foundation
 
 /// A compensator that is made when first used and stays, what goes with its readings, and where its calibration is kept. One
-/// run of events pushes; any thread may save or reset it meanwhile. The store works outside the lock, in the order it was told.
+/// run of events pushes; any thread may save or reset it meanwhile. The store works outside the lock, on a queue of its own, in the
+/// order it was told.
 final class Estimation: @unchecked Sendable {
     /// About what a crash costs; flash memory wears out with more.
     private static let saveEveryNs = 10e9
@@ -14,7 +15,7 @@ final class Estimation: @unchecked Sendable {
     /// The slowest a sensor is asked for; what is longer is a pause.
     private static let longestPeriodNs = 1e9
 
-    private let config: Config
+    private let config: CompensationConfig
     private let store: (any CalibrationStore)?
     private let frame: (@Sendable () -> HeadingFrame)?
     private let sleptS: @Sendable () -> Double
@@ -50,15 +51,18 @@ final class Estimation: @unchecked Sendable {
     /// What the store keeps, and the time of the sample it was saved at.
     private var saved: Correction?
     private var savedNs: Int64?
-    private var unseen: [Vector3] = []
+    private var resets = 0
+    private var unseen: [DeviceVector] = []
     private var lookedNs: Int64?
     /// Whether anything else was told of where north is: asking what it is worth costs a call.
     private var isAided = false
+    /// Nil while no pose was told.
+    private var world: WorldTurn?
     /// Whether the store was told something that no run has waited for.
     private var isTold = false
 
     init(
-        _ config: Config, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
+        _ config: CompensationConfig, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
         unixTimeS: @escaping @Sendable () -> Int64 = systemUnixTimeS, frame: (@Sendable () -> HeadingFrame)?
     ) {
         (self.config, self.store, self.frame) = (config, store, frame)
@@ -66,14 +70,19 @@ final class Estimation: @unchecked Sendable {
     }
 
     /// A run of events begins: the first with what the store keeps, a later one with all that the one before has learned.
-    func begin() throws {
-        try lock.withLock {
+    func begin() async throws {
+        let known = lock.withLock {
             (begins, systemField, systemPeriodNs) = (true, nil, Self.firstPeriodNs)
-            guard compensator == nil else { return }
+            return (isThere: compensator != nil, resets: resets)
+        }
+        if known.isThere { return }
+        let kept = await load()
+        try lock.withLock {
             forget()
             let made = try Compensator(config: config)
             do {
-                if let kept = store?.load() {
+                // who resets meanwhile does not want what was kept before
+                if let kept, resets == known.resets {
                     try adopt(kept, made)
                     saved = try Self.correction(of: made)
                 }
@@ -89,6 +98,14 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
+    /// What the store keeps: asked for on its own queue, so it may take its time and may ask the compass anything.
+    private func load() async -> String? {
+        guard let store else { return nil }
+        return await withCheckedContinuation { continuation in
+            queue.async(group: calls) { continuation.resume(returning: store.load()) }
+        }
+    }
+
     /// The answer to a magnetometer sample; nil for any other event.
     func push(_ event: SensorSample) throws -> CompensatedReading? {
         try lock.withLock {
@@ -100,15 +117,22 @@ final class Estimation: @unchecked Sendable {
     /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
     func aid(_ push: (Compensator) throws -> Void) throws -> Bool {
         try lock.withLock {
-            do {
-                guard try use(push) != nil else { return false }
-                isAided = true
-                return true
-            } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
-                return false
-            }
+            let isTaken = try use { compensator in try Compensator.taken { try push(compensator) } } ?? false
+            if isTaken { isAided = true }
+            return isTaken
         }
     }
+
+    /// Notes an orientation in an outside world.
+    func see(_ pose: AttitudeSample) {
+        lock.withLock {
+            if world == nil { world = WorldTurn() }
+            world?.see(pose)
+        }
+    }
+
+    /// Magnetic north in that world.
+    var worldNorth: WorldNorth? { lock.withLock { world?.north } }
 
     func foundDeclination() throws -> FoundDeclination? {
         try lock.withLock { try use { try $0.foundDeclination() }.flatMap { $0 } }
@@ -168,6 +192,7 @@ final class Estimation: @unchecked Sendable {
     func reset() {
         lock.withLock {
             forget()
+            resets += 1
             // one that can't be reset is made anew by the next run
             do { try compensator?.reset() } catch { compensator = nil }
             tell { $0.clear() }
@@ -177,7 +202,7 @@ final class Estimation: @unchecked Sendable {
     private func forget() {
         (currentFrame, latestNs, saved, savedNs, lookedNs) = (nil, nil, nil, nil, nil)
         (unseen, wantsSystems, isInForce) = ([], true, false)
-        (text, storeError, lookedS, isAided) = (nil, nil, nil, false)
+        (text, storeError, lookedS, isAided, world) = (nil, nil, nil, false, nil)
     }
 
     private func adopt(_ kept: String, _ compensator: Compensator) throws {
@@ -199,6 +224,7 @@ final class Estimation: @unchecked Sendable {
             if let latestNs, Double(event.timeNs) < Double(latestNs) - Self.anotherClockNs { try startClock(compensator) }
         }
         if case .systemField(let sample) = event { see(sample) }
+        if case .heading = event { isAided = true }
         guard case .magnetic(let sample) = event else { return try compensator.push(event).flatMap { _ in nil } }
         if let wanted = frame?(), wanted != currentFrame {
             try compensator.setHeadingFrame(wanted)
@@ -211,6 +237,7 @@ final class Estimation: @unchecked Sendable {
         if case .rejected = reading.status {
         } else {
             isInForce = reading.fieldUt != nil
+            world?.see(reading, sample.timeNs)
             if told != sample || reading.status == .tracking { wantsSystems = false }
             try nowAndThen(sample.timeNs, reading.status, compensator)
         }
@@ -236,7 +263,7 @@ final class Estimation: @unchecked Sendable {
         else { return sample }
         let (raw, field) = (sample.fieldUt, systemField.fieldUt)
         var told = sample
-        told.reportedHardIronUt = Vector3(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
+        told.reportedHardIronUt = DeviceVector(x: raw.x - field.x, y: raw.y - field.y, z: raw.z - field.z)
         return told
     }
 
@@ -288,9 +315,9 @@ final class Estimation: @unchecked Sendable {
 /// What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest.
 struct Correction: Equatable {
     private let softIron: SoftIron
-    private let hardIronUt: Vector3
+    private let hardIronUt: DeviceVector
 
-    init(_ calibration: Calibration) { (softIron, hardIronUt) = (calibration.softIron, calibration.hardIronUt) }
+    init(_ calibration: MagnetometerCalibration) { (softIron, hardIronUt) = (calibration.softIron, calibration.hardIronUt) }
 }
 
 /// Seconds since 1970.

@@ -40,7 +40,7 @@ struct EventQueue: Sendable {
         var place = waiting.count
         while place > 0, (timeNs, event.place) < (waiting[place - 1].timeNs, waiting[place - 1].place) { place -= 1 }
         waiting.insert(event, at: place)
-        if case .systemField = event {} else { latestNs[event.place] = timeNs }
+        if event.isAwaited { latestNs[event.place] = timeNs }
         let due = waiting.indices.first { !isDue(waiting[$0].timeNs, waiting: waiting.count - $0) } ?? waiting.count
         out += waiting[..<due]
         waiting.removeFirst(due)
@@ -67,15 +67,23 @@ extension SensorSample {
     fileprivate var place: Int {
         switch self {
         case .rotationRate: 0
-        case .up, .systemField: 1
+        case .up, .systemField, .heading: 1
         case .magnetic: 2
+        }
+    }
+
+    /// Whether others wait for its sensor.
+    fileprivate var isAwaited: Bool {
+        switch self {
+        case .rotationRate, .up, .magnetic: true
+        case .systemField, .heading: false
         }
     }
 }
 
 extension Int64 {
     /// The difference, or the nearest there is.
-    fileprivate func since(_ other: Int64) -> Int64 {
+    func since(_ other: Int64) -> Int64 {
         let (difference, overflow) = subtractingReportingOverflow(other)
         return overflow ? (self < other ? .min : .max) : difference
     }

@@ -3,15 +3,15 @@ import MagcompFFI
 // Converts the answers of the C path to the records that uniffi makes. Cases are counted in the order of their declaration in
 // rust/magcomp-ffi/src/c.rs; a test compares every one with what uniffi says.
 
-extension Reading {
+extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
         let heading = known(c.heading_deg).map {
-            Heading(
+            CompassHeading(
                 headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
                 inclinationDeg: c.inclination_deg)
         }
         let (w, x, y, z) = c.attitude
-        let attitude = known(w).map { Attitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
+        let attitude = known(w).map { DeviceAttitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
         self.init(
             timeNs: timeNs,
             fieldUt: vector(c.field_ut),
@@ -36,8 +36,8 @@ extension Reading {
 
 private func known(_ value: Double) -> Double? { value.isNaN ? nil : value }
 
-private func vector(_ v: (Double, Double, Double)) -> Vector3? {
-    v.0.isNaN ? nil : Vector3(x: v.0, y: v.1, z: v.2)
+private func vector(_ v: (Double, Double, Double)) -> DeviceVector? {
+    v.0.isNaN ? nil : DeviceVector(x: v.0, y: v.1, z: v.2)
 }
 
 /// The header and the library are of one build: only a defect leads here.
@@ -134,7 +134,7 @@ extension RejectReason {
             switch c.reason {
             case 0: .notFinite
             case 1: .outOfRange(valueUt: a, limitUt: b)
-            case 2: .saturated(axis: Axis(c.whole.0), valueUt: a, railUt: b)
+            case 2: .saturated(axis: DeviceAxis(c.whole.0), valueUt: a, railUt: b)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
             case 5: .stuck(repeats: Int32(c.whole.0))
@@ -143,7 +143,7 @@ extension RejectReason {
     }
 }
 
-extension Axis {
+extension DeviceAxis {
     fileprivate init(_ number: Int64) {
         self =
             switch number {

@@ -1,17 +1,17 @@
-extension Attitude {
+extension DeviceAttitude {
     /// How a device lies by one corrected field and one `up`, in their device frame: device to east, magnetic north and up. Nil
     /// where the two have one direction, or one has none.
     ///
     /// - Parameters:
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
-    public init?(fieldUt: Vector3, up: Vector3) throws {
+    public init?(fieldUt: DeviceVector, up: DeviceVector) throws {
         guard let found = try attitude(fieldUt: fieldUt, up: up) else { return nil }
         self = found
     }
 }
 
-extension Heading {
+extension CompassHeading {
     /// The heading and inclination of one corrected field and one `up`, in their device frame. Nil where the axis is vertical,
     /// or a vector has no direction.
     ///
@@ -19,7 +19,7 @@ extension Heading {
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
     ///   - frame: the axis whose heading it is; with a declination there is a true heading
-    public init?(fieldUt: Vector3, up: Vector3, frame: HeadingFrame) throws {
+    public init?(fieldUt: DeviceVector, up: DeviceVector, frame: HeadingFrame) throws {
         guard let found = try heading(fieldUt: fieldUt, up: up, frame: frame) else { return nil }
         self = found
     }

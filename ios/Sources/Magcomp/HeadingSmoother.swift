@@ -13,17 +13,16 @@ public struct HeadingSmoother: Equatable, Sendable {
     public init(halfLifeS: Double) { self.halfLifeS = halfLifeS }
 
     /// The smoothed heading, degrees, 0 to 360. The first heading is returned as it is; so is one whose time is not
-    /// after the latest, as when a clock began anew.
+    /// after the latest, as when a clock began anew. One that is no number is returned and forgotten.
     public mutating func push(_ headingDeg: Double, timeNs: Int64) -> Double {
+        guard headingDeg.isFinite else { return headingDeg }
         var shown = headingDeg
         if let latest, timeNs > latest.timeNs, halfLifeS > 0 {
             let seconds = (Double(timeNs) - Double(latest.timeNs)) * 1e-9
             let share = 1 - exp2(-seconds / halfLifeS)
             shown = latest.headingDeg + share * (headingDeg - latest.headingDeg).remainder(dividingBy: 360)
         }
-        shown = shown.truncatingRemainder(dividingBy: 360)
-        // -1e-20 + 360 is 360
-        if shown < 0 { shown = shown + 360 < 360 ? shown + 360 : 0 }
+        shown = CompassState.shownDeg(shown) ?? headingDeg
         latest = (shown, timeNs)
         return shown
     }

@@ -13,6 +13,11 @@ extension MagneticFieldSource {
     public var hiddenS: Double { 0 }
 }
 
+/// One without events, for previews.
+struct NoSource: MagneticFieldSource {
+    func samples() -> SensorSamples { SensorSamples { AsyncStream { $0.finish() } } }
+}
+
 /// One event of one of the sensors, with its own time.
 public enum SensorSample: Equatable, Codable, Sendable {
     /// A raw magnetometer event.
@@ -24,6 +29,8 @@ public enum SensorSample: Equatable, Codable, Sendable {
     /// The operating system's own calibrated field. A compensator does not use it; a ``Compass`` takes from it a first hard
     /// iron, where it has no better.
     case systemField(SystemFieldSample)
+    /// A heading from outside, as a recording has it; an app tells its own by `Compass.aid`.
+    case heading(HeadingSample)
 
     /// Time of the event, nanoseconds, on one clock for all sensors.
     public var timeNs: Int64 {
@@ -32,6 +39,7 @@ public enum SensorSample: Equatable, Codable, Sendable {
         case .rotationRate(let sample): sample.timeNs
         case .up(let sample): sample.timeNs
         case .systemField(let sample): sample.timeNs
+        case .heading(let sample): sample.timeNs
         }
     }
 }
@@ -46,11 +54,11 @@ public struct SystemFieldSample: Equatable, Codable, Sendable {
     /// Time of the event, nanoseconds, on the magnetometer's clock.
     public var timeNs: Int64
     /// The calibrated field, microtesla, device frame.
-    public var fieldUt: Vector3
+    public var fieldUt: DeviceVector
     /// How well it is calibrated.
     public var accuracy: Accuracy
 
-    public init(timeNs: Int64, fieldUt: Vector3, accuracy: Accuracy) {
+    public init(timeNs: Int64, fieldUt: DeviceVector, accuracy: Accuracy) {
         self.timeNs = timeNs
         self.fieldUt = fieldUt
         self.accuracy = accuracy

@@ -18,9 +18,11 @@ extension RecordingError: LocalizedError {
     }
 }
 
-/// A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla, m/s^2
-/// (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
-/// magnetometer event, in this order, as far as it has them.
+/// A recording as CSV, as `magcomp import` and `recorded(to:)` write it, for tests and demos:
+/// `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,sys_mx,sys_my,sys_mz][,course_deg,course_sigma_deg]` in any order, seconds, microtesla, m/s^2
+/// (pointing up at rest), rad/s, the system's own field in microtesla, degrees from true north; other columns are ignored. Of a
+/// sensor there are all columns or none, and a row leaves all its cells empty where the sensor said nothing at that time. Every row is a
+/// gyroscope event, an `up` event, one of the system's field, a course and a magnetometer event, in this order, as far as it has them.
 ///
 /// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingError`` where the
 /// recording is not in order.
@@ -28,14 +30,18 @@ public struct RecordingSource: MagneticFieldSource {
     private let name: String
     private let open: @Sendable () throws -> Data
     private let speed: Double?
+    private let courses: HeadedAxis?
     private let clock: any PlayingClock
 
     /// - Parameters:
     ///   - name: said in errors
     ///   - speed: 1 plays at the recording's own pace, 2 twice as fast, above 0; nil: as fast as it is read
+    ///   - courses: what of the phone pointed along the courses; nil: they are passed over
     ///   - open: gives the text anew for every iterator
-    public init(name: String, speed: Double? = nil, open: @escaping @Sendable () throws -> Data) {
-        self.init(name: name, speed: speed, clock: SystemClock(), open: open)
+    public init(
+        name: String, speed: Double? = nil, courses: HeadedAxis? = nil, open: @escaping @Sendable () throws -> Data
+    ) {
+        self.init(name: name, speed: speed, courses: courses, clock: SystemClock(), open: open)
     }
 
     /// A file, `.csv`; a `.csv.gz` must be decompressed before.
@@ -43,17 +49,25 @@ public struct RecordingSource: MagneticFieldSource {
     /// - Parameters:
     ///   - url: the file
     ///   - speed: 1 plays at the recording's own pace, 2 twice as fast, above 0; nil: as fast as it is read
-    public init(url: URL, speed: Double? = nil) {
-        self.init(name: url.lastPathComponent, speed: speed) { try Data(contentsOf: url, options: .alwaysMapped) }
+    ///   - courses: what of the phone pointed along the courses; nil: they are passed over
+    public init(url: URL, speed: Double? = nil, courses: HeadedAxis? = nil) {
+        self.init(name: url.lastPathComponent, speed: speed, courses: courses) {
+            try Data(contentsOf: url, options: .alwaysMapped)
+        }
     }
 
-    init(name: String, speed: Double?, clock: any PlayingClock, open: @escaping @Sendable () throws -> Data) {
-        (self.name, self.speed, self.clock, self.open) = (name, speed, clock, open)
+    init(
+        name: String, speed: Double?, courses: HeadedAxis? = nil, clock: any PlayingClock,
+        open: @escaping @Sendable () throws -> Data
+    ) {
+        (self.name, self.speed, self.courses, self.clock, self.open) = (name, speed, courses, clock, open)
     }
 
     public func samples() -> SensorSamples {
         SensorSamples(isLive: false) { [self] in
-            Rows(name: name, pace: speed.map { Pace("RecordingSource", speed: $0, clock: clock) }, open: open)
+            Rows(
+                name: name, pace: speed.map { Pace("RecordingSource", speed: $0, clock: clock) }, courses: courses,
+                open: open)
         }
     }
 }
@@ -108,9 +122,12 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     typealias Element = SensorSample
 
     private static let gzip: [UInt8] = [0x1f, 0x8b]
+    private static let time = ["t_s"], magnetic = ["mx", "my", "mz"], up = ["ax", "ay", "az"], rate = ["gx", "gy", "gz"]
+    private static let system = ["sys_mx", "sys_my", "sys_mz"], course = ["course_deg", "course_sigma_deg"]
 
     let name: String
     let open: @Sendable () throws -> Data
+    private let courses: HeadedAxis?
     private var pace: Pace?
     private var lines: Lines?
     private var columns: [String: Int] = [:]
@@ -119,18 +136,18 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     /// Events of the latest row, the next one last.
     private var events: [SensorSample] = []
 
-    init(name: String, pace: Pace?, open: @escaping @Sendable () throws -> Data) {
-        (self.name, self.pace, self.open) = (name, pace, open)
+    init(name: String, pace: Pace?, courses: HeadedAxis?, open: @escaping @Sendable () throws -> Data) {
+        (self.name, self.pace, self.courses, self.open) = (name, pace, courses, open)
     }
 
     func makeAsyncIterator() -> Rows { self }
 
     mutating func next() async throws -> SensorSample? {
         if lines == nil { try begin() }
-        if events.isEmpty {
-            var text = nextLine()
-            while text == "" { text = nextLine() }
-            guard let text else { return nil }
+        // a row may have nothing of what is read
+        while events.isEmpty {
+            guard let text = nextLine() else { return nil }
+            if text.isEmpty { continue }
             try read(text)
             if let next = events.last { try await pace?.wait(for: next.timeNs) }
         }
@@ -150,9 +167,18 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         // spreadsheets write a mark first
         let names = cells(header.hasPrefix("\u{FEFF}") ? String(header.dropFirst()) : header)
         width = names.count
-        columns = Dictionary(zip(names, 0...), uniquingKeysWith: { _, last in last })
-        for column in ["t_s", "mx", "my", "mz"] where columns[column] == nil {
+        columns = Dictionary(zip(names, 0...), uniquingKeysWith: { first, _ in first })
+        for column in ["t_s"] + Self.magnetic where columns[column] == nil {
             throw wrong(column, "the column is missing")
+        }
+        for group in [Self.time, Self.magnetic, Self.up, Self.rate, Self.system, Self.course] {
+            for column in group where names.count(where: { $0 == column }) > 1 {
+                throw wrong(column, "the column is there twice")
+            }
+            let missing = group.filter { columns[$0] == nil }
+            if let column = missing.first, missing.count < group.count {
+                throw wrong(column, "the column is missing; expected all of \(group.joined(separator: ",")) or none")
+            }
         }
     }
 
@@ -169,22 +195,43 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         guard let timeNs = Int64(exactly: (time * 1e9).rounded()) else {
             throw wrong("t_s", "the time is no number of seconds that fits 64 bits of nanoseconds")
         }
-        let field = try vector(["mx", "my", "mz"], cells)
-        events = field.map { [.magnetic(MagneticSample(timeNs: timeNs, fieldUt: $0))] } ?? []
-        if let up = try vector(["ax", "ay", "az"], cells) { events.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
-        if let rate = try vector(["gx", "gy", "gz"], cells) {
+        // the last one first, as they are taken from the end
+        events = []
+        if let field = try vector(Self.magnetic, cells) {
+            events.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)))
+        }
+        if let headed = courses, let course = try numbers(Self.course, cells) {
+            events.append(
+                .heading(
+                    HeadingSample(
+                        timeNs: timeNs, headingDeg: course[0], sigmaDeg: course[1], reference: .true, axis: headed)))
+        }
+        if let field = try vector(Self.system, cells) {
+            // a recording does not say how sure the system was, so nothing begins with it
+            events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: .uncalibrated)))
+        }
+        if let up = try vector(Self.up, cells) { events.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
+        if let rate = try vector(Self.rate, cells) {
             events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
         }
     }
 
-    private func vector(_ names: [String], _ cells: [String]) throws -> Vector3? {
-        guard names.allSatisfy({ columns[$0] != nil }) else { return nil }
-        return try Vector3(x: number(names[0], cells), y: number(names[1], cells), z: number(names[2], cells))
+    private func vector(_ names: [String], _ cells: [String]) throws -> DeviceVector? {
+        try numbers(names, cells).map { DeviceVector(x: $0[0], y: $0[1], z: $0[2]) }
+    }
+
+    /// Nil where the sensor has no columns, or said nothing: all its cells are empty then.
+    private func numbers(_ names: [String], _ cells: [String]) throws -> [Double]? {
+        if names.allSatisfy({ columns[$0].map { cells[$0].isEmpty } ?? true }) { return nil }
+        return try names.map { try number($0, cells) }
     }
 
     private func number(_ column: String, _ cells: [String]) throws -> Double {
         let text = cells[columns[column]!]
-        guard let value = Double(text) else { throw wrong(column, "'\(text)' is no number") }
+        guard let value = Double(text) else {
+            throw wrong(
+                column, text.isEmpty ? "an empty cell, where others of the sensor have numbers" : "'\(text)' is no number")
+        }
         return value
     }
 

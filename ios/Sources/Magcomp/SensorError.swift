@@ -90,6 +90,11 @@ public enum CompassError: Error, Equatable, Sendable {
         if case .sensor(.accessRefused) = self { true } else { false }
     }
 
+    /// Whether it may pass by itself, so that trying again is worth it: ``CompassModel/retry()``.
+    public var mayPass: Bool {
+        if case .sensor(.refused) = self { true } else { false }
+    }
+
     /// What an app can do, in English, for a log.
     public var developerText: String {
         switch self {

@@ -20,7 +20,7 @@ public struct SimulatedSource: MagneticFieldSource {
         }
     }
 
-    /// Heading of the top edge once the phone is held flat, degrees.
+    /// CompassHeading of the top edge once the phone is held flat, degrees.
     static func headingDeg(_ seconds: Double) -> Double { 40 + 30 * sin(0.5 * seconds) }
 
     private struct Motion: AsyncSequence, AsyncIteratorProtocol {
@@ -74,8 +74,8 @@ public struct SimulatedSource: MagneticFieldSource {
             ]
         }
 
-        private mutating func vector(_ v: SIMD3<Double>, noise size: Double) -> Vector3 {
-            Vector3(x: v.x + size * noise.next(), y: v.y + size * noise.next(), z: v.z + size * noise.next())
+        private mutating func vector(_ v: SIMD3<Double>, noise size: Double) -> DeviceVector {
+            DeviceVector(x: v.x + size * noise.next(), y: v.y + size * noise.next(), z: v.z + size * noise.next())
         }
 
         /// The device's axes in the world: east, north, up.

@@ -13,7 +13,8 @@ let magnetic = all.filter { if case .magnetic = $0 { true } else { false } }
 // calibrated after 100 samples, and only corrected from then on
 let tumbled = (1...20_000).map { (k: Int) -> SensorSample in
     let (a, b, noise) = (Double(k) * 0.11, Double(k) * 0.031, 0.3 * sin(Double(k) * 12.9898))
-    let field = Vector3(x: 50 * cos(a) * cos(b) + 120 + noise, y: 50 * sin(a) * cos(b) - 80 - noise, z: 50 * sin(b) + 300)
+    let field = DeviceVector(
+        x: 50 * cos(a) * cos(b) + 120 + noise, y: 50 * sin(a) * cos(b) - 80 - noise, z: 50 * sin(b) + 300)
     return .magnetic(MagneticSample(timeNs: Int64(k) * 10_000_000, fieldUt: field))
 }
 
@@ -24,7 +25,7 @@ func keep(_ events: [SensorSample]) {
         case .magnetic(let s): magcomp_test_bare_add(0, s.timeNs, s.fieldUt.x, s.fieldUt.y, s.fieldUt.z)
         case .rotationRate(let s): magcomp_test_bare_add(1, s.timeNs, s.rateRadS.x, s.rateRadS.y, s.rateRadS.z)
         case .up(let s): magcomp_test_bare_add(2, s.timeNs, s.upMS2.x, s.upMS2.y, s.upMS2.z)
-        case .systemField: break
+        case .systemField, .heading: break
         }
     }
 }
@@ -38,12 +39,12 @@ func keep(_ events: [SensorSample]) {
 // what the answers amount to, so that nothing is left out
 var seen = 0.0
 
-@MainActor func overC(_ events: [SensorSample], _ config: Config) throws -> Double {
+@MainActor func overC(_ events: [SensorSample], _ config: CompensationConfig) throws -> Double {
     let compensator = try Compensator(config: config)
     return try time { for event in events { seen += try compensator.push(event)?.coverage ?? 0 } }
 }
 
-@MainActor func overUniffi(_ events: [SensorSample], _ config: Config) throws -> Double {
+@MainActor func overUniffi(_ events: [SensorSample], _ config: CompensationConfig) throws -> Double {
     let native = try NativeCompensator(config: config)
     return try time {
         for event in events {
@@ -51,7 +52,7 @@ var seen = 0.0
             case .magnetic(let sample): seen += try native.push(sample: sample).coverage
             case .rotationRate(let sample): try? native.pushRotationRate(sample: sample)
             case .up(let sample): try? native.pushUp(sample: sample)
-            case .systemField: break
+            case .systemField, .heading: break
             }
         }
     }
@@ -68,7 +69,7 @@ let cases: [(name: String, method: CompensationMethod, code: Int32, events: [Sen
 ]
 for (name, method, code, events) in cases {
     keep(events)
-    let config = Config(method: method)
+    let config = CompensationConfig(method: method)
     var bare: [Double] = []
     var c: [Double] = []
     var uniffi: [Double] = []

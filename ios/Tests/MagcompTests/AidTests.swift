@@ -52,8 +52,8 @@ import Testing
         #expect(HeadingSample.timeNs(of: now, now: fix, uptimeS: 100) == 100_250_000_000)
         // the way back of a reading's date
         let reading = CompensatedReading(
-            reading: Reading(status: .tracking),
-            sample: MagneticSample(timeNs: 99_750_000_000, fieldUt: Vector3(x: 0, y: 0, z: 0)))
+            reading: MagneticReading(status: .tracking),
+            sample: MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 0, y: 0, z: 0)))
         #expect(reading.timestamp(now: now, uptimeS: 100) == fix)
         func timeNs(_ seconds: Double) -> Int64 {
             HeadingSample.timeNs(of: Date(timeIntervalSinceReferenceDate: seconds), now: now, uptimeS: 100)
@@ -66,10 +66,10 @@ import Testing
     @Test func numbersAreRefusedAsTheCoreRefusesThem() throws {
         let core = try Compensator()
         let compass = Compass(source: Played(events: []))
-        let (top, far) = (Vector3(x: 0, y: 1, z: 0), Double.infinity)
+        let (top, far) = (DeviceVector(x: 0, y: 1, z: 0), Double.infinity)
         let axes: [HeadedAxis] = [
-            .vehicle, .device(axis: top), .device(axis: Vector3(x: 0, y: 0, z: 0)),
-            .device(axis: Vector3(x: far, y: 0, z: 0)),
+            .vehicle, .device(axis: top), .device(axis: DeviceVector(x: 0, y: 0, z: 0)),
+            .device(axis: DeviceVector(x: far, y: 0, z: 0)),
         ]
         for axis in axes {
             for (headingDeg, sigmaDeg) in [
@@ -83,7 +83,7 @@ import Testing
             }
         }
         for (w, yaw) in [
-            (1.0, Yaw.relative), (0, .relative), (.nan, .relative), (1, .absolute(sigmaDeg: 0, reference: .true)),
+            (1.0, WorldYaw.relative), (0, .relative), (.nan, .relative), (1, .absolute(sigmaDeg: 0, reference: .true)),
             (2, .absolute(sigmaDeg: 9, reference: .true)), (1, .absolute(sigmaDeg: .nan, reference: .true)),
         ] {
             let sample = AttitudeSample(timeNs: 1, w: w, x: 0, y: 0, z: 0, yaw: yaw)
@@ -95,20 +95,21 @@ import Testing
 
     /// A phone that lies flat, its top edge north by a calibration that is hardly known: a world turned by 30 degrees leads.
     @Test func northComesFromOutsideAndIsTold() async throws {
-        let calibration = Calibration(
-            softIron: SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0), hardIronUt: Vector3(x: 0, y: 0, z: 0),
+        let calibration = MagnetometerCalibration(
+            softIron: SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0), hardIronUt: DeviceVector(x: 0, y: 0, z: 0),
             fieldStrengthUt: 49.244)
         let events = (1...1500).flatMap { k -> [SensorSample] in
             let timeNs = Int64(k) * 20_000_000
-            let field = Vector3(x: 0.2 * sin(Double(timeNs)), y: 20, z: -45)
+            let field = DeviceVector(x: 0.2 * sin(Double(timeNs)), y: 20, z: -45)
             return [
-                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: 0, y: 0, z: 0))),
-                .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 0, y: 0, z: 0))),
+                .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
                 .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
             ]
         }
         let compass = Compass(
-            source: Played(events: events, isLive: false), config: Config(initial: calibration, initialSigmaUt: 30))
+            source: Played(events: events, isLive: false),
+            config: CompensationConfig(initial: calibration, initialSigmaUt: 30))
         var (latest, taken): (CompensatedReading?, Int) = (nil, 0)
         for try await answer in compass.readings(capacity: 1) {
             latest = answer

@@ -20,13 +20,13 @@ import Testing
         #expect(try compensator.covariance()?.count == 81)
         #expect(try compensator.coverage().share > 0.5)
 
-        let paper = try Compensator(config: Config(method: .windowed))
+        let paper = try Compensator(config: CompensationConfig(method: .windowed))
         _ = try paper.pushAll(events)
         #expect(try paper.fit()?.covariance.count == 81)
     }
 
     @Test func aWholeReadingOfTheMagnetometerAloneIsTheSameOverCAndUniffi() throws {
-        let (compensator, native) = (try Compensator(), try NativeCompensator(config: Config()))
+        let (compensator, native) = (try Compensator(), try NativeCompensator(config: CompensationConfig()))
         let alone = events.compactMap { event in
             if case .magnetic(let sample) = event { sample } else { nil }
         }
@@ -40,20 +40,20 @@ import Testing
             (true, true, SensorMode.gyroscopeAndGravity), (true, false, .gyroscopeOnly), (false, true, .gravityOnly),
             (false, false, .magnetometerOnly),
         ] {
-            let (compensator, native) = (try Compensator(), try NativeCompensator(config: Config()))
+            let (compensator, native) = (try Compensator(), try NativeCompensator(config: CompensationConfig()))
             for k in 1...200 {
                 let timeNs = Int64(k) * stepNs
                 if gyroscope {
-                    let rate = RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: 0.1, y: 0, z: 0))
+                    let rate = RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 0.1, y: 0, z: 0))
                     try compensator.pushRotationRate(rate)
                     try native.pushRotationRate(sample: rate)
                 }
                 if up {
-                    let sample = UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.8))
+                    let sample = UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))
                     try compensator.pushUp(sample)
                     try native.pushUp(sample: sample)
                 }
-                let sample = MagneticSample(timeNs: timeNs, fieldUt: Vector3(x: 20, y: Double(k % 7), z: -40))
+                let sample = MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: 20, y: Double(k % 7), z: -40))
                 let found = try compensator.push(sample).mode
                 #expect(try found == native.push(sample: sample).mode)
                 if k == 200 { #expect(found == mode) }
@@ -93,7 +93,7 @@ import Testing
     @Test func aConfigOutOfRangeIsATypedError() {
         #expect(
             throws: MagcompError.config(field: "windowed.n_min", value: "3", expected: "at least 9 samples")
-        ) { try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
+        ) { try Compensator(config: CompensationConfig(windowed: WindowedConfig(nMin: 3))) }
     }
 
     @Test func theDefaultsAreTheCores() throws {
@@ -106,22 +106,22 @@ import Testing
         let compensator = try Compensator()
         _ = try compensator.pushAll(events)
         let before = try #require(try compensator.keep(unixTimeS: nowS))
-        let bad = Vector3(x: .nan, y: 0, z: 0)
+        let bad = DeviceVector(x: .nan, y: 0, z: 0)
         #expect(try compensator.push(MagneticSample(timeNs: .max, fieldUt: bad)).status == .rejected(reason: .notFinite))
-        let late = try compensator.push(MagneticSample(timeNs: 5, fieldUt: Vector3(x: 1, y: 2, z: 3)))
+        let late = try compensator.push(MagneticSample(timeNs: 5, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
         #expect(late.status == .rejected(reason: .timeNotAfter(timeNs: 5, latestNs: 600 * stepNs)))
         #expect(late.timeNs == 5)
-        #expect(try !compensator.pushUp(UpSample(timeNs: 5, upMS2: Vector3(x: 0, y: 0, z: 9.8))), "too late")
+        #expect(try !compensator.pushUp(UpSample(timeNs: 5, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))), "too late")
         #expect(try !compensator.pushRotationRate(RotationRateSample(timeNs: 5, rateRadS: bad)))
         #expect(try compensator.keep(unixTimeS: nowS) == before)
     }
 
     @Test func theSystemsHardIronCanBeTheFirstCalibration() throws {
         let compensator = try Compensator()
-        func push(_ timeNs: Int64, reported: Double) throws -> Reading {
+        func push(_ timeNs: Int64, reported: Double) throws -> MagneticReading {
             let sample = MagneticSample(
-                timeNs: timeNs, fieldUt: Vector3(x: 127, y: 36, z: 0),
-                reportedHardIronUt: Vector3(x: reported, y: 0, z: 0))
+                timeNs: timeNs, fieldUt: DeviceVector(x: 127, y: 36, z: 0),
+                reportedHardIronUt: DeviceVector(x: reported, y: 0, z: 0))
             return try compensator.push(sample)
         }
         #expect(try push(1, reported: 100).fieldUt?.isClose(to: [27, 36, 0], within: 1e-9) == true)
@@ -130,11 +130,13 @@ import Testing
 
     @Test func anAdoptedCalibrationIsAsUnsureAsItIsSaidToBe() throws {
         let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
-        let calibration = Calibration(softIron: none, hardIronUt: Vector3(x: 120, y: -80, z: 300), fieldStrengthUt: 45)
+        let calibration = MagnetometerCalibration(
+            softIron: none, hardIronUt: DeviceVector(x: 120, y: -80, z: 300), fieldStrengthUt: 45)
         func first(_ sigmaUt: Double) throws -> Double? {
             let compensator = try Compensator()
             try compensator.adopt(calibration, hardIronSigmaUt: sigmaUt)
-            return try compensator.push(MagneticSample(timeNs: 1, fieldUt: Vector3(x: 120, y: -35, z: 300))).fieldSigmaUt
+            return try compensator.push(MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 120, y: -35, z: 300)))
+                .fieldSigmaUt
         }
         #expect((3.0...6.0).contains(try #require(try first(3))))
         // the sample's own strength tells one of three axes
@@ -150,7 +152,7 @@ import Testing
         let compensator = try Compensator()
         compensator.close()
         compensator.close()
-        let v = Vector3(x: 1, y: 2, z: 3)
+        let v = DeviceVector(x: 1, y: 2, z: 3)
         let uses: [() throws -> Void] = [
             { _ = try compensator.push(MagneticSample(timeNs: 1, fieldUt: v)) },
             { try compensator.pushUp(UpSample(timeNs: 1, upMS2: v)) },
@@ -184,7 +186,7 @@ import Testing
         let compensator = try Compensator()
         #expect(magcomp_test_panic(compensator.fastHandle) == Int32(MAGCOMP_PANICKED))
         let defect = MagcompError.panicked(what: "on purpose")
-        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         #expect(throws: defect) { try compensator.push(sample) }
         #expect(throws: defect) { try compensator.calibration() }
         try compensator.reset()
@@ -196,7 +198,7 @@ import Testing
         #expect(try first.keep(unixTimeS: nowS) == nil, "nothing was learned")
         _ = try first.pushAll(events)
         let text = try #require(try first.keep(unixTimeS: nowS))
-        let astray = MagneticSample(timeNs: stepNs, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let astray = MagneticSample(timeNs: stepNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         func sigmaUt(_ ageS: Int64?) throws -> Double {
             let second = try Compensator()
             try second.setHeadingFrame(HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3))
@@ -248,10 +250,10 @@ import Testing
     }
 
     @Test func aSaturatedSampleNamesItsAxis() throws {
-        let compensator = try Compensator(config: Config(railUt: 1200))
-        let at: [(Vector3, Axis, Double)] = [
-            (Vector3(x: 1200, y: 1, z: 2), .x, 1200), (Vector3(x: 1, y: -1201, z: 2), .y, -1201),
-            (Vector3(x: 1, y: 2, z: 1300), .z, 1300),
+        let compensator = try Compensator(config: CompensationConfig(railUt: 1200))
+        let at: [(DeviceVector, DeviceAxis, Double)] = [
+            (DeviceVector(x: 1200, y: 1, z: 2), .x, 1200), (DeviceVector(x: 1, y: -1201, z: 2), .y, -1201),
+            (DeviceVector(x: 1, y: 2, z: 1300), .z, 1300),
         ]
         for (k, (field, axis, valueUt)) in at.enumerated() {
             let status = try compensator.push(MagneticSample(timeNs: Int64(k + 1), fieldUt: field)).status
@@ -269,7 +271,7 @@ import Testing
         let after = try #require(try turned.pushAll(events).last?.heading)
         let before = try #require(still)
         #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-9)
-        #expect(after.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+        #expect(after.trueHeadingDeg == CompassHeading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
         #expect(throws: MagcompError.self) {
             try turned.setHeadingFrame(HeadingFrame(axis: .auto, screenRotation: .deg0, declinationDeg: 200))
         }
@@ -277,10 +279,10 @@ import Testing
 
     @Test func theEarthsFieldAtAPlace() throws {
         let midyear2025 = Date(timeIntervalSince1970: 1_750_000_000)
-        let paris = try GeomagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: midyear2025)
+        let paris = try EarthMagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: midyear2025)
         #expect((63...65).contains(paris.inclinationDeg) && (47...50).contains(paris.totalFieldUt))
         #expect(throws: MagcompError.self) {
-            try GeomagneticField(latitudeDeg: 91, longitudeDeg: 0, date: midyear2025)
+            try EarthMagneticField(latitudeDeg: 91, longitudeDeg: 0, date: midyear2025)
         }
     }
 }

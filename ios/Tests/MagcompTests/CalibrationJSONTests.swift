@@ -9,7 +9,7 @@ import Testing
 
     /// The numbers stand in Rust's and Kotlin's tests of the same file too.
     @Test func theCommandsFileIsRead() throws {
-        let calibration = try Calibration(json: json)
+        let calibration = try MagnetometerCalibration(json: json)
         #expect(
             calibration.softIron
                 == SoftIron(
@@ -17,9 +17,9 @@ import Testing
                     xy: 0.0010278183785302803, xz: 0.0033559853288960234, yz: -0.0005891320979764632))
         #expect(
             calibration.hardIronUt
-                == Vector3(x: 0.4434981867517305, y: 0.07810767384555047, z: -0.2777318011715177))
+                == DeviceVector(x: 0.4434981867517305, y: 0.07810767384555047, z: -0.2777318011715177))
         #expect(calibration.fieldStrengthUt == 44.62375335464398)
-        var config = Config.defaults
+        var config = CompensationConfig.defaults
         config.initial = calibration
         #expect(try Compensator(config: config).calibration() == calibration)
     }
@@ -40,7 +40,7 @@ import Testing
         ]
         for (data, why) in cases {
             do {
-                let calibration = try Calibration(json: data)
+                let calibration = try MagnetometerCalibration(json: data)
                 Issue.record("\(calibration) was taken, expected '\(why)'")
             } catch let error as MagcompError {
                 #expect(error.text.contains(why), "\(error.text) lacks '\(why)'")

@@ -11,7 +11,7 @@ import Testing
         await model.run()
         // its axis is automatic
         let last = try #require(
-            try Compensator(config: Config(heading: HeadingConfig(axis: .auto))).pushAll(events).last)
+            try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .auto))).pushAll(events).last)
         #expect(model.headingDeg == last.heading?.headingDeg && model.headingDeg != nil)
         #expect(model.headingSigmaDeg == last.heading?.headingSigmaDeg)
         #expect(model.totalFieldUt == last.totalFieldUt)
@@ -32,11 +32,11 @@ import Testing
 
         var state = CompassState()
         let event = FieldEvent(kind: .deviceStep, sinceNs: 1, decidedNs: 2)
-        let unseen = [Vector3(x: 0, y: 0, z: 1)]
-        let sample = MagneticSample(timeNs: 3, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let unseen = [DeviceVector(x: 0, y: 0, z: 1)]
+        let sample = MagneticSample(timeNs: 3, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         state.show(
             CompensatedReading(
-                reading: Reading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
+                reading: MagneticReading(status: .tracking, event: event), sample: sample, unseenDirections: unseen))
         #expect(state.event == event && state.unseenDirections == unseen && state.status == "tracking")
     }
 
@@ -89,6 +89,7 @@ import Testing
             (CompassDisplay(rateHz: 0), "rateHz"), (CompassDisplay(rateHz: .nan), "rateHz"),
             (CompassDisplay(smoothingHalfLifeS: -1), "smoothingHalfLifeS"),
             (CompassDisplay(headingFilterDeg: -1), "headingFilterDeg"),
+            (CompassDisplay(headingFilterDeg: .nan), "headingFilterDeg"),
         ] {
             let model = CompassModel(compass: compass, display: display)
             await model.run()
@@ -111,10 +112,10 @@ import Testing
             (.held(reason: .noGyroscope), nil), (.held(reason: .constant), nil), (.tracking, nil),
             (.suspect(sinceNs: 1), nil), (.rejected(reason: .notFinite), nil),
         ]
-        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
+        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         var state = CompassState()
         for (status, guidance) in expected {
-            state.show(CompensatedReading(reading: Reading(status: status), sample: sample))
+            state.show(CompensatedReading(reading: MagneticReading(status: status), sample: sample))
             #expect(state.guidance == guidance && state.status == status.text, "\(status)")
             #expect(state.isDisturbed == (status.label == "disturbed"))
         }
@@ -124,6 +125,36 @@ import Testing
         #expect(CompassState.spoken(headingDeg: nil, sigmaDeg: 180) == "no heading yet")
         #expect(CompassState.spoken(headingDeg: 359.6, sigmaDeg: 2.1) == "heading 0 degrees, give or take 3")
         #expect(CompassState.spoken(headingDeg: 89.7, sigmaDeg: 4) == "heading 90 degrees, give or take 4")
+    }
+
+    /// A rose is finite, and read, whatever it is given.
+    @Test(
+        arguments: [
+            (.nan, 3, nil, 3, "no heading yet"), (.infinity, .nan, nil, 180, "no heading yet"),
+            (-90, 3, 270, 3, "heading 270 degrees, give or take 3"),
+            (1e300, .infinity, 1e300.truncatingRemainder(dividingBy: 360), 180, nil), (-1e-20, -1, 0, 180, nil),
+            (720.4, 1e300, 720.4 - 720, 180, "heading 0 degrees, give or take 180"),
+            (42, .nan, 42, 180, "heading 42 degrees, give or take 180"), (0, 0, 0, 0, "heading 0 degrees, give or take 0"),
+        ] as [(Double, Double, Double?, Double, String?)])
+    func aRoseTakesAnyNumber(heading: Double, sigma: Double, shown: Double?, shownSigma: Double, spoken: String?) {
+        #expect(CompassState.shownDeg(heading) == shown && CompassState.shownSigmaDeg(sigma) == shownSigma)
+        let text = CompassState.spoken(headingDeg: heading, sigmaDeg: sigma)
+        #expect(spoken.map { text == $0 } ?? text.hasPrefix("heading "))
+    }
+
+    @Test func whatIsNoNumberIsNotSmoothed() {
+        var (smoother, other) = (HeadingSmoother(halfLifeS: 0.1), HeadingSmoother(halfLifeS: 0.1))
+        #expect(smoother.push(350, timeNs: 0) == other.push(350, timeNs: 0))
+        #expect(smoother.push(.nan, timeNs: 1).isNaN && smoother.push(-.infinity, timeNs: 2) == -.infinity)
+        #expect(smoother == other)
+        #expect(abs(smoother.push(10, timeNs: 100_000_000)) < 1e-9)
+        #expect(smoother != other && HeadingSmoother(halfLifeS: 1) != HeadingSmoother(halfLifeS: 2))
+        // a half-life that is none smooths nothing; a heading below 0 by nothing is 0
+        for halfLifeS in [0, -1, Double.nan] {
+            var plain = HeadingSmoother(halfLifeS: halfLifeS)
+            #expect(
+                plain.push(350, timeNs: 0) == 350 && plain.push(10, timeNs: 1) == 10 && plain.push(-1e-20, timeNs: 2) == 0)
+        }
     }
 
     @Test func aSmoothedHeadingGoesTheShorterWayRound() {
@@ -277,7 +308,7 @@ import Testing
 
     /// The system's field and enough for a heading: whatever a model can show.
     var everything: [SensorSample] {
-        let system = SystemFieldSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3), accuracy: .high)
+        let system = SystemFieldSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3), accuracy: .high)
         return [.systemField(system)] + tumbling(600)
     }
 

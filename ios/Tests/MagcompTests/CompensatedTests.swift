@@ -91,7 +91,7 @@ import Testing
         await #expect(throws: MagcompError.config(field: "capacity", value: "0", expected: "at least 1")) {
             try await played.compensated(capacity: 0).collected()
         }
-        let config = Config(windowed: WindowedConfig(nMin: 3))
+        let config = CompensationConfig(windowed: WindowedConfig(nMin: 3))
         await #expect(throws: MagcompError.self) { try await played.compensated(config).collected() }
     }
 
@@ -117,7 +117,7 @@ import Testing
 
             func next() async -> SensorSample? {
                 asked.change { $0 += 1 }
-                let v = Vector3(x: 1, y: 2, z: Double(asked.value % 7))
+                let v = DeviceVector(x: 1, y: 2, z: Double(asked.value % 7))
                 return .magnetic(MagneticSample(timeNs: asked.value * stepNs, fieldUt: v))
             }
         }
@@ -174,28 +174,29 @@ import Testing
     }
 
     @Test func aReadingHasTheDateOfItsSample() {
-        let sample = MagneticSample(timeNs: 99_750_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))
-        let reading = CompensatedReading(reading: Reading(status: .tracking), sample: sample)
+        let sample = MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let reading = CompensatedReading(reading: MagneticReading(status: .tracking), sample: sample)
         let now = Date(timeIntervalSince1970: 1_000_000)
         #expect(reading.timestamp(now: now, uptimeS: 100).timeIntervalSince1970 == 999_999.75)
     }
 
     @Test func readingsCanBeMadeAndCoded() throws {
-        let heading = Heading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
-        let reading = Reading(status: .suspect(sinceNs: 7), heading: heading, fieldUt: Vector3(x: 3, y: 4, z: 12))
+        let heading = CompassHeading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
+        let reading = MagneticReading(
+            status: .suspect(sinceNs: 7), heading: heading, fieldUt: DeviceVector(x: 3, y: 4, z: 12))
         #expect(reading.totalFieldUt == 13)
         #expect(reading.headingDeg == 42 && reading.headingSigmaDeg == 3 && reading.trueHeadingDeg == nil)
         let simd = try SIMD3(#require(reading.fieldUt))
-        #expect(simd == SIMD3(3, 4, 12) && Vector3(simd) == reading.fieldUt)
-        let sample = MagneticSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3))
-        let system = SystemFieldSample(timeNs: 1, fieldUt: Vector3(x: 1, y: 2, z: 3), accuracy: .high)
+        #expect(simd == SIMD3(3, 4, 12) && DeviceVector(simd) == reading.fieldUt)
+        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let system = SystemFieldSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3), accuracy: .high)
         let answer = CompensatedReading(reading: reading, sample: sample, systemField: system)
         let again = try JSONDecoder().decode(CompensatedReading.self, from: JSONEncoder().encode(answer))
         #expect(again == answer)
         let events: [SensorSample] = [.magnetic(sample), .systemField(system)]
         #expect(try JSONDecoder().decode([SensorSample].self, from: JSONEncoder().encode(events)) == events)
-        let config = Config(method: .windowed, heading: HeadingConfig(axis: .camera))
-        #expect(try JSONDecoder().decode(Config.self, from: JSONEncoder().encode(config)) == config)
+        let config = CompensationConfig(method: .windowed, heading: HeadingConfig(axis: .camera))
+        #expect(try JSONDecoder().decode(CompensationConfig.self, from: JSONEncoder().encode(config)) == config)
     }
 
     @Test func theScreenMayTurnWhileReadingsCome() async throws {
@@ -213,17 +214,17 @@ import Testing
             })
         }
         let readings = try await turning.compensated(capacity: 1501) { frame.value }.collected().map(\.reading)
-        let still = try Compensator(config: Config(heading: HeadingConfig(axis: .topEdge))).pushAll(events)
+        let still = try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .topEdge))).pushAll(events)
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))
         // the vertical, which is filtered, comes to lie flat
         #expect(abs((after.headingDeg - before.headingDeg - 90).remainder(dividingBy: 360)) < 1e-3)
-        #expect(after.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
+        #expect(after.trueHeadingDeg == CompassHeading.trueHeadingDeg(headingDeg: after.headingDeg, declinationDeg: 3))
     }
 
     @Test func aCompassHasTheConfigAndItsFrame() async throws {
         let heading = HeadingConfig(axis: .camera, screenRotation: .deg90, declinationDeg: 3)
-        let config = Config(method: .windowed, heading: heading)
+        let config = CompensationConfig(method: .windowed, heading: heading)
         let compass = Compass(source: Played(events: events), config: config)
         #expect(compass.frame == HeadingFrame(axis: .camera, screenRotation: .deg90, declinationDeg: 3))
         let last = try await compass.readings().collected().last

@@ -47,14 +47,14 @@ import Testing
         let missing = SensorError.missing(
             sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
         await #expect(throws: missing) {
-            var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+            var iterator = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
             iterator.start()
             manager.deviceMotion(at: 1, gravity: (0, 0, -1))
             _ = try await iterator.next()
         }
         #expect(manager.starts == 0 && manager.frame == [])
         options.systemField = false
-        let without = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        let without = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
         without.start()
         #expect(manager.starts == 1 && manager.frame == .xArbitraryZVertical)
         withExtendedLifetime(without) {}
@@ -72,7 +72,7 @@ import Testing
         }
         for manager in [Denied(), Restricted()] {
             await #expect(throws: SensorError.accessRefused(sensor: .motion)) {
-                var iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+                var iterator = CoreMotionSource(scripted: manager).samples().makeAsyncIterator()
                 iterator.start()
                 // an event for who began nevertheless
                 manager.deviceMotion(at: 1, gravity: (0, 0, -1))
@@ -82,7 +82,7 @@ import Testing
         }
         // nobody was asked yet, or the person allowed it
         for manager in [CMMotionManager(), Authorized()] {
-            let iterator = CoreMotionSource(manager: manager).samples().makeAsyncIterator()
+            let iterator = CoreMotionSource(scripted: manager).samples().makeAsyncIterator()
             iterator.start()
             #expect(manager.starts == 1)
             withExtendedLifetime(iterator) {}
@@ -114,7 +114,7 @@ import Testing
             try await samples(1) { manager.deviceMotionFails(CMErrorNotAvailable.error) }
         }
         // also after events, and through the compensator; what came before arrives
-        var readings = CoreMotionSource(manager: manager).samples().compensated().makeAsyncIterator()
+        var readings = CoreMotionSource(scripted: manager).samples().compensated().makeAsyncIterator()
         readings.start()
         try await eventually { manager.isMagnetometerActive }
         manager.magnetometer(at: 1, 1, 2, 3)
@@ -129,7 +129,7 @@ import Testing
 
     /// Both sensors fail; the second error comes when somebody iterates again.
     @Test func anOldRunsErrorDoesNotEndANewOne() async throws {
-        let source = CoreMotionSource(manager: manager)
+        let source = CoreMotionSource(scripted: manager)
         var first = source.samples().makeAsyncIterator()
         first.start()
         let late = manager.lateDeviceMotionError()

@@ -9,7 +9,7 @@ import Testing
     let manager = CMMotionManager()
 
     @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {
-        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), scripted: manager)
         let sequence = source.samples()
         #expect(manager.starts == 0, "cold")
         do {
@@ -33,7 +33,7 @@ import Testing
 
     /// What an earlier run left waiting, and its lag, are not the next one's.
     @Test func anotherRunBeginsWithNothing() async throws {
-        let source = CoreMotionSource(manager: manager)
+        let source = CoreMotionSource(scripted: manager)
         var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
         first?.start()
         for time in [1, 1.01] { play(at: time) }
@@ -52,7 +52,7 @@ import Testing
     }
 
     @Test func cancellingTheTaskStopsTheUpdates() async throws {
-        let source = CoreMotionSource(manager: manager)
+        let source = CoreMotionSource(scripted: manager)
         let got = Shared(0)
         let task = Task {
             for try await _ in source.samples().compensated() { got.change { $0 += 1 } }
@@ -67,7 +67,7 @@ import Testing
 
     @Test func leavingTheLoopStopsTheUpdates() async throws {
         for _ in 0..<100 {
-            let source = CoreMotionSource(manager: manager)
+            let source = CoreMotionSource(scripted: manager)
             let player = Player(manager: manager)
             let playing = Task {
                 var time = 0.0
@@ -89,7 +89,7 @@ import Testing
     }
 
     @Test func twoIteratorsEachGetEveryEvent() async throws {
-        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), scripted: manager)
         var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
         var second = source.samples().makeAsyncIterator()
         first?.start()
@@ -114,11 +114,11 @@ import Testing
             return CMMotionManager()
         }
         for _ in 0..<100 {
-            let model = CompassModel(compass: Compass(source: CoreMotionSource(manager: manager())))
+            let model = CompassModel(compass: Compass(source: CoreMotionSource(options: { .compass }, manager: manager)))
             #expect(model.compass.frame.axis == .auto)
         }
         #expect(made.value == 0)
-        let source = CoreMotionSource(manager: manager())
+        let source = CoreMotionSource(options: { .compass }, manager: manager)
         for _ in 0..<3 {
             let iterator = source.samples().makeAsyncIterator()
             iterator.start()
@@ -130,7 +130,7 @@ import Testing
     }
 
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
-        let source = CoreMotionSource(manager: manager)
+        let source = CoreMotionSource(scripted: manager)
         for _ in 0..<1000 {
             _ = source.samples().makeAsyncIterator()
             _ = source.samples().compensated().makeAsyncIterator()

@@ -32,14 +32,14 @@ import Testing
                 manager.magnetometer(at: events.iosTimestampS, m[0], m[1], m[2])
             }
             let expected: [SensorSample] = [
-                .rotationRate(RotationRateSample(timeNs: events.timeNs, rateRadS: Vector3(fact.rateRadS))),
-                .up(UpSample(timeNs: events.timeNs, upMS2: Vector3(fact.upMS2))),
-                .magnetic(MagneticSample(timeNs: events.timeNs, fieldUt: Vector3(fact.fieldUt))),
+                .rotationRate(RotationRateSample(timeNs: events.timeNs, rateRadS: DeviceVector(fact.rateRadS))),
+                .up(UpSample(timeNs: events.timeNs, upMS2: DeviceVector(fact.upMS2))),
+                .magnetic(MagneticSample(timeNs: events.timeNs, fieldUt: DeviceVector(fact.fieldUt))),
             ]
             #expect(samples == expected, "\(fact.name)")
             guard case .up(let up) = samples[1], case .magnetic(let magnetic) = samples[2] else { continue }
             let frame = HeadingFrame(axis: fact.axis == "camera" ? .camera : .topEdge, screenRotation: .deg0)
-            let found = try #require(try Heading(fieldUt: magnetic.fieldUt, up: up.upMS2, frame: frame))
+            let found = try #require(try CompassHeading(fieldUt: magnetic.fieldUt, up: up.upMS2, frame: frame))
             #expect(abs((found.headingDeg - fact.headingDeg).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - events.inclinationDeg) < 1e-9, "\(fact.name)")
         }
@@ -50,7 +50,7 @@ import Testing
             #expect(!manager.isDeviceMotionActive)
             manager.magnetometer(at: 1, 1, 2, 3)
         }
-        #expect(alone == [.magnetic(MagneticSample(timeNs: 1_000_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3)))])
+        #expect(alone == [.magnetic(MagneticSample(timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
         let withUp = try await samples(2, SensorOptions(gyroscope: false)) {
             // nobody knows at first that there is no gyroscope: its events are waited for
             for time in [1, 1.06] {
@@ -58,7 +58,7 @@ import Testing
                 manager.magnetometer(at: time, 1, 2, 3)
             }
         }
-        #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.80665))))
+        #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.80665))))
     }
 
     @Test func everySensorMayBeAskedForAlone() async throws {
@@ -73,9 +73,9 @@ import Testing
                 }
             }.first
         }
-        let field = SystemFieldSample(timeNs: 1_000_000_000, fieldUt: Vector3(x: 10, y: 20, z: -40), accuracy: .high)
+        let field = SystemFieldSample(timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 10, y: 20, z: -40), accuracy: .high)
         #expect(try await alone(SensorOptions(gyroscope: false, up: false, systemField: true)) == .systemField(field))
-        let rate = RotationRateSample(timeNs: 1_000_000_000, rateRadS: Vector3(x: 1, y: 2, z: 3))
+        let rate = RotationRateSample(timeNs: 1_000_000_000, rateRadS: DeviceVector(x: 1, y: 2, z: 3))
         #expect(try await alone(SensorOptions(up: false)) == .rotationRate(rate))
         let all = try await samples(4, SensorOptions(up: false)) {
             for time in [1, 1.06] { play(at: time) }
@@ -96,7 +96,7 @@ import Testing
     }
 
     @Test func theLagIsTheLargestOfThisSecondAndTheOneBefore() async throws {
-        let source = CoreMotionSource(options: SensorOptions(holdS: 0), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(holdS: 0), scripted: manager)
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         /// The lag when device motion has come so much later than the magnetometer's latest event.
@@ -116,7 +116,7 @@ import Testing
     @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
         let clock = Shared(0.0)
         let source = CoreMotionSource(
-            options: SensorOptions(gyroscope: false, up: false), manager: { manager },
+            options: SensorOptions(gyroscope: false, up: false), scripted: manager,
             continuousNs: { Int64(clock.value * 1e9) })
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
@@ -149,7 +149,7 @@ import Testing
     }
 
     @Test func theSystemsOwnFieldIsBesideOurs() async throws {
-        let source = CoreMotionSource(options: SensorOptions(systemField: true), manager: manager)
+        let source = CoreMotionSource(options: SensorOptions(systemField: true), scripted: manager)
         var readings = source.samples().compensated().makeAsyncIterator()
         readings.start()
         try await eventually { manager.isDeviceMotionActive }
@@ -163,7 +163,7 @@ import Testing
             manager.deviceMotion(at: time, gravity: (0, 0, -1), field: calibrated)
             manager.magnetometer(at: time, 110, 20, time)
             let reading = try #require(try await readings.next())
-            let field = Vector3(x: 10, y: 20, z: -40)
+            let field = DeviceVector(x: 10, y: 20, z: -40)
             let expected = SystemFieldSample(timeNs: Int64(k + 1) * 1_000_000_000, fieldUt: field, accuracy: ours)
             #expect(reading.systemField == expected)
             #expect(reading.sample.fieldUt.x == 110)

@@ -15,7 +15,7 @@ import Testing
 
     /// An event that carries its number.
     func event(_ kind: Int64, _ timeNs: Int64, _ number: Int) -> SensorSample {
-        let value = Vector3(x: Double(number), y: 0, z: 0)
+        let value = DeviceVector(x: Double(number), y: 0, z: 0)
         return switch kind {
         case 0: .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: value))
         case 1: .up(UpSample(timeNs: timeNs, upMS2: value))
@@ -28,7 +28,7 @@ import Testing
         case .rotationRate(let sample): Int(sample.rateRadS.x)
         case .up(let sample): Int(sample.upMS2.x)
         case .magnetic(let sample): Int(sample.fieldUt.x)
-        case .systemField: -1
+        case .systemField, .heading: -1
         }
     }
 
@@ -57,7 +57,7 @@ import Testing
     @Test func theSystemsFieldIsBeforeTheSampleOfItsTimeAndNobodyWaitsForIt() {
         var queue = EventQueue(holdS: 0.05)
         let system = SensorSample.systemField(
-            SystemFieldSample(timeNs: 7, fieldUt: Vector3(x: 0, y: 0, z: 0), accuracy: .low))
+            SystemFieldSample(timeNs: 7, fieldUt: DeviceVector(x: 0, y: 0, z: 0), accuracy: .low))
         var out = queue.push(event(2, 7, 1))
         #expect(out == [])
         out += queue.push(system)

@@ -50,9 +50,9 @@ import Testing
     @Test func correcting() throws {
         #expect(!facts.correct.isEmpty)
         for fact in facts.correct {
-            let calibration = Calibration(
-                softIron: softIron(fact.softIron), hardIronUt: Vector3(fact.hardIronUt), fieldStrengthUt: 50)
-            let field = try calibration.correct(Vector3(fact.rawUt))
+            let calibration = MagnetometerCalibration(
+                softIron: softIron(fact.softIron), hardIronUt: DeviceVector(fact.hardIronUt), fieldStrengthUt: 50)
+            let field = try calibration.correct(DeviceVector(fact.rawUt))
             #expect(field.isClose(to: fact.fieldUt, within: 1e-12), "\(fact.name)")
         }
     }
@@ -60,18 +60,18 @@ import Testing
     @Test func noCalibration() throws {
         #expect(!facts.noCalibration.isEmpty)
         for fact in facts.noCalibration {
-            let calibration = Calibration(
-                softIron: softIron(fact.softIron), hardIronUt: Vector3(x: 0, y: 0, z: 0),
+            let calibration = MagnetometerCalibration(
+                softIron: softIron(fact.softIron), hardIronUt: DeviceVector(x: 0, y: 0, z: 0),
                 fieldStrengthUt: fact.fieldStrengthUt)
             #expect(throws: MagcompError.calibration(why: fact.text)) {
-                try calibration.correct(Vector3(x: 1, y: 2, z: 3))
+                try calibration.correct(DeviceVector(x: 1, y: 2, z: 3))
             }
         }
     }
 
     @Test func theGaugeIsTheSymmetricPositiveDefiniteMatrix() throws {
         let session = ConstantField(samplesPerOrientation: 1)
-        for raw in facts.gauge.rawUt { try session.add(rawUt: Vector3(raw)) }
+        for raw in facts.gauge.rawUt { try session.add(rawUt: DeviceVector(raw)) }
         let found = try session.finish(options: nil).calibration
         let m = found.softIron
         for (ours, theirs) in zip([m.xx, m.yy, m.zz, m.xy, m.xz, m.yz], facts.gauge.softIron) {
@@ -85,11 +85,12 @@ import Testing
         #expect(!facts.headings.isEmpty)
         for fact in facts.headings {
             let frame = HeadingFrame(axis: .topEdge, screenRotation: .deg0, declinationDeg: fact.declinationDeg)
-            let found = try #require(try Heading(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up), frame: frame))
+            let found = try #require(
+                try CompassHeading(fieldUt: DeviceVector(fact.fieldUt), up: DeviceVector(fact.up), frame: frame))
             #expect(abs(found.headingDeg - fact.headingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(try #require(found.trueHeadingDeg) - fact.trueHeadingDeg) < 1e-9, "\(fact.name)")
             #expect(abs(found.inclinationDeg - fact.inclinationDeg) < 1e-9, "\(fact.name)")
-            let lies = try #require(try Attitude(fieldUt: Vector3(fact.fieldUt), up: Vector3(fact.up)))
+            let lies = try #require(try DeviceAttitude(fieldUt: DeviceVector(fact.fieldUt), up: DeviceVector(fact.up)))
             // a quaternion and its negative are the same attitude
             let product = zip([lies.w, lies.x, lies.y, lies.z], fact.attitude).reduce(0) { $0 + $1.0 * $1.1 }
             #expect(abs(abs(product) - 1) < 1e-12, "\(fact.name)")
@@ -99,8 +100,8 @@ import Testing
     /// Sydney by the World Magnetic Model; the field of the Earth's core falls with the third power of the distance from its middle.
     @Test func theEarthsFieldOfAPlace() throws {
         let date = Date(timeIntervalSince1970: 1_770_000_000)
-        func field(_ longitudeDeg: Double, heightM: Double) throws -> GeomagneticField {
-            try GeomagneticField(latitudeDeg: -33.87, longitudeDeg: longitudeDeg, heightM: heightM, date: date)
+        func field(_ longitudeDeg: Double, heightM: Double) throws -> EarthMagneticField {
+            try EarthMagneticField(latitudeDeg: -33.87, longitudeDeg: longitudeDeg, heightM: heightM, date: date)
         }
         let sydney = try field(151.21, heightM: 0)
         #expect((12..<14).contains(sydney.declinationDeg), "\(sydney)")
@@ -109,7 +110,7 @@ import Testing
         let high = try field(151.21, heightM: 400_000).totalFieldUt / sydney.totalFieldUt
         #expect((0.81..<0.87).contains(high), "(6371 / 6771)^3 is 0.83: \(high)")
         #expect(throws: MagcompError.self) {
-            try GeomagneticField(latitudeDeg: 0, longitudeDeg: 0, date: Date(timeIntervalSince1970: .infinity))
+            try EarthMagneticField(latitudeDeg: 0, longitudeDeg: 0, date: Date(timeIntervalSince1970: .infinity))
         }
     }
 
@@ -117,7 +118,7 @@ import Testing
         let limits = facts.limits
         let compensator = try Compensator()
         func push(_ timeNs: Double, _ x: Double) throws -> CompensationStatus {
-            let field = Vector3(x: x, y: 0, z: 0)
+            let field = DeviceVector(x: x, y: 0, z: 0)
             return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status
         }
         #expect(try push(0, limits.magneticUt[0]).label == "collecting")
@@ -127,12 +128,12 @@ import Testing
 
         let other = try Compensator()
         func rate(_ timeNs: Int64, _ x: Double) throws -> Bool {
-            try other.pushRotationRate(RotationRateSample(timeNs: timeNs, rateRadS: Vector3(x: x, y: 0, z: 0)))
+            try other.pushRotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: x, y: 0, z: 0)))
         }
         #expect(try rate(1, limits.rotationRateRadS[0]))
         #expect(try !rate(2, limits.rotationRateRadS[1]))
         func up(_ timeNs: Int64, _ x: Double) throws -> Bool {
-            try other.pushUp(UpSample(timeNs: timeNs, upMS2: Vector3(x: x, y: 0, z: 0)))
+            try other.pushUp(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: x, y: 0, z: 0)))
         }
         #expect(try up(1, limits.upMS2[0]))
         #expect(try !up(2, limits.upMS2[1]))
@@ -179,7 +180,8 @@ import Testing
 
     func said(_ name: String) -> String? {
         switch name {
-        case "Config": failure { _ = try Compensator(config: Config(windowed: WindowedConfig(nMin: 3))) }
+        case "CompensationConfig":
+            failure { _ = try Compensator(config: CompensationConfig(windowed: WindowedConfig(nMin: 3))) }
         case "KeptDamaged": failure { try Compensator().adoptKept("nonsense", unixTimeS: nil) }
         case "KeptNewer": failure { throw MagcompError.keptNewer(found: 99) }
         case "Closed": failure { throw MagcompError.closed }

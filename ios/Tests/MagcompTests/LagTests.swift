@@ -24,16 +24,16 @@ import Testing
         }
 
         /// The readings when device motion comes so much later.
-        func readings(lagS: Double, holdS: Double) async throws -> (readings: [Reading], seenS: Double?) {
+        func readings(lagS: Double, holdS: Double) async throws -> (readings: [MagneticReading], seenS: Double?) {
             let manager = CMMotionManager()
-            let source = CoreMotionSource(options: SensorOptions(holdS: holdS), manager: manager)
+            let source = CoreMotionSource(options: SensorOptions(holdS: holdS), scripted: manager)
             var iterator = source.samples().compensated(capacity: rows.count).makeAsyncIterator()
             iterator.start()
             try await eventually { manager.isMagnetometerActive }
             manager.play(rows, motionLateS: lagS)
             // the end: what waits goes out before the error
             manager.magnetometerFails(CMErrorUnknown.error)
-            var readings: [Reading] = []
+            var readings: [MagneticReading] = []
             do {
                 while let reading = try await iterator.next() { readings.append(reading.reading) }
             } catch SensorError.refused {}
@@ -42,14 +42,14 @@ import Testing
 
         /// Rms error of the heading, degrees: the field that carries it, turned to the world by the reference, should point
         /// along one direction. Without the first 20 s.
-        func errorDeg(_ readings: [Reading]) -> Double {
+        func errorDeg(_ readings: [MagneticReading]) -> Double {
             var directions: [Double] = []
             for (reading, orientation) in zip(readings, orientations) where reading.timeNs >= 20_000_000_000 {
                 guard let q = orientation, reading.heading != nil,
                     let h = reading.filteredFieldUt ?? reading.fieldUt
                 else { continue }
                 // v + 2 w (u x v) + 2 u x (u x v)
-                let u = Vector3(x: q.x, y: q.y, z: q.z)
+                let u = DeviceVector(x: q.x, y: q.y, z: q.z)
                 let once = cross(u, h)
                 let twice = cross(u, once)
                 let east: Double = h.x + 2 * (q.w * once.x + twice.x)
@@ -69,11 +69,11 @@ import Testing
             return (sum / Double(directions.count)).squareRoot() * 180 / Double.pi
         }
 
-        func cross(_ a: Vector3, _ b: Vector3) -> Vector3 {
+        func cross(_ a: DeviceVector, _ b: DeviceVector) -> DeviceVector {
             let x: Double = a.y * b.z - a.z * b.y
             let y: Double = a.z * b.x - a.x * b.z
             let z: Double = a.x * b.y - a.y * b.x
-            return Vector3(x: x, y: y, z: z)
+            return DeviceVector(x: x, y: y, z: z)
         }
     }
 

@@ -13,6 +13,17 @@ import Testing
             ("t_s,mx,my,mz\nnan,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
             ("t_s,mx,my,mz\n1e300,1,2,3\n", 2, "t_s", "the time is no number of seconds that fits 64 bits of nanoseconds"),
             ("", 1, nil, "the header is missing"),
+            ("t_s,mx,my,mz\n0,1,2,3,4\n", 2, nil, "5 cells, expected 4"),
+            ("t_s,mx,my,mz,mx\n", 1, "mx", "the column is there twice"),
+            (
+                "t_s,mx,my,mz,ax,az\n", 1, "ay", "the column is missing; expected all of ax,ay,az or none"
+            ),
+            (
+                "t_s,mx,my,mz,course_deg\n", 1, "course_sigma_deg",
+                "the column is missing; expected all of course_deg,course_sigma_deg or none"
+            ),
+            ("t_s,mx,my,mz\n0,,,\n1,1,,3\n", 3, "my", "an empty cell, where others of the sensor have numbers"),
+            ("t_s,mx,my,mz\n,1,2,3\n", 2, "t_s", "an empty cell, where others of the sensor have numbers"),
         ] as [(String, Int, String?, String)])
     func oneThatIsNotInOrderSaysWhere(text: String, line: Int, column: String?, problem: String) async {
         let error = RecordingError(name: "r.csv", line: line, column: column, problem: problem)
@@ -34,11 +45,65 @@ import Testing
         // with the mark, the line ends and the empty last line of a spreadsheet
         let source = source("\u{FEFF}mz,note,mx,my,t_s,ax,ay,az\r\n3,?, 1,2,0.25,0,0,9.8\r\n\r\n")
         let expected: [SensorSample] = [
-            .up(UpSample(timeNs: 250_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.8))),
-            .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))),
+            .up(UpSample(timeNs: 250_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))),
+            .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))),
         ]
         #expect(try await source.samples().collected() == expected)
         #expect(try await source.samples().collected() == expected)
+    }
+
+    /// As `magcomp import` writes it: each sensor at its own times, the system's field beside the magnetometer, courses now and then.
+    @Test func eachSensorMayHaveItsOwnTimes() async throws {
+        let text = """
+            t_s,mx,my,mz,ax,ay,az,gx,gy,gz,sys_mx,sys_my,sys_mz,qw,qx,qy,qz,course_deg,course_sigma_deg
+            0.000000000,,,,,,,0,0.2,1,,,,,,,,,
+            0.003000000,1,2,3,,,,,,,4,5,6,1,0,0,0,,
+            0.006000000,,,,0.1,0.2,9.8,,,,,,,,,,,,
+            0.007000000,,,,,,,,,,,,,1,0,0,0,,
+            0.010000000,7,8,9,,,,,,,,,,,,,,271,4
+
+            """
+        func event(_ ms: Int64, _ make: (Int64) -> SensorSample) -> SensorSample { make(ms * 1_000_000) }
+        let expected = [
+            event(0) { .rotationRate(RotationRateSample(timeNs: $0, rateRadS: DeviceVector(x: 0, y: 0.2, z: 1))) },
+            event(3) {
+                .systemField(
+                    SystemFieldSample(timeNs: $0, fieldUt: DeviceVector(x: 4, y: 5, z: 6), accuracy: .uncalibrated))
+            },
+            event(3) { .magnetic(MagneticSample(timeNs: $0, fieldUt: DeviceVector(x: 1, y: 2, z: 3))) },
+            event(6) { .up(UpSample(timeNs: $0, upMS2: DeviceVector(x: 0.1, y: 0.2, z: 9.8))) },
+            event(10) {
+                .heading(
+                    HeadingSample(timeNs: $0, headingDeg: 271, sigmaDeg: 4, reference: .true, axis: .vehicle))
+            },
+            event(10) { .magnetic(MagneticSample(timeNs: $0, fieldUt: DeviceVector(x: 7, y: 8, z: 9))) },
+        ]
+        #expect(
+            try await source(text).samples().collected()
+                == expected.filter { if case .heading = $0 { false } else { true } })
+        let driven = RecordingSource(name: "r.csv", courses: .vehicle) { Data(text.utf8) }
+        #expect(try await driven.samples().collected() == expected)
+        // the system's own field is beside the readings, and begins nothing
+        let readings = try await Compass(source: driven).readings().collected()
+        #expect(readings.map(\.systemField?.fieldUt.x) == [4, 4] && readings.allSatisfy { $0.reading.fieldUt == nil })
+    }
+
+    @Test func coursesLeadTheHeadingWhereTheyAreAskedFor() async throws {
+        let cells = tumbling(900).compactMap { event -> String? in
+            switch event {
+            case .up(let sample):
+                "\(Double(sample.timeNs) * 1e-9),,,,\(sample.upMS2.x),\(sample.upMS2.y),\(sample.upMS2.z),,"
+            case .magnetic(let sample):
+                "\(Double(sample.timeNs) * 1e-9 + 1e-4),\(sample.fieldUt.x),\(sample.fieldUt.y),\(sample.fieldUt.z),,,,90,2"
+            default: nil
+            }
+        }
+        let text = "t_s,mx,my,mz,ax,ay,az,course_deg,course_sigma_deg\n" + cells.joined(separator: "\n")
+        for headed in [nil, HeadedAxis.vehicle] {
+            let source = RecordingSource(name: "r.csv", courses: headed) { Data(text.utf8) }
+            let last = try #require(try await Compass(source: source).readings().collected().last)
+            #expect((last.headingAid == nil) == (headed == nil))
+        }
     }
 
     @Test func aRowIsGyroscopeThenUpThenMagnetometer() async throws {
@@ -49,6 +114,7 @@ import Testing
             case .up: "up"
             case .magnetic: "magnetic"
             case .systemField: "system"
+            case .heading: "heading"
             }
         }
         #expect(kinds == ["rate", "up", "magnetic"])
@@ -89,7 +155,7 @@ import Testing
         let readings = try await Compass(source: source).readings().collected()
         let all = try await RecordingSource(url: try prepared("recording.csv")).samples().collected()
         #expect(readings.allSatisfy { $0.droppedBefore == 0 })
-        let config = Config(heading: HeadingConfig(axis: .auto))
+        let config = CompensationConfig(heading: HeadingConfig(axis: .auto))
         #expect(try readings.map(\.reading) == Compensator(config: config).pushAll(all))
     }
 
@@ -97,5 +163,39 @@ import Testing
         await #expect(throws: (any Error).self) {
             try await RecordingSource(url: URL(fileURLWithPath: "/no/such.csv")).samples().collected()
         }
+    }
+
+    /// Each sensor at its own times, one that was late, and help.
+    @Test(arguments: [true, false]) func whatIsRecordedIsPlayed(isLive: Bool) async throws {
+        let v = DeviceVector(x: 0.1, y: -1e-7, z: 1e300)
+        func ns(_ ms: Int64) -> Int64 { ms * 1_000_000 - 2_500_000_000 }
+        let events: [SensorSample] = [
+            .rotationRate(RotationRateSample(timeNs: ns(0), rateRadS: v)), .up(UpSample(timeNs: ns(0), upMS2: v)),
+            .systemField(SystemFieldSample(timeNs: ns(0), fieldUt: v, accuracy: .uncalibrated)),
+            .magnetic(MagneticSample(timeNs: ns(3), fieldUt: v)),
+            .heading(HeadingSample(timeNs: ns(4), headingDeg: 90, sigmaDeg: 2, reference: .true, axis: .vehicle)),
+            .magnetic(MagneticSample(timeNs: ns(2_500), fieldUt: v)), .magnetic(MagneticSample(timeNs: 7, fieldUt: v)),
+        ]
+        // older than the row before, and the second of its sensor at one time
+        let late: [SensorSample] = [.up(UpSample(timeNs: 6, upMS2: v)), .magnetic(MagneticSample(timeNs: 7, fieldUt: v))]
+        let url = FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv")
+        let source = Played(events: events + late, isLive: isLive).recorded(to: url)
+        #expect(source.samples().isLive == isLive)
+        for _ in 0..<2 { #expect(try await source.samples().collected() == events + late) }
+        #expect(try await RecordingSource(url: url, courses: .vehicle).samples().collected() == events)
+    }
+
+    @Test func aRecordingIsWrittenWhileItGrowsAndWhenItsReaderLeaves() async throws {
+        let url = FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv")
+        let source = Played(events: tumbling(2000))
+        var iterator: SensorSamples.AsyncIterator? = source.recorded(to: url).samples().makeAsyncIterator()
+        for _ in 0..<3000 { _ = try await iterator?.next() }
+        let written = try Data(contentsOf: url).count
+        #expect(written > 16_384)
+        iterator = nil
+        #expect(try await RecordingSource(url: url).samples().collected() == Array(tumbling(2000)[..<3000]))
+        #expect(try Data(contentsOf: url).count > written)
+        let nowhere = URL(fileURLWithPath: "/no/such/folder/r.csv")
+        await #expect(throws: (any Error).self) { try await source.recorded(to: nowhere).samples().collected() }
     }
 }

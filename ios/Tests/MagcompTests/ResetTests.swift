@@ -40,10 +40,10 @@ import Testing
         }
     }
 
-    let system = Vector3(x: 10, y: 28, z: -40)
+    let system = DeviceVector(x: 10, y: 28, z: -40)
 
     /// A phone that lies flat, and iOS's field beside it.
-    func lying(_ range: Range<Int>, _ system: Vector3) -> [SensorSample] {
+    func lying(_ range: Range<Int>, _ system: DeviceVector) -> [SensorSample] {
         range.flatMap { k -> [SensorSample] in
             let timeNs = Int64(k + 1) * stepNs
             return [.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: .high))] + flat(k)
@@ -73,13 +73,13 @@ import Testing
         last = try #require(again.last)
         let heading = try #require(last.reading.heading)
         #expect(
-            heading.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 7))
+            heading.trueHeadingDeg == CompassHeading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 7))
         try await phone.end()
     }
 
     @Test func aResetBetweenTwoRunsForgetsWhatTheStoreKept() async throws {
         // the save at first tracking is the last of a run, too
-        let auto = Config(heading: HeadingConfig(axis: .auto))
+        let auto = CompensationConfig(heading: HeadingConfig(axis: .auto))
         let readings = try Compensator(config: auto).pushAll(tumbling(900))
         let tracking = try #require(readings.firstIndex { $0.status == .tracking })
         let store = SavingTests.Kept()
@@ -115,7 +115,7 @@ import Testing
         let first = try #require(try await phone.play(lying(0..<20, system)).last?.reading)
         #expect(first.fieldUt != nil)
         // the system changes its mind by as much as a cover does
-        let moved = system + Vector3(x: 100, y: -100, z: 50)
+        let moved = system + DeviceVector(x: 100, y: -100, z: 50)
         let readings = try await phone.play(lying(20..<40, moved))
         #expect(readings.allSatisfy { $0.reading.reportedHardIronJumpUt == nil })
         let field = try #require(readings.last?.reading.fieldUt)
@@ -194,8 +194,8 @@ import Testing
 
     @Test func whatCorrectsIsSoftIronAndHardIronWithoutTheStrength() {
         let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
-        let calibration = Calibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 50)
-        func isSame(_ change: (inout Calibration) -> Void) -> Bool {
+        let calibration = MagnetometerCalibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 50)
+        func isSame(_ change: (inout MagnetometerCalibration) -> Void) -> Bool {
             var other = calibration
             change(&other)
             return Correction(other) == Correction(calibration)

@@ -115,9 +115,9 @@ import Testing
     }
 
     /// When a compensator of our own changes hard iron or soft iron, and to what.
-    func changes(_ events: [SensorSample]) throws -> [(seconds: Double, calibration: Calibration)] {
+    func changes(_ events: [SensorSample]) throws -> [(seconds: Double, calibration: MagnetometerCalibration)] {
         let compensator = try Compensator()
-        var latest: Calibration?
+        var latest: MagnetometerCalibration?
         return try events.compactMap { event in
             _ = try compensator.push(event)
             guard let found = try compensator.calibration() else { return nil }
@@ -130,20 +130,20 @@ import Testing
 
     /// A phone with a gyroscope, turned by hand for some samples and still from then on, and noise.
     func handHeld(moving: Int, still: Int) -> [SensorSample] {
-        var (up, field) = (Vector3(x: 0, y: 0, z: 9.81), Vector3(x: 0, y: 22, z: -42))
+        var (up, field) = (DeviceVector(x: 0, y: 0, z: 9.81), DeviceVector(x: 0, y: 22, z: -42))
         return (1...(moving + still)).flatMap { k -> [SensorSample] in
             let (t, timeNs) = (Double(k) * 0.01, Int64(k) * stepNs)
-            func noisy(_ v: Vector3, _ size: Double) -> Vector3 {
+            func noisy(_ v: DeviceVector, _ size: Double) -> DeviceVector {
                 let noise = { (n: Int) in size * (Double((k * n) % 11) - 5) / 3 }
-                return Vector3(x: v.x + noise(3), y: v.y + noise(5), z: v.z + noise(7))
+                return DeviceVector(x: v.x + noise(3), y: v.y + noise(5), z: v.z + noise(7))
             }
             let rate =
                 k <= moving
-                ? Vector3(x: 0.8 * sin(0.9 * t), y: 0.9 * cos(0.7 * t), z: 0.7 * sin(1.3 * t + 1))
-                : Vector3(x: 0, y: 0, z: 0)
+                ? DeviceVector(x: 0.8 * sin(0.9 * t), y: 0.9 * cos(0.7 * t), z: 0.7 * sin(1.3 * t + 1))
+                : DeviceVector(x: 0, y: 0, z: 0)
             up = seen(up, rate)
             field = seen(field, rate)
-            let raw = Vector3(x: field.x + 30, y: field.y - 20, z: field.z + 40)
+            let raw = DeviceVector(x: field.x + 30, y: field.y - 20, z: field.z + 40)
             return [
                 .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: noisy(rate, 0.002))),
                 .up(UpSample(timeNs: timeNs, upMS2: noisy(up, 0.02))),
@@ -153,13 +153,13 @@ import Testing
     }
 
     /// A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula.
-    func seen(_ v: Vector3, _ rate: Vector3) -> Vector3 {
+    func seen(_ v: DeviceVector, _ rate: DeviceVector) -> DeviceVector {
         let speed = (rate.x * rate.x + rate.y * rate.y + rate.z * rate.z).squareRoot()
         guard speed > 0 else { return v }
         let (x, y, z) = (rate.x / speed, rate.y / speed, rate.z / speed)
         let (c, s) = (cos(0.01 * speed), sin(0.01 * speed))
         let along = (x * v.x + y * v.y + z * v.z) * (1 - c)
-        return Vector3(
+        return DeviceVector(
             x: v.x * c - (y * v.z - z * v.y) * s + x * along,
             y: v.y * c - (z * v.x - x * v.z) * s + y * along,
             z: v.z * c - (x * v.y - y * v.x) * s + z * along)
@@ -198,7 +198,7 @@ import Testing
         return samples.flatMap { k -> [SensorSample] in
             let timeNs = Int64(k + 1) * stepNs
             let noise = { (n: Int) in 0.1 * Double((k * n) % 11 - 5) }
-            let field = Vector3(
+            let field = DeviceVector(
                 x: last.fieldUt.x + noise(3), y: last.fieldUt.y + noise(5), z: last.fieldUt.z + noise(7))
             return [
                 .up(UpSample(timeNs: timeNs, upMS2: up.upMS2)),
@@ -215,7 +215,7 @@ import Testing
         case .up(var sample):
             sample.timeNs += byNs
             return .up(sample)
-        case .rotationRate, .systemField: return event
+        case .rotationRate, .systemField, .heading: return event
         }
     }
 }

@@ -6,10 +6,10 @@ import Testing
 @Suite struct ScreenTests {
     func answer(_ ms: Int64, _ headingDeg: Double?, true trueDeg: Double? = nil, sigma: Double? = 2) -> CompensatedReading {
         let heading = headingDeg.map {
-            Heading(headingDeg: $0, headingSigmaDeg: sigma, trueHeadingDeg: trueDeg, inclinationDeg: 60)
+            CompassHeading(headingDeg: $0, headingSigmaDeg: sigma, trueHeadingDeg: trueDeg, inclinationDeg: 60)
         }
-        let sample = MagneticSample(timeNs: ms * 1_000_000, fieldUt: Vector3(x: 1, y: 2, z: 3))
-        return CompensatedReading(reading: Reading(status: .tracking, heading: heading), sample: sample)
+        let sample = MagneticSample(timeNs: ms * 1_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        return CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample)
     }
 
     /// The headings shown, nil where the reading was not shown.
@@ -80,7 +80,7 @@ import Testing
         let shown = Shared<[Int64]>([])
         let compass = Compass(source: source)
         let running = Task {
-            await compass.follow(CompassDisplay(rateHz: 1e6)) { state in
+            await compass.follow(CompassDisplay(rateHz: 1e6), retries: AsyncStream { $0.finish() }) { state in
                 if let reading = state.reading { shown.change { $0.append(reading.sample.timeNs) } }
             }
         }

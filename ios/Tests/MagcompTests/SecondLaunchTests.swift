@@ -8,14 +8,14 @@ import Testing
 
     @Test func headingsErrAsTheirSigmaSaysWhateverHappenedToThePhoneMeanwhile() async throws {
         let learned = try await learn()
-        let cover = Vector3(x: 150, y: -100, z: 300)
+        let cover = DeviceVector(x: 150, y: -100, z: 300)
         var (wrong, headings) = ([String](), 0)
         let phones = 16
         for offUt in [0, 20, 39, nil] as [Double?] {
             for k in 0..<phones {
                 store.state.change { $0.text = learned }
                 let turn = Double(k) * 2.4
-                let direction = Vector3(x: 0.8 * cos(turn), y: 0.8 * sin(turn), z: k.isMultiple(of: 2) ? 0.6 : -0.6)
+                let direction = DeviceVector(x: 0.8 * cos(turn), y: 0.8 * sin(turn), z: k.isMultiple(of: 2) ? 0.6 : -0.6)
                 let off = offUt.map { direction * $0 } ?? cover
                 var phone = Phone(UInt64(k), hardIron: hardIronUt + off)
                 phone.layDown(23 * Double(k))
@@ -39,7 +39,7 @@ import Testing
 
     @Test func itIsLearnedAgainWhereThePhoneIsTurnedAndSavedThen() async throws {
         let learned = try await learn()
-        var phone = Phone(3, hardIron: hardIronUt + Vector3(x: 20, y: -10, z: 15))
+        var phone = Phone(3, hardIron: hardIronUt + DeviceVector(x: 20, y: -10, z: 15))
         let readings = try await launched(&phone, 3000, still: false, nowS: nowS + 3600)
         #expect(readings.contains { $0.reading.status == .tracking })
         let text = try #require(store.state.value.text)
@@ -51,8 +51,8 @@ import Testing
 
     @Test func theSystemsHardIronAndWhatWasGivenAreNeverSavedAsLearned() async throws {
         let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
-        let given = Calibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 47.4)
-        for (config, told) in [(Config(), true), (Config(initial: given), false)] {
+        let given = MagnetometerCalibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 47.4)
+        for (config, told) in [(CompensationConfig(), true), (CompensationConfig(initial: given), false)] {
             var phone = Phone(1, system: told ? .high : nil)
             phone.layDown(30)
             let readings = try await launched(&phone, 2000, still: true, config: config)
@@ -85,7 +85,7 @@ import Testing
         let learned = try await learn()
         func offUt(_ system: SystemFieldSample.Accuracy?) async throws -> Double {
             store.state.change { $0.text = learned }
-            var phone = Phone(4, hardIron: hardIronUt + Vector3(x: 22, y: -22, z: 22), system: system)
+            var phone = Phone(4, hardIron: hardIronUt + DeviceVector(x: 22, y: -22, z: 22), system: system)
             phone.layDown(120)
             let readings = try await launched(&phone, 20, still: true, nowS: nowS + 3600)
             return (try #require(readings.last?.reading.fieldUt) + phone.field * -1).length
@@ -110,7 +110,7 @@ import Testing
         let heading = try #require(again.last?.reading.heading)
         let before = try #require(first?.headingSigmaDeg)
         #expect(abs(try #require(heading.headingSigmaDeg) - before) < 1)
-        #expect(heading.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 2))
+        #expect(heading.trueHeadingDeg == CompassHeading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 2))
         #expect(store.state.value.text == learned)
 
         var turned = Phone(6)
@@ -152,7 +152,7 @@ import Testing
             let all = try await Compass(source: source).readings(capacity: 4000).collected()
             #expect(all.count == 3200)
             // once, with the first sample after it
-            let alone = try Compensator(config: Config(heading: HeadingConfig(axis: .auto)))
+            let alone = try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .auto)))
             var expected = try alone.pushAll(Array(events[..<(moving.count + 2)]))
             if sleptS > 0 { try alone.pushGap(hiddenS: sleptS) }
             expected += try alone.pushAll(Array(events[(moving.count + 2)...]))
@@ -174,7 +174,8 @@ import Testing
 
     /// The readings of one launch of an app.
     func launched(
-        _ phone: inout Phone, _ samples: Int, still: Bool, nowS at: Int64 = nowS, config: Config = Config()
+        _ phone: inout Phone, _ samples: Int, still: Bool, nowS at: Int64 = nowS,
+        config: CompensationConfig = CompensationConfig()
     ) async throws -> [CompensatedReading] {
         var events: [SensorSample] = []
         for _ in 0..<samples { events += phone.advance(still: still) }
@@ -185,13 +186,13 @@ import Testing
     }
 }
 
-extension Vector3 {
-    static func + (one: Vector3, other: Vector3) -> Vector3 {
-        Vector3(x: one.x + other.x, y: one.y + other.y, z: one.z + other.z)
+extension DeviceVector {
+    static func + (one: DeviceVector, other: DeviceVector) -> DeviceVector {
+        DeviceVector(x: one.x + other.x, y: one.y + other.y, z: one.z + other.z)
     }
 
-    static func * (one: Vector3, factor: Double) -> Vector3 {
-        Vector3(x: one.x * factor, y: one.y * factor, z: one.z * factor)
+    static func * (one: DeviceVector, factor: Double) -> DeviceVector {
+        DeviceVector(x: one.x * factor, y: one.y * factor, z: one.z * factor)
     }
 
     var length: Double { (x * x + y * y + z * z).squareRoot() }
@@ -199,36 +200,37 @@ extension Vector3 {
 
 /// A phone with a gyroscope whose sensors have noise; turned about all axes, or lying still.
 struct Phone {
-    private let hardIron: Vector3
+    private let hardIron: DeviceVector
     /// What iOS says of its own field, which is right then.
     private let system: SystemFieldSample.Accuracy?
     private var state: UInt64
     /// The world's north and up in the device.
-    private var (north, up) = (Vector3(x: 0, y: 1, z: 0), Vector3(x: 0, y: 0, z: 1))
+    private var (north, up) = (DeviceVector(x: 0, y: 1, z: 0), DeviceVector(x: 0, y: 0, z: 1))
     private var timeNs: Int64 = 0
     /// Of the top edge, where it lies flat.
     private(set) var headingDeg = 0.0
     /// Of the place, uT.
     var horizontalUt = 21.0
 
-    init(_ seed: UInt64, hardIron: Vector3 = hardIronUt, system: SystemFieldSample.Accuracy? = nil) {
+    init(_ seed: UInt64, hardIron: DeviceVector = hardIronUt, system: SystemFieldSample.Accuracy? = nil) {
         (state, self.hardIron, self.system) = (seed &* 2 &+ 1, hardIron, system)
     }
 
     /// The Earth's in the device, uT.
-    var field: Vector3 { north * horizontalUt + up * -43 }
+    var field: DeviceVector { north * horizontalUt + up * -43 }
 
     mutating func layDown(_ headingDeg: Double) {
         self.headingDeg = headingDeg
         let angle = headingDeg * .pi / 180
-        (north, up) = (Vector3(x: -sin(angle), y: cos(angle), z: 0), Vector3(x: 0, y: 0, z: 1))
+        (north, up) = (DeviceVector(x: -sin(angle), y: cos(angle), z: 0), DeviceVector(x: 0, y: 0, z: 1))
     }
 
     /// The next 10 ms.
     mutating func advance(still: Bool) -> [SensorSample] {
         let t = Double(timeNs) * 1e-9
         let rate =
-            still ? Vector3(x: 0, y: 0, z: 0) : Vector3(x: sin(0.9 * t), y: cos(1.3 * t + 1), z: 0.8 * sin(0.5 * t))
+            still
+            ? DeviceVector(x: 0, y: 0, z: 0) : DeviceVector(x: sin(0.9 * t), y: cos(1.3 * t + 1), z: 0.8 * sin(0.5 * t))
         (north, up) = (Self.seen(north, rate), Self.seen(up, rate))
         timeNs += stepNs
         var events: [SensorSample] = [
@@ -243,8 +245,8 @@ struct Phone {
         return events + [.magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw))]
     }
 
-    private mutating func noisy(_ v: Vector3, _ size: Double) -> Vector3 {
-        v + Vector3(x: normal(), y: normal(), z: normal()) * size
+    private mutating func noisy(_ v: DeviceVector, _ size: Double) -> DeviceVector {
+        v + DeviceVector(x: normal(), y: normal(), z: normal()) * size
     }
 
     /// Sum of twelve evenly spread numbers.
@@ -256,12 +258,12 @@ struct Phone {
     }
 
     /// A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula.
-    private static func seen(_ v: Vector3, _ rate: Vector3) -> Vector3 {
+    private static func seen(_ v: DeviceVector, _ rate: DeviceVector) -> DeviceVector {
         let speed = rate.length
         guard speed > 0 else { return v }
         let axis = rate * (1 / speed)
         let (c, s) = (cos(0.01 * speed), sin(0.01 * speed))
-        let cross = Vector3(
+        let cross = DeviceVector(
             x: axis.y * v.z - axis.z * v.y, y: axis.z * v.x - axis.x * v.z, z: axis.x * v.y - axis.y * v.x)
         let along = axis.x * v.x + axis.y * v.y + axis.z * v.z
         return v * c + cross * -s + axis * (along * (1 - c))

@@ -22,7 +22,8 @@ import Testing
         source.finish()
         for task in readers + [last] { try await task.value }
 
-        let alone = try Compensator(config: Config(heading: HeadingConfig(axis: .auto))).pushAll(events + flat(1500))
+        let alone = try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .auto))).pushAll(
+            events + flat(1500))
         for one in seen { #expect(one.value.map(\.reading) == alone) }
         #expect(late.value.map(\.reading) == [alone[1500]] && late.value[0].droppedBefore == 0)
         #expect(source.state.value.starts == 1, "sensors ran once")
@@ -31,7 +32,7 @@ import Testing
     @Test func whatWasLearnedStaysWhileTheCompassLives() async throws {
         let source = Live()
         let compass = Compass(source: source)
-        var all: [Reading] = []
+        var all: [MagneticReading] = []
         for run in 0..<3 {
             let seen = Shared<[CompensatedReading]>([])
             let task = reader(compass, seen)
@@ -43,7 +44,7 @@ import Testing
             try await eventually { source.state.value.ends == run + 1 }
             all += seen.value.map(\.reading)
         }
-        let config = Config(heading: HeadingConfig(axis: .auto))
+        let config = CompensationConfig(heading: HeadingConfig(axis: .auto))
         #expect(try all == Compensator(config: config).pushAll(events), "as if it had never stopped")
     }
 
@@ -131,7 +132,7 @@ import Testing
         try compass.setDeclinationDeg(2)
         let last = try #require(try await compass.readings().collected().last)
         let heading = try #require(last.reading.heading)
-        #expect(heading.trueHeadingDeg == Heading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 2))
+        #expect(heading.trueHeadingDeg == CompassHeading.trueHeadingDeg(headingDeg: heading.headingDeg, declinationDeg: 2))
         #expect(store.calls.value.filter { $0 == "load" }.count == 1, "the estimator is the same")
     }
 

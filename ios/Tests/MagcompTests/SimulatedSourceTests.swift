@@ -23,7 +23,7 @@ import Testing
     }
 
     @Test func theGyroscopeTellsHowTheOthersTurn() async throws {
-        var (rate, up) = (Vector3(x: 0, y: 0, z: 0), Vector3?.none)
+        var (rate, up) = (DeviceVector(x: 0, y: 0, z: 0), DeviceVector?.none)
         var worst = 0.0
         for try await event in SimulatedSource(speed: nil).samples() {
             switch event {
@@ -31,7 +31,7 @@ import Testing
             case .up(let sample):
                 if let before = up {
                     // the world turns the other way
-                    let cross = Vector3(
+                    let cross = DeviceVector(
                         x: before.y * rate.z - before.z * rate.y, y: before.z * rate.x - before.x * rate.z,
                         z: before.x * rate.y - before.y * rate.x)
                     worst = max(worst, (sample.upMS2 + before * -1 + cross * -0.01).length)

@@ -16,7 +16,7 @@ func withoutSwiftUI() async throws {
     }
 }
 
-func besideTheSystemsOwn(compare: (Vector3?, SystemFieldSample?) -> Void) async throws {
+func besideTheSystemsOwn(compare: (DeviceVector?, SystemFieldSample?) -> Void) async throws {
     let source = CoreMotionSource(options: SensorOptions(systemField: true))
     for try await answer in source.samples().compensated(store: UserDefaultsStore()) {
         compare(answer.reading.fieldUt, answer.systemField)
@@ -25,12 +25,12 @@ func besideTheSystemsOwn(compare: (Vector3?, SystemFieldSample?) -> Void) async 
 #endif
 
 func trueNorth(_ compass: Compass) throws {
-    let place = try GeomagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: Date())
+    let place = try EarthMagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: Date())
     try compass.setDeclinationDeg(place.declinationDeg)
 }
 
 func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
-    let camera = HeadedAxis.device(axis: Vector3(x: 0, y: 0, z: -1))
+    let camera = HeadedAxis.device(axis: DeviceVector(x: 0, y: 0, z: -1))
     try compass.aid(
         HeadingSample(
             timeNs: HeadingSample.timeNs(of: Date()), headingDeg: bearingDeg, sigmaDeg: 5, reference: .true, axis: camera))
@@ -44,7 +44,7 @@ func onFix(_ compass: Compass, _ fix: CLLocation) throws {
     let isTaken = try compass.aid(fix, of: .vehicle)
     if !isTaken { print("no course, too slow, too late, or nobody reads") }
     // true north, where the place is known
-    try compass.setDeclinationDeg(GeomagneticField(at: fix).declinationDeg)
+    try compass.setDeclinationDeg(EarthMagneticField(at: fix).declinationDeg)
 }
 #endif
 
@@ -121,7 +121,7 @@ final class CameraHelp: NSObject, ARSessionDelegate {
         let task = reader(compass, seen)
         try await source.started(1)
         let timeNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
-        source.play([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: Vector3(x: 1, y: 2, z: 3)))])
+        source.play([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
         try await eventually { seen.value.count == 1 }
         try body()
         task.cancel()
@@ -132,14 +132,14 @@ final class CameraHelp: NSObject, ARSessionDelegate {
         let source = Live()
         let compass = Compass(source: source)
         try onFix(compass, fix(course: 90))
-        #expect(try compass.declinationDeg == GeomagneticField(at: fix(course: 90)).declinationDeg)
+        #expect(try compass.declinationDeg == EarthMagneticField(at: fix(course: 90)).declinationDeg)
         #expect(try !compass.aid(fix(course: 90), of: .vehicle), "nobody reads")
         try await driven(compass, source) { () throws in
             #expect(try !compass.aid(fix(course: -1), of: .vehicle), "no course")
             #expect(try !compass.aid(fix(course: 90, agoS: 60), of: .vehicle), "too late")
             #expect(try compass.aid(fix(course: 90, agoS: 2), of: .vehicle))
         }
-        #expect(throws: MagcompError.self) { try GeomagneticField(at: fix(course: 90, horizontalAccuracy: -1)) }
+        #expect(throws: MagcompError.self) { try EarthMagneticField(at: fix(course: 90, horizontalAccuracy: -1)) }
     }
 
     #if canImport(ARKit) && !os(macOS)

@@ -11,7 +11,7 @@ import Testing
         let (source, store) = (Live(), Slow())
         let compass = Compass(source: source, store: store)
         let all = tumbling(4000)
-        var readings: [Reading] = []
+        var readings: [MagneticReading] = []
         for run in 0..<100 {
             let seen = Shared<[CompensatedReading]>([])
             let task = reader(compass, seen)
@@ -23,7 +23,7 @@ import Testing
             readings += seen.value.map(\.reading)
         }
         try await eventually { source.state.value.ends == 100 }
-        #expect(try readings == Compensator(config: Config(heading: HeadingConfig(axis: .auto))).pushAll(all))
+        #expect(try readings == Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .auto))).pushAll(all))
         let calls = store.calls.value
         #expect(calls.first == "load" && calls.filter { $0 == "load" }.count == 1)
         let saves = calls.dropFirst()

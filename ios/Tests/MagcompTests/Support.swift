@@ -18,7 +18,7 @@ func vectors<T: Decodable>(_ name: String, as type: T.Type = T.self) throws -> T
     return try decoder.decode(type, from: Data(contentsOf: repository.appendingPathComponent("tests/vectors/\(name)")))
 }
 
-extension Vector3 {
+extension DeviceVector {
     init(_ v: [Double]) { self.init(x: v[0], y: v[1], z: v[2]) }
 
     func isClose(to other: [Double], within tolerance: Double) -> Bool {
@@ -36,7 +36,7 @@ func newer(_ text: String) -> String {
 
 /// 100 Hz.
 let stepNs: Int64 = 10_000_000
-let hardIronUt = Vector3(x: 120, y: -80, z: 300)
+let hardIronUt = DeviceVector(x: 120, y: -80, z: 300)
 
 /// A device tumbled in a field of 50 uT, noise of 0.3 uT, around `hardIronUt`, with `up` beside every sample.
 func tumbling(_ samples: Int) -> [SensorSample] {
@@ -49,10 +49,10 @@ func tumbling(_ samples: Int) -> [SensorSample] {
         let (a, b) = (Double(k) * 0.11, Double(k) * 0.031)
         let timeNs = Int64(k + 1) * stepNs
         let (x, y, z) = (cos(a) * cos(b), sin(a) * cos(b), sin(b))
-        let field = Vector3(
+        let field = DeviceVector(
             x: 50 * x + hardIronUt.x + noise(), y: 50 * y + hardIronUt.y + noise(), z: 50 * z + hardIronUt.z + noise())
         // the field dips by 53 degrees wherever the device points
-        let up = Vector3(
+        let up = DeviceVector(
             x: 9.81 * (-0.8 * x - 0.6 * sin(a)), y: 9.81 * (-0.8 * y + 0.6 * cos(a)), z: -9.81 * 0.8 * z)
         return [
             .up(UpSample(timeNs: timeNs, upMS2: up)),
@@ -64,11 +64,29 @@ func tumbling(_ samples: Int) -> [SensorSample] {
 /// One more sample, number `k`, of a device that lies flat.
 func flat(_ k: Int) -> [SensorSample] {
     let timeNs = Int64(k + 1) * stepNs
-    let field = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
+    let field = DeviceVector(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
     return [
-        .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+        .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
         .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
     ]
+}
+
+// Tests look at what happens when the last reader leaves, so their compasses have no grace time but where they say so: of two that fit,
+// the compiler takes the one without defaults.
+extension Compass {
+    convenience init(source: any MagneticFieldSource) { self.init(source: source, graceS: 0) }
+
+    convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?) {
+        self.init(source: source, store: store, graceS: 0)
+    }
+
+    convenience init(source: any MagneticFieldSource, config: CompensationConfig) {
+        self.init(source: source, config: config, graceS: 0)
+    }
+
+    convenience init(source: any MagneticFieldSource, config: CompensationConfig, store: (any CalibrationStore)?) {
+        self.init(source: source, config: config, store: store, graceS: 0)
+    }
 }
 
 /// All at once, as often as it is asked.
@@ -95,7 +113,7 @@ extension AsyncSequence {
 }
 
 extension Compensator {
-    func pushAll(_ events: [SensorSample]) throws -> [Reading] { try events.compactMap { try push($0) } }
+    func pushAll(_ events: [SensorSample]) throws -> [MagneticReading] { try events.compactMap { try push($0) } }
 }
 
 /// Waits for what must happen; a test that waits in vain fails after half a minute.
@@ -222,6 +240,21 @@ struct Gated: MagneticFieldSource {
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 
+extension CoreMotionSource {
+    /// With a manager that the test goes on to script, which an app can't: the stand-in has a lock.
+    convenience init(
+        options: SensorOptions = SensorOptions(), scripted: CMMotionManager,
+        continuousNs: (@Sendable () -> Int64)? = nil
+    ) {
+        nonisolated(unsafe) let manager = scripted
+        if let continuousNs {
+            self.init(options: { options }, manager: { manager }, continuousNs: continuousNs)
+        } else {
+            self.init(options: { options }, manager: { manager })
+        }
+    }
+}
+
 /// Tests over a stand-in of Core Motion that plays what they script.
 protocol OverCoreMotion {
     var manager: CMMotionManager { get }
@@ -237,7 +270,7 @@ extension OverCoreMotion {
     /// The first samples while `play` runs, once updates are on.
     func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
         var samples: [SensorSample] = []
-        var iterator = CoreMotionSource(options: options, manager: manager).samples().makeAsyncIterator()
+        var iterator = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
         iterator.start()
         play()
         while samples.count < count, let sample = try await iterator.next() { samples.append(sample) }
@@ -247,7 +280,7 @@ extension OverCoreMotion {
     /// As many readings while `play` runs.
     func readings(_ count: Int, play: () -> Void) async throws -> [CompensatedReading] {
         var readings: [CompensatedReading] = []
-        var iterator = CoreMotionSource(manager: manager).samples().compensated(capacity: count).makeAsyncIterator()
+        var iterator = CoreMotionSource(scripted: manager).samples().compensated(capacity: count).makeAsyncIterator()
         iterator.start()
         try await eventually { manager.isMagnetometerActive }
         play()

@@ -9,11 +9,11 @@ import Testing
         (1...samples).flatMap { k -> [SensorSample] in
             let timeNs = Int64(k) * stepNs
             let noise = 0.2 * Double((k * 7) % 5 - 2)
-            let raw = Vector3(x: hardIronUt.x + 10 + noise, y: hardIronUt.y + 28 - noise, z: hardIronUt.z - 40 + noise)
-            let system = Vector3(
+            let raw = DeviceVector(x: hardIronUt.x + 10 + noise, y: hardIronUt.y + 28 - noise, z: hardIronUt.z - 40 + noise)
+            let system = DeviceVector(
                 x: raw.x - hardIronUt.x - 2, y: raw.y - hardIronUt.y + 2, z: raw.z - hardIronUt.z - 2)
             return [
-                .up(UpSample(timeNs: timeNs, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
                 .systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: accuracy)),
                 .magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw)),
             ]
@@ -31,13 +31,13 @@ import Testing
             #expect((15...60).contains(sigma), "13 uT in 30: \(sigma)")
             #expect(readings.allSatisfy { $0.reading.heading != nil })
         }
-        let without = Config(useReportedHardIron: false)
+        let without = CompensationConfig(useReportedHardIron: false)
         let refused = try await Compass(source: Played(events: lying(.high)), config: without).readings().collected()
         #expect(refused.allSatisfy { $0.reading.heading == nil })
         // the system knows nothing, or its field is of another time
         var old = lying(.high)
         old[1] = .systemField(
-            SystemFieldSample(timeNs: -5 * stepNs, fieldUt: Vector3(x: 10, y: 28, z: -40), accuracy: .high))
+            SystemFieldSample(timeNs: -5 * stepNs, fieldUt: DeviceVector(x: 10, y: 28, z: -40), accuracy: .high))
         for events in [lying(.uncalibrated), Array(old[..<3])] {
             let readings = try await Compass(source: Played(events: events)).readings().collected()
             #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label == "collecting" })
@@ -47,13 +47,13 @@ import Testing
     /// The system's field comes every 50 ms and once, after a pause, later; samples come between.
     @Test func theSystemsFieldBelongsToASampleWithinItsOwnPeriod() async throws {
         func system(_ ms: Int64) -> SensorSample {
-            let field = Vector3(x: 10, y: 28, z: -40)
+            let field = DeviceVector(x: 10, y: 28, z: -40)
             return .systemField(SystemFieldSample(timeNs: ms * 1_000_000, fieldUt: field, accuracy: .high))
         }
         func sample(_ ms: Int64) -> [SensorSample] {
-            let raw = Vector3(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
+            let raw = DeviceVector(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
             return [
-                .up(UpSample(timeNs: ms * 1_000_000, upMS2: Vector3(x: 0, y: 0, z: 9.81))),
+                .up(UpSample(timeNs: ms * 1_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
                 .magnetic(MagneticSample(timeNs: ms * 1_000_000, fieldUt: raw)),
             ]
         }

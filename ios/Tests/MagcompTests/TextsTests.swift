@@ -1,3 +1,4 @@
+import Foundation
 @testable import Magcomp
 import Testing
 
@@ -54,5 +55,43 @@ struct TextsTests {
             let event = FieldEvent(kind: try #require(kinds[fact.kind]), sinceNs: fact.sinceNs, decidedNs: fact.decidedNs)
             #expect(event.localizedText == fact.text)
         }
+    }
+
+    /// A bundle as a folder, with a table.
+    func bundle(_ table: String, _ texts: [String: String]) throws -> Bundle {
+        let folder = FileManager.default.temporaryDirectory.appendingPathComponent(UUID().uuidString + ".bundle")
+        let english = folder.appendingPathComponent("en.lproj")
+        try FileManager.default.createDirectory(at: english, withIntermediateDirectories: true)
+        let lines = texts.map { "\"\($0)\" = \"\($1)\";\n" }.joined()
+        try lines.write(to: english.appendingPathComponent("\(table).strings"), atomically: true, encoding: .utf8)
+        return try #require(Bundle(url: folder))
+    }
+
+    @Test func withoutThePackagesBundleThereAreWordsToo() throws {
+        let (empty, texts) = (try bundle("Other", [:]), Texts(app: .main, package: nil))
+        #expect(texts.say("missing_samples", [Int64(3), Int64(9)]) == "3 of 9 samples; turn the device about")
+        #expect(Texts(app: empty, package: empty).say("status_tracking", []) == "tracking")
+        // the same table
+        for (key, english) in englishTexts {
+            #expect(Texts.shared.say(key, []) == english)
+        }
+        #expect(englishTexts.count > 60)
+    }
+
+    @Test func anAppMayRewordAndTranslate() throws {
+        let app = try bundle(
+            "Magcomp",
+            [
+                "status_tracking": "alles gut", "missing_samples": "%2$lld, davon %1$lld", "status_held": "%1$lld falsch",
+                "guidance_turn": "",
+            ])
+        let package = try bundle("Localizable", ["status_tracking": "of the package", "guidance_eight": "an eight"])
+        let texts = Texts(app: app, package: package)
+        #expect(texts.say("status_tracking", []) == "alles gut")
+        #expect(texts.say("missing_samples", [Int64(3), Int64(9)]) == "9, davon 3")
+        #expect(texts.say("guidance_eight", []) == "an eight")
+        // what asks for other values is left out, and so is nothing at all
+        #expect(texts.say("status_held", [NSString("why")]) == "held: why")
+        #expect(texts.say("guidance_turn", []) == "Turn the phone.")
     }
 }

@@ -1495,7 +1495,7 @@ internal interface NativeCompensatorInterface {
      * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
-    fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+    fun `adopt`(`calibration`: MagnetometerCalibration, `hardIronSigmaUt`: kotlin.Double)
 
     /**
      * From now on the calibration of a text of `keep` is in force, until something better is learned. The stream, the config and the
@@ -1508,7 +1508,7 @@ internal interface NativeCompensatorInterface {
     /**
      * Hard iron, soft iron and field strength in force, if any.
      */
-    fun `calibration`(): Calibration?
+    fun `calibration`(): MagnetometerCalibration?
 
     /**
      * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
@@ -1519,7 +1519,7 @@ internal interface NativeCompensatorInterface {
     /**
      * Which directions were seen, for guidance.
      */
-    fun `coverage`(): Coverage
+    fun `coverage`(): DirectionCoverage
 
     /**
      * A number for the fast paths, JNI and C, for the library's own wrapper.
@@ -1529,7 +1529,7 @@ internal interface NativeCompensatorInterface {
     /**
      * The latest ellipsoid fit that was accepted, with its covariance. Null for the aided and the adaptive method, which make none.
      */
-    fun `fit`(): Fit?
+    fun `fit`(): EllipsoidFit?
 
     /**
      * Gaps so far: of the gyroscope while it was in use, of samples, and those told by `pushGap`.
@@ -1548,7 +1548,7 @@ internal interface NativeCompensatorInterface {
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-    fun `push`(`sample`: MagneticSample): Reading
+    fun `push`(`sample`: MagneticSample): MagneticReading
 
     /**
      * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
@@ -1641,7 +1641,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * A compensator for a config. Fails with `Config` or `Calibration` when a field is out of range.
      */
-    constructor(`config`: Config) :
+    constructor(`config`: CompensationConfig) :
         this(UniffiWithHandle,
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_constructor_compensator_new(
@@ -1734,7 +1734,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * first readings are as unsure as that. Fails with `Calibration` when the numbers are no calibration and with
      * `Config` when the standard deviation is out of range; nothing has changed then.
      */
-    @Throws(MagcompException::class)override fun `adopt`(`calibration`: Calibration, `hardIronSigmaUt`: kotlin.Double)
+    @Throws(MagcompException::class)override fun `adopt`(`calibration`: MagnetometerCalibration, `hardIronSigmaUt`: kotlin.Double)
         =
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -1773,7 +1773,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * Hard iron, soft iron and field strength in force, if any.
      */
-    @Throws(MagcompException::class)override fun `calibration`(): Calibration? {
+    @Throws(MagcompException::class)override fun `calibration`(): MagnetometerCalibration? {
             return FfiConverterOptionalTypeCalibration.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -1808,7 +1808,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * Which directions were seen, for guidance.
      */
-    @Throws(MagcompException::class)override fun `coverage`(): Coverage {
+    @Throws(MagcompException::class)override fun `coverage`(): DirectionCoverage {
             return FfiConverterTypeCoverage.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -1841,7 +1841,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * The latest ellipsoid fit that was accepted, with its covariance. Null for the aided and the adaptive method, which make none.
      */
-    @Throws(MagcompException::class)override fun `fit`(): Fit? {
+    @Throws(MagcompException::class)override fun `fit`(): EllipsoidFit? {
             return FfiConverterOptionalTypeFit.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -1897,7 +1897,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-    @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): Reading {
+    @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): MagneticReading {
             return FfiConverterTypeReading.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -2229,17 +2229,17 @@ internal interface NativeConstantFieldInterface {
      * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
-    fun `add`(`rawUt`: Vector3)
+    fun `add`(`rawUt`: DeviceVector)
 
     /**
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
-    fun `coverage`(): Coverage
+    fun `coverage`(): DirectionCoverage
 
     /**
      * The calibration with its covariance. Fails with `Fit`, which says what is missing; the session can go on.
      */
-    fun `finish`(`options`: FitOptions?): Fit
+    fun `finish`(`options`: FitOptions?): EllipsoidFit
 
     /**
      * Orientations so far.
@@ -2381,7 +2381,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
      * One raw sample, microtesla, device frame. Fails with `Rejected` when it is not finite or a component
      * is beyond +-100 000; nothing has changed then.
      */
-    @Throws(MagcompException::class)override fun `add`(`rawUt`: Vector3)
+    @Throws(MagcompException::class)override fun `add`(`rawUt`: DeviceVector)
         =
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -2398,7 +2398,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
     /**
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
-    @Throws(MagcompException::class)override fun `coverage`(): Coverage {
+    @Throws(MagcompException::class)override fun `coverage`(): DirectionCoverage {
             return FfiConverterTypeCoverage.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -2415,7 +2415,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
     /**
      * The calibration with its covariance. Fails with `Fit`, which says what is missing; the session can go on.
      */
-    @Throws(MagcompException::class)override fun `finish`(`options`: FitOptions?): Fit {
+    @Throws(MagcompException::class)override fun `finish`(`options`: FitOptions?): EllipsoidFit {
             return FfiConverterTypeFit.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
@@ -2521,7 +2521,7 @@ internal object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstant
  * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
  * north, up), north magnetic. w is at least 0.
  */
-data class Attitude (
+data class DeviceAttitude (
     /**
      * The real part.
      */
@@ -2560,9 +2560,9 @@ data class Attitude (
 /**
  * @suppress
  */
-internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
-    override fun read(buf: ByteBuffer): Attitude {
-        return Attitude(
+internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<DeviceAttitude> {
+    override fun read(buf: ByteBuffer): DeviceAttitude {
+        return DeviceAttitude(
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
@@ -2571,7 +2571,7 @@ internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
         )
     }
 
-    override fun allocationSize(value: Attitude) = (
+    override fun allocationSize(value: DeviceAttitude) = (
             FfiConverterDouble.allocationSize(value.`w`) +
             FfiConverterDouble.allocationSize(value.`x`) +
             FfiConverterDouble.allocationSize(value.`y`) +
@@ -2579,7 +2579,7 @@ internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<Attitude> {
             FfiConverterOptionalDouble.allocationSize(value.`sigmaDeg`)
     )
 
-    override fun write(value: Attitude, buf: ByteBuffer) {
+    override fun write(value: DeviceAttitude, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`w`, buf)
             FfiConverterDouble.write(value.`x`, buf)
             FfiConverterDouble.write(value.`y`, buf)
@@ -2623,7 +2623,7 @@ data class AttitudeSample (
     /**
      * What is known of that world's y axis.
      */
-    val `yaw`: Yaw
+    val `yaw`: WorldYaw
 
 ){
 
@@ -2673,7 +2673,7 @@ internal object FfiConverterTypeAttitudeSample: FfiConverterRustBuffer<AttitudeS
 /**
  * Raw field = soft iron * field + hard iron.
  */
-data class Calibration (
+data class MagnetometerCalibration (
     /**
      * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
@@ -2682,7 +2682,7 @@ data class Calibration (
     /**
      * b, microtesla, each component within +-100 000: subtracted from the raw field.
      */
-    val `hardIronUt`: Vector3
+    val `hardIronUt`: DeviceVector
     ,
     /**
      * Strength of the field it was found in, microtesla, 1 to 1000.
@@ -2701,22 +2701,22 @@ data class Calibration (
 /**
  * @suppress
  */
-internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration> {
-    override fun read(buf: ByteBuffer): Calibration {
-        return Calibration(
+internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<MagnetometerCalibration> {
+    override fun read(buf: ByteBuffer): MagnetometerCalibration {
+        return MagnetometerCalibration(
             FfiConverterTypeSoftIron.read(buf),
             FfiConverterTypeVector3.read(buf),
             FfiConverterDouble.read(buf),
         )
     }
 
-    override fun allocationSize(value: Calibration) = (
+    override fun allocationSize(value: MagnetometerCalibration) = (
             FfiConverterTypeSoftIron.allocationSize(value.`softIron`) +
             FfiConverterTypeVector3.allocationSize(value.`hardIronUt`) +
             FfiConverterDouble.allocationSize(value.`fieldStrengthUt`)
     )
 
-    override fun write(value: Calibration, buf: ByteBuffer) {
+    override fun write(value: MagnetometerCalibration, buf: ByteBuffer) {
             FfiConverterTypeSoftIron.write(value.`softIron`, buf)
             FfiConverterTypeVector3.write(value.`hardIronUt`, buf)
             FfiConverterDouble.write(value.`fieldStrengthUt`, buf)
@@ -2728,16 +2728,16 @@ internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<Calibration>
 /**
  * All settings of a compensator. A setting left out has the library's default; `defaultConfig()` shows them all.
  */
-data class Config (
+data class CompensationConfig (
     /**
      * How the hard and soft iron are estimated. Default `Auto`.
      */
-    val `method`: Method? = null
+    val `method`: CompensationMethod? = null
     ,
     /**
      * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default null.
      */
-    val `initial`: Calibration? = null
+    val `initial`: MagnetometerCalibration? = null
     ,
     /**
      * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
@@ -2792,9 +2792,9 @@ data class Config (
 /**
  * @suppress
  */
-internal object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
-    override fun read(buf: ByteBuffer): Config {
-        return Config(
+internal object FfiConverterTypeConfig: FfiConverterRustBuffer<CompensationConfig> {
+    override fun read(buf: ByteBuffer): CompensationConfig {
+        return CompensationConfig(
             FfiConverterOptionalTypeMethod.read(buf),
             FfiConverterOptionalTypeCalibration.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -2807,7 +2807,7 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
         )
     }
 
-    override fun allocationSize(value: Config) = (
+    override fun allocationSize(value: CompensationConfig) = (
             FfiConverterOptionalTypeMethod.allocationSize(value.`method`) +
             FfiConverterOptionalTypeCalibration.allocationSize(value.`initial`) +
             FfiConverterOptionalDouble.allocationSize(value.`initialSigmaUt`) +
@@ -2819,7 +2819,7 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
             FfiConverterOptionalTypeWindowedConfig.allocationSize(value.`windowed`)
     )
 
-    override fun write(value: Config, buf: ByteBuffer) {
+    override fun write(value: CompensationConfig, buf: ByteBuffer) {
             FfiConverterOptionalTypeMethod.write(value.`method`, buf)
             FfiConverterOptionalTypeCalibration.write(value.`initial`, buf)
             FfiConverterOptionalDouble.write(value.`initialSigmaUt`, buf)
@@ -2837,7 +2837,7 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<Config> {
 /**
  * Which directions of the sphere have been seen, for guidance.
  */
-data class Coverage (
+data class DirectionCoverage (
     /**
      * Share of the 48 equal cells of the sphere that were seen, 0 to 1.
      */
@@ -2846,7 +2846,7 @@ data class Coverage (
     /**
      * Middles of the cells not yet seen, unit vectors, device frame: turn the device so that the field points there.
      */
-    val `unseenDirections`: List<Vector3>
+    val `unseenDirections`: List<DeviceVector>
 
 ){
 
@@ -2860,20 +2860,20 @@ data class Coverage (
 /**
  * @suppress
  */
-internal object FfiConverterTypeCoverage: FfiConverterRustBuffer<Coverage> {
-    override fun read(buf: ByteBuffer): Coverage {
-        return Coverage(
+internal object FfiConverterTypeCoverage: FfiConverterRustBuffer<DirectionCoverage> {
+    override fun read(buf: ByteBuffer): DirectionCoverage {
+        return DirectionCoverage(
             FfiConverterDouble.read(buf),
             FfiConverterSequenceTypeVector3.read(buf),
         )
     }
 
-    override fun allocationSize(value: Coverage) = (
+    override fun allocationSize(value: DirectionCoverage) = (
             FfiConverterDouble.allocationSize(value.`share`) +
             FfiConverterSequenceTypeVector3.allocationSize(value.`unseenDirections`)
     )
 
-    override fun write(value: Coverage, buf: ByteBuffer) {
+    override fun write(value: DirectionCoverage, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`share`, buf)
             FfiConverterSequenceTypeVector3.write(value.`unseenDirections`, buf)
     }
@@ -2884,11 +2884,11 @@ internal object FfiConverterTypeCoverage: FfiConverterRustBuffer<Coverage> {
 /**
  * A change that was decided.
  */
-data class Event (
+data class FieldEvent (
     /**
      * What changed.
      */
-    val `kind`: EventKind
+    val `kind`: FieldEventKind
     ,
     /**
      * Time of the first sample that no longer fitted, nanoseconds.
@@ -2912,22 +2912,22 @@ data class Event (
 /**
  * @suppress
  */
-internal object FfiConverterTypeEvent: FfiConverterRustBuffer<Event> {
-    override fun read(buf: ByteBuffer): Event {
-        return Event(
+internal object FfiConverterTypeEvent: FfiConverterRustBuffer<FieldEvent> {
+    override fun read(buf: ByteBuffer): FieldEvent {
+        return FieldEvent(
             FfiConverterTypeEventKind.read(buf),
             FfiConverterLong.read(buf),
             FfiConverterLong.read(buf),
         )
     }
 
-    override fun allocationSize(value: Event) = (
+    override fun allocationSize(value: FieldEvent) = (
             FfiConverterTypeEventKind.allocationSize(value.`kind`) +
             FfiConverterLong.allocationSize(value.`sinceNs`) +
             FfiConverterLong.allocationSize(value.`decidedNs`)
     )
 
-    override fun write(value: Event, buf: ByteBuffer) {
+    override fun write(value: FieldEvent, buf: ByteBuffer) {
             FfiConverterTypeEventKind.write(value.`kind`, buf)
             FfiConverterLong.write(value.`sinceNs`, buf)
             FfiConverterLong.write(value.`decidedNs`, buf)
@@ -2939,11 +2939,11 @@ internal object FfiConverterTypeEvent: FfiConverterRustBuffer<Event> {
 /**
  * An ellipsoid fit and how far to trust it.
  */
-data class Fit (
+data class EllipsoidFit (
     /**
      * M, b and the field strength.
      */
-    val `calibration`: Calibration
+    val `calibration`: MagnetometerCalibration
     ,
     /**
      * 9 x 9, row by row, in the order b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless).
@@ -2958,7 +2958,7 @@ data class Fit (
     /**
      * Why they ended.
      */
-    val `termination`: Termination
+    val `termination`: FitTermination
     ,
     /**
      * Rms distance of the samples from the ellipsoid, microtesla: the noise per axis.
@@ -2992,9 +2992,9 @@ data class Fit (
 /**
  * @suppress
  */
-internal object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
-    override fun read(buf: ByteBuffer): Fit {
-        return Fit(
+internal object FfiConverterTypeFit: FfiConverterRustBuffer<EllipsoidFit> {
+    override fun read(buf: ByteBuffer): EllipsoidFit {
+        return EllipsoidFit(
             FfiConverterTypeCalibration.read(buf),
             FfiConverterSequenceDouble.read(buf),
             FfiConverterInt.read(buf),
@@ -3006,7 +3006,7 @@ internal object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
         )
     }
 
-    override fun allocationSize(value: Fit) = (
+    override fun allocationSize(value: EllipsoidFit) = (
             FfiConverterTypeCalibration.allocationSize(value.`calibration`) +
             FfiConverterSequenceDouble.allocationSize(value.`covariance`) +
             FfiConverterInt.allocationSize(value.`iterations`) +
@@ -3017,7 +3017,7 @@ internal object FfiConverterTypeFit: FfiConverterRustBuffer<Fit> {
             FfiConverterInt.allocationSize(value.`samples`)
     )
 
-    override fun write(value: Fit, buf: ByteBuffer) {
+    override fun write(value: EllipsoidFit, buf: ByteBuffer) {
             FfiConverterTypeCalibration.write(value.`calibration`, buf)
             FfiConverterSequenceDouble.write(value.`covariance`, buf)
             FfiConverterInt.write(value.`iterations`, buf)
@@ -3038,7 +3038,7 @@ data class FitOptions (
     /**
      * The residual that a fit squares and sums. Default `Corrected`.
      */
-    val `residual`: Residual? = null
+    val `residual`: FitResidual? = null
     ,
     /**
      * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
@@ -3186,7 +3186,7 @@ internal object FfiConverterTypeFoundDeclination: FfiConverterRustBuffer<FoundDe
 /**
  * The Earth's field at a place and date.
  */
-data class GeomagneticField (
+data class EarthMagneticField (
     /**
      * From true to magnetic north, degrees, east positive.
      */
@@ -3203,7 +3203,7 @@ data class GeomagneticField (
     val `inclinationDeg`: kotlin.Double
     ,
     /**
-     * Strength, microtesla: what `Config.fieldStrengthUt` takes.
+     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
      */
     val `totalFieldUt`: kotlin.Double
 
@@ -3219,9 +3219,9 @@ data class GeomagneticField (
 /**
  * @suppress
  */
-internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<GeomagneticField> {
-    override fun read(buf: ByteBuffer): GeomagneticField {
-        return GeomagneticField(
+internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<EarthMagneticField> {
+    override fun read(buf: ByteBuffer): EarthMagneticField {
+        return EarthMagneticField(
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
@@ -3229,14 +3229,14 @@ internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<Geomagn
         )
     }
 
-    override fun allocationSize(value: GeomagneticField) = (
+    override fun allocationSize(value: EarthMagneticField) = (
             FfiConverterDouble.allocationSize(value.`declinationDeg`) +
             FfiConverterDouble.allocationSize(value.`declinationSigmaDeg`) +
             FfiConverterDouble.allocationSize(value.`inclinationDeg`) +
             FfiConverterDouble.allocationSize(value.`totalFieldUt`)
     )
 
-    override fun write(value: GeomagneticField, buf: ByteBuffer) {
+    override fun write(value: EarthMagneticField, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`declinationDeg`, buf)
             FfiConverterDouble.write(value.`declinationSigmaDeg`, buf)
             FfiConverterDouble.write(value.`inclinationDeg`, buf)
@@ -3249,7 +3249,7 @@ internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<Geomagn
 /**
  * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
-data class Heading (
+data class CompassHeading (
     /**
      * Clockwise from magnetic north, 0 to 360 degrees.
      */
@@ -3282,9 +3282,9 @@ data class Heading (
 /**
  * @suppress
  */
-internal object FfiConverterTypeHeading: FfiConverterRustBuffer<Heading> {
-    override fun read(buf: ByteBuffer): Heading {
-        return Heading(
+internal object FfiConverterTypeHeading: FfiConverterRustBuffer<CompassHeading> {
+    override fun read(buf: ByteBuffer): CompassHeading {
+        return CompassHeading(
             FfiConverterDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -3292,14 +3292,14 @@ internal object FfiConverterTypeHeading: FfiConverterRustBuffer<Heading> {
         )
     }
 
-    override fun allocationSize(value: Heading) = (
+    override fun allocationSize(value: CompassHeading) = (
             FfiConverterDouble.allocationSize(value.`headingDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`headingSigmaDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`trueHeadingDeg`) +
             FfiConverterDouble.allocationSize(value.`inclinationDeg`)
     )
 
-    override fun write(value: Heading, buf: ByteBuffer) {
+    override fun write(value: CompassHeading, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`headingDeg`, buf)
             FfiConverterOptionalDouble.write(value.`headingSigmaDeg`, buf)
             FfiConverterOptionalDouble.write(value.`trueHeadingDeg`, buf)
@@ -3511,14 +3511,14 @@ data class MagneticSample (
     /**
      * Raw (uncalibrated) field, microtesla, device frame.
      */
-    val `fieldUt`: Vector3
+    val `fieldUt`: DeviceVector
     ,
     /**
      * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `Reading.reportedHardIronJumpUt`; `Config.useReportedHardIron` makes it
+     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
      * the first calibration.
      */
-    val `reportedHardIronUt`: Vector3? = null
+    val `reportedHardIronUt`: DeviceVector? = null
 
 ){
 
@@ -3559,7 +3559,7 @@ internal object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticS
 /**
  * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
-data class Reading (
+data class MagneticReading (
     /**
      * Time of the sample, nanoseconds.
      */
@@ -3568,7 +3568,7 @@ data class Reading (
     /**
      * The corrected sample, microtesla, device frame. Null until there is a calibration, and for a rejected sample.
      */
-    val `fieldUt`: Vector3?
+    val `fieldUt`: DeviceVector?
     ,
     /**
      * One standard deviation of `fieldUt` per axis, microtesla. Null when it is not known.
@@ -3578,7 +3578,7 @@ data class Reading (
     /**
      * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
      */
-    val `filteredFieldUt`: Vector3?
+    val `filteredFieldUt`: DeviceVector?
     ,
     /**
      * Length of `fieldUt`, microtesla.
@@ -3588,13 +3588,13 @@ data class Reading (
     /**
      * Heading and inclination. Null without a calibration, without a recent `up`, or where the axis is vertical.
      */
-    val `heading`: Heading?
+    val `heading`: CompassHeading?
     ,
     /**
      * How the device lies in the world, also where the heading's axis is vertical. Null without a calibration, without a recent
      * `up`, or where the field is vertical.
      */
-    val `attitude`: Attitude?
+    val `attitude`: DeviceAttitude?
     ,
     /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
@@ -3643,12 +3643,12 @@ data class Reading (
     /**
      * The latest change that was decided, kept until the next. Null before the first.
      */
-    val `event`: Event?
+    val `event`: FieldEvent?
     ,
     /**
      * What the compensator is doing, and why.
      */
-    val `status`: Status
+    val `status`: CompensationStatus
 
 ){
 
@@ -3662,9 +3662,9 @@ data class Reading (
 /**
  * @suppress
  */
-internal object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
-    override fun read(buf: ByteBuffer): Reading {
-        return Reading(
+internal object FfiConverterTypeReading: FfiConverterRustBuffer<MagneticReading> {
+    override fun read(buf: ByteBuffer): MagneticReading {
+        return MagneticReading(
             FfiConverterLong.read(buf),
             FfiConverterOptionalTypeVector3.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -3685,7 +3685,7 @@ internal object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
         )
     }
 
-    override fun allocationSize(value: Reading) = (
+    override fun allocationSize(value: MagneticReading) = (
             FfiConverterLong.allocationSize(value.`timeNs`) +
             FfiConverterOptionalTypeVector3.allocationSize(value.`fieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldSigmaUt`) +
@@ -3705,7 +3705,7 @@ internal object FfiConverterTypeReading: FfiConverterRustBuffer<Reading> {
             FfiConverterTypeStatus.allocationSize(value.`status`)
     )
 
-    override fun write(value: Reading, buf: ByteBuffer) {
+    override fun write(value: MagneticReading, buf: ByteBuffer) {
             FfiConverterLong.write(value.`timeNs`, buf)
             FfiConverterOptionalTypeVector3.write(value.`fieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`fieldSigmaUt`, buf)
@@ -3740,7 +3740,7 @@ data class RotationRateSample (
     /**
      * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
      */
-    val `rateRadS`: Vector3
+    val `rateRadS`: DeviceVector
 
 ){
 
@@ -3866,7 +3866,7 @@ data class UpSample (
     /**
      * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
      */
-    val `upMS2`: Vector3
+    val `upMS2`: DeviceVector
 
 ){
 
@@ -3904,7 +3904,7 @@ internal object FfiConverterTypeUpSample: FfiConverterRustBuffer<UpSample> {
 /**
  * Three components in the device frame: x right, y up along the screen, z out of the screen.
  */
-data class Vector3 (
+data class DeviceVector (
     /**
      * Along the screen, to the right.
      */
@@ -3932,22 +3932,22 @@ data class Vector3 (
 /**
  * @suppress
  */
-internal object FfiConverterTypeVector3: FfiConverterRustBuffer<Vector3> {
-    override fun read(buf: ByteBuffer): Vector3 {
-        return Vector3(
+internal object FfiConverterTypeVector3: FfiConverterRustBuffer<DeviceVector> {
+    override fun read(buf: ByteBuffer): DeviceVector {
+        return DeviceVector(
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
         )
     }
 
-    override fun allocationSize(value: Vector3) = (
+    override fun allocationSize(value: DeviceVector) = (
             FfiConverterDouble.allocationSize(value.`x`) +
             FfiConverterDouble.allocationSize(value.`y`) +
             FfiConverterDouble.allocationSize(value.`z`)
     )
 
-    override fun write(value: Vector3, buf: ByteBuffer) {
+    override fun write(value: DeviceVector, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`x`, buf)
             FfiConverterDouble.write(value.`y`, buf)
             FfiConverterDouble.write(value.`z`, buf)
@@ -3978,13 +3978,13 @@ data class WindowedConfig (
     /**
      * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
      */
-    val `normalisation`: Normalisation? = null
+    val `normalisation`: SigmaNormalisation? = null
     ,
     /**
      * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
      * is fitted however far its samples lie from one ellipsoid.
      */
-    val `residual`: Residual? = null
+    val `residual`: FitResidual? = null
     ,
     /**
      * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
@@ -4041,7 +4041,7 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
  * An axis of the device.
  */
 
-enum class Axis {
+enum class DeviceAxis {
 
     /**
      * Along the screen, to the right.
@@ -4066,18 +4066,18 @@ enum class Axis {
 /**
  * @suppress
  */
-internal object FfiConverterTypeAxis: FfiConverterRustBuffer<Axis> {
+internal object FfiConverterTypeAxis: FfiConverterRustBuffer<DeviceAxis> {
     override fun read(buf: ByteBuffer) = try {
 
-        Axis.entries[buf.getInt() - 1]
+        DeviceAxis.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: Axis) = 4UL
+    override fun allocationSize(value: DeviceAxis) = 4UL
 
-    override fun write(value: Axis, buf: ByteBuffer) {
+    override fun write(value: DeviceAxis, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -4090,7 +4090,7 @@ internal object FfiConverterTypeAxis: FfiConverterRustBuffer<Axis> {
  * What changed.
  */
 
-enum class EventKind {
+enum class FieldEventKind {
 
     /**
      * The device's own disturbance (a magnet or cover put on or taken off): relearned.
@@ -4115,18 +4115,18 @@ enum class EventKind {
 /**
  * @suppress
  */
-internal object FfiConverterTypeEventKind: FfiConverterRustBuffer<EventKind> {
+internal object FfiConverterTypeEventKind: FfiConverterRustBuffer<FieldEventKind> {
     override fun read(buf: ByteBuffer) = try {
 
-        EventKind.entries[buf.getInt() - 1]
+        FieldEventKind.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: EventKind) = 4UL
+    override fun allocationSize(value: FieldEventKind) = 4UL
 
-    override fun write(value: EventKind, buf: ByteBuffer) {
+    override fun write(value: FieldEventKind, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -4480,7 +4480,7 @@ sealed class HeadedAxis {
         /**
          * Of any length but 0, device frame.
          */
-        val `axis`: org.magcomp.Vector3) : HeadedAxis()
+        val `axis`: org.magcomp.DeviceVector) : HeadedAxis()
 
     {
 
@@ -4773,7 +4773,7 @@ internal object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
  * Least important message that is still written.
  */
 
-enum class LogLevel {
+enum class MagcompLogLevel {
 
     /**
      * Nothing.
@@ -4806,18 +4806,18 @@ enum class LogLevel {
 /**
  * @suppress
  */
-internal object FfiConverterTypeLogLevel: FfiConverterRustBuffer<LogLevel> {
+internal object FfiConverterTypeLogLevel: FfiConverterRustBuffer<MagcompLogLevel> {
     override fun read(buf: ByteBuffer) = try {
 
-        LogLevel.entries[buf.getInt() - 1]
+        MagcompLogLevel.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: LogLevel) = 4UL
+    override fun allocationSize(value: MagcompLogLevel) = 4UL
 
-    override fun write(value: LogLevel, buf: ByteBuffer) {
+    override fun write(value: MagcompLogLevel, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5164,7 +5164,7 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
  * How the hard and soft iron are estimated.
  */
 
-enum class Method {
+enum class CompensationMethod {
 
     /**
      * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
@@ -5197,18 +5197,18 @@ enum class Method {
 /**
  * @suppress
  */
-internal object FfiConverterTypeMethod: FfiConverterRustBuffer<Method> {
+internal object FfiConverterTypeMethod: FfiConverterRustBuffer<CompensationMethod> {
     override fun read(buf: ByteBuffer) = try {
 
-        Method.entries[buf.getInt() - 1]
+        CompensationMethod.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: Method) = 4UL
+    override fun allocationSize(value: CompensationMethod) = 4UL
 
-    override fun write(value: Method, buf: ByteBuffer) {
+    override fun write(value: CompensationMethod, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5233,7 +5233,7 @@ sealed class Missing {
         /**
          * Samples needed.
          */
-        val `need`: kotlin.Int) : Missing()
+        val `need`: kotlin.Int) : CollectingReason()
 
     {
 
@@ -5248,7 +5248,7 @@ sealed class Missing {
         /**
          * Why.
          */
-        val `problem`: org.magcomp.FitProblem) : Missing()
+        val `problem`: org.magcomp.FitProblem) : CollectingReason()
 
     {
 
@@ -5259,13 +5259,13 @@ sealed class Missing {
     /**
      * The device must be turned.
      */
-    object Rotation : Missing()
+    object Rotation : CollectingReason()
 
 
     /**
      * More directions, turned about more than one axis.
      */
-    object Directions : Missing()
+    object Directions : CollectingReason()
 
 
 
@@ -5281,24 +5281,24 @@ sealed class Missing {
 /**
  * @suppress
  */
-internal object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
-    override fun read(buf: ByteBuffer): Missing {
+internal object FfiConverterTypeMissing : FfiConverterRustBuffer<CollectingReason>{
+    override fun read(buf: ByteBuffer): CollectingReason {
         return when(buf.getInt()) {
-            1 -> Missing.Samples(
+            1 -> CollectingReason.Samples(
                 FfiConverterInt.read(buf),
                 FfiConverterInt.read(buf),
                 )
-            2 -> Missing.Fit(
+            2 -> CollectingReason.Fit(
                 FfiConverterTypeFitProblem.read(buf),
                 )
-            3 -> Missing.Rotation
-            4 -> Missing.Directions
+            3 -> CollectingReason.Rotation
+            4 -> CollectingReason.Directions
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
         }
     }
 
-    override fun allocationSize(value: Missing): ULong = when(value) {
-        is Missing.Samples -> {
+    override fun allocationSize(value: CollectingReason): ULong = when(value) {
+        is CollectingReason.Samples -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
@@ -5306,20 +5306,20 @@ internal object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
                 + FfiConverterInt.allocationSize(value.`need`)
             )
         }
-        is Missing.Fit -> {
+        is CollectingReason.Fit -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
                 + FfiConverterTypeFitProblem.allocationSize(value.`problem`)
             )
         }
-        is Missing.Rotation -> {
+        is CollectingReason.Rotation -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
             )
         }
-        is Missing.Directions -> {
+        is CollectingReason.Directions -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
@@ -5327,24 +5327,24 @@ internal object FfiConverterTypeMissing : FfiConverterRustBuffer<Missing>{
         }
     }
 
-    override fun write(value: Missing, buf: ByteBuffer) {
+    override fun write(value: CollectingReason, buf: ByteBuffer) {
         when(value) {
-            is Missing.Samples -> {
+            is CollectingReason.Samples -> {
                 buf.putInt(1)
                 FfiConverterInt.write(value.`have`, buf)
                 FfiConverterInt.write(value.`need`, buf)
                 Unit
             }
-            is Missing.Fit -> {
+            is CollectingReason.Fit -> {
                 buf.putInt(2)
                 FfiConverterTypeFitProblem.write(value.`problem`, buf)
                 Unit
             }
-            is Missing.Rotation -> {
+            is CollectingReason.Rotation -> {
                 buf.putInt(3)
                 Unit
             }
-            is Missing.Directions -> {
+            is CollectingReason.Directions -> {
                 buf.putInt(4)
                 Unit
             }
@@ -5413,7 +5413,7 @@ internal object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
  * How the standard deviations in sigma_T are normalised.
  */
 
-enum class Normalisation {
+enum class SigmaNormalisation {
 
     /**
      * By half the range of each axis.
@@ -5434,18 +5434,18 @@ enum class Normalisation {
 /**
  * @suppress
  */
-internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<Normalisation> {
+internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<SigmaNormalisation> {
     override fun read(buf: ByteBuffer) = try {
 
-        Normalisation.entries[buf.getInt() - 1]
+        SigmaNormalisation.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: Normalisation) = 4UL
+    override fun allocationSize(value: SigmaNormalisation) = 4UL
 
-    override fun write(value: Normalisation, buf: ByteBuffer) {
+    override fun write(value: SigmaNormalisation, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5585,7 +5585,7 @@ sealed class RejectReason {
         /**
          * The axis of the component.
          */
-        val `axis`: org.magcomp.Axis,
+        val `axis`: org.magcomp.DeviceAxis,
         /**
          * The component, microtesla.
          */
@@ -5805,7 +5805,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
  * The residual that a fit squares and sums.
  */
 
-enum class Residual {
+enum class FitResidual {
 
     /**
      * Eq. (10) of the paper as written.
@@ -5826,18 +5826,18 @@ enum class Residual {
 /**
  * @suppress
  */
-internal object FfiConverterTypeResidual: FfiConverterRustBuffer<Residual> {
+internal object FfiConverterTypeResidual: FfiConverterRustBuffer<FitResidual> {
     override fun read(buf: ByteBuffer) = try {
 
-        Residual.entries[buf.getInt() - 1]
+        FitResidual.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: Residual) = 4UL
+    override fun allocationSize(value: FitResidual) = 4UL
 
-    override fun write(value: Residual, buf: ByteBuffer) {
+    override fun write(value: FitResidual, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5955,7 +5955,7 @@ internal object FfiConverterTypeSensorMode: FfiConverterRustBuffer<SensorMode> {
 /**
  * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
  */
-sealed class Status {
+sealed class CompensationStatus {
 
     /**
      * No calibration yet.
@@ -5964,7 +5964,7 @@ sealed class Status {
         /**
          * What is still missing.
          */
-        val `missing`: org.magcomp.Missing) : Status()
+        val `missing`: org.magcomp.CollectingReason) : CompensationStatus()
 
     {
 
@@ -5975,7 +5975,7 @@ sealed class Status {
     /**
      * Calibrated, and following changes.
      */
-    object Tracking : Status()
+    object Tracking : CompensationStatus()
 
 
     /**
@@ -5985,7 +5985,7 @@ sealed class Status {
         /**
          * Time of the first sample that did not fit, nanoseconds.
          */
-        val `sinceNs`: kotlin.Long) : Status()
+        val `sinceNs`: kotlin.Long) : CompensationStatus()
 
     {
 
@@ -6000,7 +6000,7 @@ sealed class Status {
         /**
          * Why nothing is learned at the moment.
          */
-        val `reason`: org.magcomp.HoldReason) : Status()
+        val `reason`: org.magcomp.HoldReason) : CompensationStatus()
 
     {
 
@@ -6015,7 +6015,7 @@ sealed class Status {
         /**
          * Time of the first disturbed sample, nanoseconds.
          */
-        val `sinceNs`: kotlin.Long) : Status()
+        val `sinceNs`: kotlin.Long) : CompensationStatus()
 
     {
 
@@ -6031,7 +6031,7 @@ sealed class Status {
         /**
          * Why it was not used.
          */
-        val `reason`: org.magcomp.RejectReason) : Status()
+        val `reason`: org.magcomp.RejectReason) : CompensationStatus()
 
     {
 
@@ -6078,65 +6078,65 @@ sealed class Status {
 /**
  * @suppress
  */
-internal object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
-    override fun read(buf: ByteBuffer): Status {
+internal object FfiConverterTypeStatus : FfiConverterRustBuffer<CompensationStatus>{
+    override fun read(buf: ByteBuffer): CompensationStatus {
         return when(buf.getInt()) {
-            1 -> Status.Collecting(
+            1 -> CompensationStatus.Collecting(
                 FfiConverterTypeMissing.read(buf),
                 )
-            2 -> Status.Tracking
-            3 -> Status.Suspect(
+            2 -> CompensationStatus.Tracking
+            3 -> CompensationStatus.Suspect(
                 FfiConverterLong.read(buf),
                 )
-            4 -> Status.Held(
+            4 -> CompensationStatus.Held(
                 FfiConverterTypeHoldReason.read(buf),
                 )
-            5 -> Status.Disturbed(
+            5 -> CompensationStatus.Disturbed(
                 FfiConverterLong.read(buf),
                 )
-            6 -> Status.Rejected(
+            6 -> CompensationStatus.Rejected(
                 FfiConverterTypeRejectReason.read(buf),
                 )
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
         }
     }
 
-    override fun allocationSize(value: Status): ULong = when(value) {
-        is Status.Collecting -> {
+    override fun allocationSize(value: CompensationStatus): ULong = when(value) {
+        is CompensationStatus.Collecting -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
                 + FfiConverterTypeMissing.allocationSize(value.`missing`)
             )
         }
-        is Status.Tracking -> {
+        is CompensationStatus.Tracking -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
             )
         }
-        is Status.Suspect -> {
+        is CompensationStatus.Suspect -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
                 + FfiConverterLong.allocationSize(value.`sinceNs`)
             )
         }
-        is Status.Held -> {
+        is CompensationStatus.Held -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
                 + FfiConverterTypeHoldReason.allocationSize(value.`reason`)
             )
         }
-        is Status.Disturbed -> {
+        is CompensationStatus.Disturbed -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
                 + FfiConverterLong.allocationSize(value.`sinceNs`)
             )
         }
-        is Status.Rejected -> {
+        is CompensationStatus.Rejected -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
@@ -6145,33 +6145,33 @@ internal object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
         }
     }
 
-    override fun write(value: Status, buf: ByteBuffer) {
+    override fun write(value: CompensationStatus, buf: ByteBuffer) {
         when(value) {
-            is Status.Collecting -> {
+            is CompensationStatus.Collecting -> {
                 buf.putInt(1)
                 FfiConverterTypeMissing.write(value.`missing`, buf)
                 Unit
             }
-            is Status.Tracking -> {
+            is CompensationStatus.Tracking -> {
                 buf.putInt(2)
                 Unit
             }
-            is Status.Suspect -> {
+            is CompensationStatus.Suspect -> {
                 buf.putInt(3)
                 FfiConverterLong.write(value.`sinceNs`, buf)
                 Unit
             }
-            is Status.Held -> {
+            is CompensationStatus.Held -> {
                 buf.putInt(4)
                 FfiConverterTypeHoldReason.write(value.`reason`, buf)
                 Unit
             }
-            is Status.Disturbed -> {
+            is CompensationStatus.Disturbed -> {
                 buf.putInt(5)
                 FfiConverterLong.write(value.`sinceNs`, buf)
                 Unit
             }
-            is Status.Rejected -> {
+            is CompensationStatus.Rejected -> {
                 buf.putInt(6)
                 FfiConverterTypeRejectReason.write(value.`reason`, buf)
                 Unit
@@ -6188,7 +6188,7 @@ internal object FfiConverterTypeStatus : FfiConverterRustBuffer<Status>{
  * Why an iteration stopped. Each is an answer; the last two say how good.
  */
 
-enum class Termination {
+enum class FitTermination {
 
     /**
      * The last step was below the tolerance.
@@ -6213,18 +6213,18 @@ enum class Termination {
 /**
  * @suppress
  */
-internal object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination> {
+internal object FfiConverterTypeTermination: FfiConverterRustBuffer<FitTermination> {
     override fun read(buf: ByteBuffer) = try {
 
-        Termination.entries[buf.getInt() - 1]
+        FitTermination.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: Termination) = 4UL
+    override fun allocationSize(value: FitTermination) = 4UL
 
-    override fun write(value: Termination, buf: ByteBuffer) {
+    override fun write(value: FitTermination, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -6236,12 +6236,12 @@ internal object FfiConverterTypeTermination: FfiConverterRustBuffer<Termination>
 /**
  * What is known of the y axis of an outside world.
  */
-sealed class Yaw {
+sealed class WorldYaw {
 
     /**
      * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
      */
-    object Relative : Yaw()
+    object Relative : WorldYaw()
 
 
     /**
@@ -6255,7 +6255,7 @@ sealed class Yaw {
         /**
          * Which north.
          */
-        val `reference`: org.magcomp.NorthReference) : Yaw()
+        val `reference`: org.magcomp.NorthReference) : WorldYaw()
 
     {
 
@@ -6276,11 +6276,11 @@ sealed class Yaw {
 /**
  * @suppress
  */
-internal object FfiConverterTypeYaw : FfiConverterRustBuffer<Yaw>{
-    override fun read(buf: ByteBuffer): Yaw {
+internal object FfiConverterTypeYaw : FfiConverterRustBuffer<WorldYaw>{
+    override fun read(buf: ByteBuffer): WorldYaw {
         return when(buf.getInt()) {
-            1 -> Yaw.Relative
-            2 -> Yaw.Absolute(
+            1 -> WorldYaw.Relative
+            2 -> WorldYaw.Absolute(
                 FfiConverterDouble.read(buf),
                 FfiConverterTypeNorthReference.read(buf),
                 )
@@ -6288,14 +6288,14 @@ internal object FfiConverterTypeYaw : FfiConverterRustBuffer<Yaw>{
         }
     }
 
-    override fun allocationSize(value: Yaw): ULong = when(value) {
-        is Yaw.Relative -> {
+    override fun allocationSize(value: WorldYaw): ULong = when(value) {
+        is WorldYaw.Relative -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
             )
         }
-        is Yaw.Absolute -> {
+        is WorldYaw.Absolute -> {
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
@@ -6305,13 +6305,13 @@ internal object FfiConverterTypeYaw : FfiConverterRustBuffer<Yaw>{
         }
     }
 
-    override fun write(value: Yaw, buf: ByteBuffer) {
+    override fun write(value: WorldYaw, buf: ByteBuffer) {
         when(value) {
-            is Yaw.Relative -> {
+            is WorldYaw.Relative -> {
                 buf.putInt(1)
                 Unit
             }
-            is Yaw.Absolute -> {
+            is WorldYaw.Absolute -> {
                 buf.putInt(2)
                 FfiConverterDouble.write(value.`sigmaDeg`, buf)
                 FfiConverterTypeNorthReference.write(value.`reference`, buf)
@@ -6489,15 +6489,15 @@ internal object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitude?> {
-    override fun read(buf: ByteBuffer): Attitude? {
+internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<DeviceAttitude?> {
+    override fun read(buf: ByteBuffer): DeviceAttitude? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeAttitude.read(buf)
     }
 
-    override fun allocationSize(value: Attitude?): ULong {
+    override fun allocationSize(value: DeviceAttitude?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6505,7 +6505,7 @@ internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitud
         }
     }
 
-    override fun write(value: Attitude?, buf: ByteBuffer) {
+    override fun write(value: DeviceAttitude?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6521,15 +6521,15 @@ internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<Attitud
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Calibration?> {
-    override fun read(buf: ByteBuffer): Calibration? {
+internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<MagnetometerCalibration?> {
+    override fun read(buf: ByteBuffer): MagnetometerCalibration? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeCalibration.read(buf)
     }
 
-    override fun allocationSize(value: Calibration?): ULong {
+    override fun allocationSize(value: MagnetometerCalibration?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6537,7 +6537,7 @@ internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Cali
         }
     }
 
-    override fun write(value: Calibration?, buf: ByteBuffer) {
+    override fun write(value: MagnetometerCalibration?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6553,15 +6553,15 @@ internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Cali
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
-    override fun read(buf: ByteBuffer): Event? {
+internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<FieldEvent?> {
+    override fun read(buf: ByteBuffer): FieldEvent? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeEvent.read(buf)
     }
 
-    override fun allocationSize(value: Event?): ULong {
+    override fun allocationSize(value: FieldEvent?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6569,7 +6569,7 @@ internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
         }
     }
 
-    override fun write(value: Event?, buf: ByteBuffer) {
+    override fun write(value: FieldEvent?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6585,15 +6585,15 @@ internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<Event?> {
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
-    override fun read(buf: ByteBuffer): Fit? {
+internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<EllipsoidFit?> {
+    override fun read(buf: ByteBuffer): EllipsoidFit? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeFit.read(buf)
     }
 
-    override fun allocationSize(value: Fit?): ULong {
+    override fun allocationSize(value: EllipsoidFit?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6601,7 +6601,7 @@ internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<Fit?> {
         }
     }
 
-    override fun write(value: Fit?, buf: ByteBuffer) {
+    override fun write(value: EllipsoidFit?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6681,15 +6681,15 @@ internal object FfiConverterOptionalTypeFoundDeclination: FfiConverterRustBuffer
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?> {
-    override fun read(buf: ByteBuffer): Heading? {
+internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<CompassHeading?> {
+    override fun read(buf: ByteBuffer): CompassHeading? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeHeading.read(buf)
     }
 
-    override fun allocationSize(value: Heading?): ULong {
+    override fun allocationSize(value: CompassHeading?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6697,7 +6697,7 @@ internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<Heading?
         }
     }
 
-    override fun write(value: Heading?, buf: ByteBuffer) {
+    override fun write(value: CompassHeading?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6745,15 +6745,15 @@ internal object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<He
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?> {
-    override fun read(buf: ByteBuffer): Vector3? {
+internal object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<DeviceVector?> {
+    override fun read(buf: ByteBuffer): DeviceVector? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeVector3.read(buf)
     }
 
-    override fun allocationSize(value: Vector3?): ULong {
+    override fun allocationSize(value: DeviceVector?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6761,7 +6761,7 @@ internal object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<Vector3?
         }
     }
 
-    override fun write(value: Vector3?, buf: ByteBuffer) {
+    override fun write(value: DeviceVector?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6841,15 +6841,15 @@ internal object FfiConverterOptionalTypeHeadingAid: FfiConverterRustBuffer<Headi
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> {
-    override fun read(buf: ByteBuffer): Method? {
+internal object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<CompensationMethod?> {
+    override fun read(buf: ByteBuffer): CompensationMethod? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeMethod.read(buf)
     }
 
-    override fun allocationSize(value: Method?): ULong {
+    override fun allocationSize(value: CompensationMethod?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6857,7 +6857,7 @@ internal object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<Method?> 
         }
     }
 
-    override fun write(value: Method?, buf: ByteBuffer) {
+    override fun write(value: CompensationMethod?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6905,15 +6905,15 @@ internal object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<Model
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<Normalisation?> {
-    override fun read(buf: ByteBuffer): Normalisation? {
+internal object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<SigmaNormalisation?> {
+    override fun read(buf: ByteBuffer): SigmaNormalisation? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeNormalisation.read(buf)
     }
 
-    override fun allocationSize(value: Normalisation?): ULong {
+    override fun allocationSize(value: SigmaNormalisation?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6921,7 +6921,7 @@ internal object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<No
         }
     }
 
-    override fun write(value: Normalisation?, buf: ByteBuffer) {
+    override fun write(value: SigmaNormalisation?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -6969,15 +6969,15 @@ internal object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<Re
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<Residual?> {
-    override fun read(buf: ByteBuffer): Residual? {
+internal object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<FitResidual?> {
+    override fun read(buf: ByteBuffer): FitResidual? {
         if (buf.get().toInt() == 0) {
             return null
         }
         return FfiConverterTypeResidual.read(buf)
     }
 
-    override fun allocationSize(value: Residual?): ULong {
+    override fun allocationSize(value: FitResidual?): ULong {
         if (value == null) {
             return 1UL
         } else {
@@ -6985,7 +6985,7 @@ internal object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<Residua
         }
     }
 
-    override fun write(value: Residual?, buf: ByteBuffer) {
+    override fun write(value: FitResidual?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
@@ -7093,21 +7093,21 @@ internal object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.D
 /**
  * @suppress
  */
-internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vector3>> {
-    override fun read(buf: ByteBuffer): List<Vector3> {
+internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<DeviceVector>> {
+    override fun read(buf: ByteBuffer): List<DeviceVector> {
         val len = buf.getInt()
-        return List<Vector3>(len) {
+        return List<DeviceVector>(len) {
             FfiConverterTypeVector3.read(buf)
         }
     }
 
-    override fun allocationSize(value: List<Vector3>): ULong {
+    override fun allocationSize(value: List<DeviceVector>): ULong {
         val sizeForLength = 4UL
         val sizeForItems = value.map { FfiConverterTypeVector3.allocationSize(it) }.sum()
         return sizeForLength + sizeForItems
     }
 
-    override fun write(value: List<Vector3>, buf: ByteBuffer) {
+    override fun write(value: List<DeviceVector>, buf: ByteBuffer) {
         buf.putInt(value.size)
         value.iterator().forEach {
             FfiConverterTypeVector3.write(it, buf)
@@ -7116,7 +7116,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
 }
         /**
          * The library's defaults, every field given.
-         */ fun `defaultConfig`(): Config {
+         */ fun `defaultConfig`(): CompensationConfig {
             return FfiConverterTypeConfig.lift(
     uniffiRustCall() { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_default_config(
@@ -7135,7 +7135,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
          * of the nearest day of those years, and the declination's sigma is wider by what the Earth's field changes meanwhile. Fails with
          * `Place` at a place outside the model's range.
          */
-    @Throws(MagcompException::class) fun `geomagneticField`(`latitudeDeg`: kotlin.Double, `longitudeDeg`: kotlin.Double, `heightM`: kotlin.Double, `unixTimeMs`: kotlin.Long): GeomagneticField {
+    @Throws(MagcompException::class) fun `geomagneticField`(`latitudeDeg`: kotlin.Double, `longitudeDeg`: kotlin.Double, `heightM`: kotlin.Double, `unixTimeMs`: kotlin.Long): EarthMagneticField {
             return FfiConverterTypeGeomagneticField.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_geomagnetic_field(
@@ -7153,7 +7153,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
         /**
          * Starts writing messages under a tag, and sends a panic's place there too. The first call in a process sets the tag,
          * later ones the level.
-         */ fun `startLogging`(`tag`: kotlin.String, `level`: LogLevel)
+         */ fun `startLogging`(`tag`: kotlin.String, `level`: MagcompLogLevel)
         =
     uniffiRustCall() { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_start_logging(
@@ -7170,7 +7170,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
          *
          * Null when the field is vertical, or anything is not finite or zero. It has no sigma.
          */
-    @Throws(MagcompException::class) fun `attitude`(`fieldUt`: Vector3, `up`: Vector3): Attitude? {
+    @Throws(MagcompException::class) fun `attitude`(`fieldUt`: DeviceVector, `up`: DeviceVector): DeviceAttitude? {
             return FfiConverterOptionalTypeAttitude.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_attitude(
@@ -7188,7 +7188,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
          *
          * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
          */
-    @Throws(MagcompException::class) fun `correct`(`calibration`: Calibration, `rawUt`: Vector3): Vector3 {
+    @Throws(MagcompException::class) fun `correct`(`calibration`: MagnetometerCalibration, `rawUt`: DeviceVector): DeviceVector {
             return FfiConverterTypeVector3.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_correct(
@@ -7206,7 +7206,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Vec
          *
          * Null when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
          */
-    @Throws(MagcompException::class) fun `heading`(`fieldUt`: Vector3, `up`: Vector3, `frame`: HeadingFrame): Heading? {
+    @Throws(MagcompException::class) fun `heading`(`fieldUt`: DeviceVector, `up`: DeviceVector, `frame`: HeadingFrame): CompassHeading? {
             return FfiConverterOptionalTypeHeading.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_heading(

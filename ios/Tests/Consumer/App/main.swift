@@ -6,8 +6,10 @@ import Other
 // heading, its sigma, inclination, status.
 
 let others: [Any.Type] = [
-    Method.self, Event.self, EventKind.self, Fit.self, LogLevel.self, Missing.self, Status.self,
-    FfiConverterTypeReading.self,
+    Method.self, Attitude.self, Axis.self, Calibration.self, Config.self, Coverage.self, Event.self, EventKind.self,
+    Fit.self, GeomagneticField.self, Heading.self, LogLevel.self, Missing.self, Normalisation.self, Reading.self,
+    Residual.self, Status.self, Termination.self, Vector3.self, Yaw.self,
+    FfiConverterTypeMagneticReading.self,
     (any ConstantFieldProtocol).self,
 ]
 let functions = [attitude as Any, correct as Any, heading as Any]

@@ -8,6 +8,7 @@ struct CompassView: View {
         VStack {
             CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
         }
+        .compassScreen(model.compass)
         .task { await model.run() }
     }
 }

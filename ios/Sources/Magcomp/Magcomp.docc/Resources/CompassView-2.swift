@@ -8,8 +8,10 @@ struct CompassView: View {
         VStack {
             CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
             CompassAdvice(
-                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error)
+                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error,
+                retry: model.retry)
         }
+        .compassScreen(model.compass)
         .task { await model.run() }
     }
 }

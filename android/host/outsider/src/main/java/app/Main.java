@@ -3,10 +3,10 @@ package app;
 import java.io.StringReader;
 import java.util.concurrent.CompletableFuture;
 import org.magcomp.Compass;
-import org.magcomp.CompassListener;
+import org.magcomp.CompassReadingListener;
 import org.magcomp.CompensatedReading;
 import org.magcomp.Compensator;
-import org.magcomp.ConfigBuilder;
+import org.magcomp.CompensationConfigBuilder;
 import org.magcomp.MagcompException;
 import org.magcomp.ReadingBuffer;
 import org.magcomp.RecordingSource;
@@ -29,7 +29,7 @@ public class Main {
         }
         CompletableFuture<Exception> end = new CompletableFuture<>();
         int[] calibrated = new int[1];
-        new Compass(new RecordingSource("made", () -> new StringReader(csv.toString()))).start(Runnable::run, new CompassListener() {
+        new Compass(new RecordingSource("made", () -> new StringReader(csv.toString()))).start(Runnable::run, new CompassReadingListener() {
             @Override
             public void onReading(CompensatedReading reading) {
                 if (reading.getReading().getFieldUt() != null) calibrated[0] += 1;
@@ -41,7 +41,7 @@ public class Main {
             }
         });
         System.out.println(end.get() + " " + (calibrated[0] > 0));
-        try (Compensator refused = new Compensator(new ConfigBuilder().rangeUt(-1.0).build())) {
+        try (Compensator refused = new Compensator(new CompensationConfigBuilder().rangeUt(-1.0).build())) {
             System.out.println("accepted");
         } catch (MagcompException e) {
             System.out.println(e.text());

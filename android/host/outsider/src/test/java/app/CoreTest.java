@@ -10,12 +10,12 @@ import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.TimeUnit;
 import org.junit.jupiter.api.Test;
 import org.magcomp.Compass;
-import org.magcomp.CompassListener;
+import org.magcomp.CompassReadingListener;
 import org.magcomp.CompensatedReading;
 import org.magcomp.Compensator;
 import org.magcomp.ReadingBuffer;
 import org.magcomp.RecordingSource;
-import org.magcomp.Vector3;
+import org.magcomp.DeviceVector;
 
 /** The real core, over JNI and over JNA, with no setting of the JVM. */
 class CoreTest {
@@ -30,7 +30,7 @@ class CoreTest {
                 compensator.push(k * 10_000_000L, raw[0], raw[1], raw[2], reading);
             }
             // over JNA, of the same object
-            Vector3 hardIronUt = compensator.calibration().getHardIronUt();
+            DeviceVector hardIronUt = compensator.calibration().getHardIronUt();
             assertEquals(30, hardIronUt.getX(), 1);
             assertEquals(-20, hardIronUt.getY(), 1);
             assertEquals(40, hardIronUt.getZ(), 1);
@@ -47,7 +47,7 @@ class CoreTest {
         }
         CompletableFuture<Exception> end = new CompletableFuture<>();
         CompletableFuture<CompensatedReading> calibrated = new CompletableFuture<>();
-        new Compass(new RecordingSource("made", () -> new StringReader(csv.toString()))).start(Runnable::run, new CompassListener() {
+        new Compass(new RecordingSource("made", () -> new StringReader(csv.toString()))).start(Runnable::run, new CompassReadingListener() {
             @Override
             public void onReading(CompensatedReading reading) {
                 if (reading.getReading().getFieldUt() != null) calibrated.complete(reading);

@@ -14,7 +14,7 @@ import kotlin.math.sqrt
  * phone lies in the hand or is held up.
  */
 @JvmField
-public val HELD_AHEAD: HeadedAxis = HeadedAxis.Device(Vector3(0.0, 1.0, -1.0))
+public val HELD_AHEAD: HeadedAxis = HeadedAxis.Device(DeviceVector(0.0, 1.0, -1.0))
 
 /**
  * A pose of ARCore for [Compass.aid], which has a world whose y axis points up. `frame.androidSensorPose.rotationQuaternion` is that of
@@ -30,7 +30,7 @@ public val HELD_AHEAD: HeadedAxis = HeadedAxis.Device(Vector3(0.0, 1.0, -1.0))
 public fun arCoreAttitude(elapsedRealtimeNs: Long, rotation: FloatArray, yawSigmaDeg: Double? = null): AttitudeSample {
     require(rotation.size == 4) { "rotation has ${rotation.size} numbers, expected x, y, z, w" }
     val (x, y, z, w) = rotation.map { it.toDouble() }
-    val yaw = yawSigmaDeg?.let { Yaw.Absolute(it, NorthReference.TRUE) } ?: Yaw.Relative
+    val yaw = yawSigmaDeg?.let { WorldYaw.Absolute(it, NorthReference.TRUE) } ?: WorldYaw.Relative
     // (x, y, z) of that world is (x, -z, y) of one whose z points up: a quarter turn about x
     val half = sqrt(0.5)
     return AttitudeSample(elapsedRealtimeNs, half * (w - x), half * (x + w), half * (y - z), half * (z + y), yaw)
@@ -62,7 +62,7 @@ internal fun check(sample: HeadingSample) = with(sample) {
 
 /** The same of an attitude. */
 internal fun check(sample: AttitudeSample) = with(sample) {
-    val sigmaDeg = (yaw as? Yaw.Absolute)?.sigmaDeg ?: MOST_SIGMA_DEG
+    val sigmaDeg = (yaw as? WorldYaw.Absolute)?.sigmaDeg ?: MOST_SIGMA_DEG
     refuseUnless(listOf(w, x, y, z, sigmaDeg).all { it.isFinite() }, EventRejection.NOT_FINITE)
     refuseUnless(listOf(w, x, y, z).any { it != 0.0 } && sigmaDeg > 0 && sigmaDeg <= MOST_SIGMA_DEG, EventRejection.OUT_OF_RANGE)
 }

@@ -8,10 +8,10 @@ internal class Answer private constructor(
     /** As [ReadingBuffer] has them, then the raw sample; null: the records were given. */
     private val numbers: DoubleArray?,
     val timeNs: Long,
-    val status: Status,
-    private val event: Event?,
-    private val reported: Vector3?,
-    private var madeReading: Reading?,
+    val status: CompensationStatus,
+    private val event: FieldEvent?,
+    private val reported: DeviceVector?,
+    private var madeReading: MagneticReading?,
     private var madeSample: MagneticSample?,
 ) {
     constructor(buffer: ReadingBuffer, sample: RawEvent) : this(
@@ -28,10 +28,10 @@ internal class Answer private constructor(
         null,
     )
 
-    constructor(reading: Reading, sample: MagneticSample) :
+    constructor(reading: MagneticReading, sample: MagneticSample) :
         this(null, reading.timeNs, reading.status, reading.event, sample.reportedHardIronUt, reading, sample)
 
-    val reading: Reading
+    val reading: MagneticReading
         get() = madeReading ?: ReadingBuffer.reading(numbers!!, 0, timeNs, event, status).also { madeReading = it }
 
     val sample: MagneticSample
@@ -40,8 +40,8 @@ internal class Answer private constructor(
     val headingDeg: Double? get() = known(ReadingBuffer.HEADING) { headingDeg }
     val headingSigmaDeg: Double? get() = known(ReadingBuffer.HEADING_SIGMA) { headingSigmaDeg }
     val trueHeadingDeg: Double? get() = known(ReadingBuffer.TRUE_HEADING) { trueHeadingDeg }
-    val attitude: Attitude? get() = if (numbers == null) reading.attitude else ReadingBuffer.attitude(numbers)
+    val attitude: DeviceAttitude? get() = if (numbers == null) reading.attitude else ReadingBuffer.attitude(numbers)
 
-    private inline fun known(slot: Int, given: Heading.() -> Double?): Double? =
+    private inline fun known(slot: Int, given: CompassHeading.() -> Double?): Double? =
         if (numbers == null) reading.heading?.given() else ReadingBuffer.known(numbers[slot])
 }

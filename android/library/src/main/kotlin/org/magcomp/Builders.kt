@@ -2,39 +2,39 @@ package org.magcomp
 
 // For Java, which has no named arguments. A field that is not set has the library's default; null unsets a field.
 
-/** Makes a [Config] from Java: `new ConfigBuilder().method(...).build()`. */
-public class ConfigBuilder {
-    private var built = Config()
+/** Makes a [CompensationConfig] from Java: `new CompensationConfigBuilder().method(...).build()`. */
+public class CompensationConfigBuilder {
+    private var built = CompensationConfig()
 
-    /** Sets [Config.method]. */
-    public fun method(value: Method?): ConfigBuilder = apply { built = built.copy(method = value) }
+    /** Sets [CompensationConfig.method]. */
+    public fun method(value: CompensationMethod?): CompensationConfigBuilder = apply { built = built.copy(method = value) }
 
-    /** Sets [Config.initial]. */
-    public fun initial(value: Calibration?): ConfigBuilder = apply { built = built.copy(initial = value) }
+    /** Sets [CompensationConfig.initial]. */
+    public fun initial(value: MagnetometerCalibration?): CompensationConfigBuilder = apply { built = built.copy(initial = value) }
 
-    /** Sets [Config.initialSigmaUt]. */
-    public fun initialSigmaUt(value: Double?): ConfigBuilder = apply { built = built.copy(initialSigmaUt = value) }
+    /** Sets [CompensationConfig.initialSigmaUt]. */
+    public fun initialSigmaUt(value: Double?): CompensationConfigBuilder = apply { built = built.copy(initialSigmaUt = value) }
 
-    /** Sets [Config.useReportedHardIron]. */
-    public fun useReportedHardIron(value: Boolean?): ConfigBuilder = apply { built = built.copy(useReportedHardIron = value) }
+    /** Sets [CompensationConfig.useReportedHardIron]. */
+    public fun useReportedHardIron(value: Boolean?): CompensationConfigBuilder = apply { built = built.copy(useReportedHardIron = value) }
 
-    /** Sets [Config.rangeUt]. */
-    public fun rangeUt(value: Double?): ConfigBuilder = apply { built = built.copy(rangeUt = value) }
+    /** Sets [CompensationConfig.rangeUt]. */
+    public fun rangeUt(value: Double?): CompensationConfigBuilder = apply { built = built.copy(rangeUt = value) }
 
-    /** Sets [Config.railUt]. */
-    public fun railUt(value: Double?): ConfigBuilder = apply { built = built.copy(railUt = value) }
+    /** Sets [CompensationConfig.railUt]. */
+    public fun railUt(value: Double?): CompensationConfigBuilder = apply { built = built.copy(railUt = value) }
 
-    /** Sets [Config.fieldStrengthUt]. */
-    public fun fieldStrengthUt(value: Double?): ConfigBuilder = apply { built = built.copy(fieldStrengthUt = value) }
+    /** Sets [CompensationConfig.fieldStrengthUt]. */
+    public fun fieldStrengthUt(value: Double?): CompensationConfigBuilder = apply { built = built.copy(fieldStrengthUt = value) }
 
-    /** Sets [Config.heading]. */
-    public fun heading(value: HeadingConfig?): ConfigBuilder = apply { built = built.copy(heading = value) }
+    /** Sets [CompensationConfig.heading]. */
+    public fun heading(value: HeadingConfig?): CompensationConfigBuilder = apply { built = built.copy(heading = value) }
 
-    /** Sets [Config.windowed]. */
-    public fun windowed(value: WindowedConfig?): ConfigBuilder = apply { built = built.copy(windowed = value) }
+    /** Sets [CompensationConfig.windowed]. */
+    public fun windowed(value: WindowedConfig?): CompensationConfigBuilder = apply { built = built.copy(windowed = value) }
 
     /** What was set so far. */
-    public fun build(): Config = built
+    public fun build(): CompensationConfig = built
 }
 
 /** Makes a [HeadingConfig] from Java: `new HeadingConfigBuilder().axis(...).build()`. */
@@ -71,10 +71,10 @@ public class WindowedConfigBuilder {
     public fun sigmaTh(value: Double?): WindowedConfigBuilder = apply { built = built.copy(sigmaTh = value) }
 
     /** Sets [WindowedConfig.normalisation]. */
-    public fun normalisation(value: Normalisation?): WindowedConfigBuilder = apply { built = built.copy(normalisation = value) }
+    public fun normalisation(value: SigmaNormalisation?): WindowedConfigBuilder = apply { built = built.copy(normalisation = value) }
 
     /** Sets [WindowedConfig.residual]. */
-    public fun residual(value: Residual?): WindowedConfigBuilder = apply { built = built.copy(residual = value) }
+    public fun residual(value: FitResidual?): WindowedConfigBuilder = apply { built = built.copy(residual = value) }
 
     /** Sets [WindowedConfig.noiseFloorUt]. */
     public fun noiseFloorUt(value: Double?): WindowedConfigBuilder = apply { built = built.copy(noiseFloorUt = value) }
@@ -88,7 +88,7 @@ public class FitOptionsBuilder {
     private var built = FitOptions()
 
     /** Sets [FitOptions.residual]. */
-    public fun residual(value: Residual?): FitOptionsBuilder = apply { built = built.copy(residual = value) }
+    public fun residual(value: FitResidual?): FitOptionsBuilder = apply { built = built.copy(residual = value) }
 
     /** Sets [FitOptions.fieldStrengthUt]. */
     public fun fieldStrengthUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldStrengthUt = value) }

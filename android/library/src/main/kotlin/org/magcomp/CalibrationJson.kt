@@ -11,13 +11,13 @@ import org.json.JSONObject
  * symmetric matrix M; `hard_iron_ut`, the three components of b, microtesla; `field_strength_ut`, microtesla. Other names in the
  * text are passed over, the covariance too.
  *
- * The result can be [Config.initial] or go to [Compensator.adopt].
+ * The result can be [CompensationConfig.initial] or go to [Compensator.adopt].
  *
  * @throws MagcompException.Calibration when the text is no such JSON, or the numbers are no calibration
  */
 @JvmName("read")
 @Throws(MagcompException::class)
-public fun calibrationFromJson(json: String): Calibration {
+public fun calibrationFromJson(json: String): MagnetometerCalibration {
     val calibration = try {
         val read = JSONObject(json)
         val m = read.numbers("soft_iron", 9)
@@ -26,12 +26,12 @@ public fun calibrationFromJson(json: String): Calibration {
             if (m[one] != m[other]) throw JSONException("soft_iron is not symmetric")
         }
         val softIron = SoftIron(xx = m[0], yy = m[4], zz = m[8], xy = m[1], xz = m[2], yz = m[5])
-        Calibration(softIron, Vector3(b[0], b[1], b[2]), read.getDouble("field_strength_ut"))
+        MagnetometerCalibration(softIron, DeviceVector(b[0], b[1], b[2]), read.getDouble("field_strength_ut"))
     } catch (error: JSONException) {
         throw MagcompException.Calibration("no calibration of magcomp replay: ${error.message}")
     }
     // the core refuses what is none
-    correct(calibration, Vector3(0.0, 0.0, 0.0))
+    correct(calibration, DeviceVector(0.0, 0.0, 0.0))
     return calibration
 }
 

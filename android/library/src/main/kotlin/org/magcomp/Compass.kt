@@ -31,7 +31,7 @@ import kotlinx.coroutines.flow.update
  */
 public class Compass @JvmOverloads constructor(
     private val source: MagneticFieldSource,
-    private val config: Config = Config(),
+    private val config: CompensationConfig = CompensationConfig(),
     private val store: CalibrationStore? = null,
     graceMs: Long = 5000,
     private val dispatcher: CoroutineDispatcher = Dispatchers.Default,
@@ -44,7 +44,7 @@ public class Compass @JvmOverloads constructor(
      * @param config as above
      */
     @JvmOverloads
-    public constructor(context: Context, options: SensorOptions = SensorOptions(), config: Config = Config()) :
+    public constructor(context: Context, options: SensorOptions = SensorOptions(), config: CompensationConfig = CompensationConfig()) :
         this(SensorManagerSource(context, options), config, PreferencesStore(context))
 
     init {
@@ -201,7 +201,7 @@ public class Compass @JvmOverloads constructor(
      *
      * @return closing it ends the readings; a call under way is finished
      */
-    public fun start(executor: Executor, listener: CompassListener): AutoCloseable =
+    public fun start(executor: Executor, listener: CompassReadingListener): AutoCloseable =
         Listening(executor, listener).start(dispatcher, readings())
 
     /**

@@ -23,10 +23,10 @@ public class CompassReading internal constructor(public val details: Compensated
     public val trueHeadingDeg: Double? get() = details.answer.trueHeadingDeg
 
     /** How the phone is turned: [rotationMatrix] and [orientation] have it in Android's ways. */
-    public val attitude: Attitude? get() = details.answer.attitude
+    public val attitude: DeviceAttitude? get() = details.answer.attitude
 
     /** What the compass is doing, and why. */
-    public val status: Status get() = details.answer.status
+    public val status: CompensationStatus get() = details.answer.status
 
     /** What headings from outside are worth ([Compass.aid]); null where none came of late. */
     public val headingAid: HeadingAid? get() = details.headingAid

@@ -26,7 +26,7 @@ import kotlinx.coroutines.flow.flow
  */
 public class CompensatedReading internal constructor(
     internal val answer: Answer,
-    public val unseenDirections: List<Vector3>,
+    public val unseenDirections: List<DeviceVector>,
     public val droppedBefore: Long,
     public val sensors: SensorsInUse?,
     public val storeError: Exception?,
@@ -41,9 +41,9 @@ public class CompensatedReading internal constructor(
      * @param sample the raw sample it answers
      */
     public constructor(
-        reading: Reading,
+        reading: MagneticReading,
         sample: MagneticSample,
-        unseenDirections: List<Vector3> = emptyList(),
+        unseenDirections: List<DeviceVector> = emptyList(),
         droppedBefore: Long = 0,
         sensors: SensorsInUse? = null,
         storeError: Exception? = null,
@@ -51,13 +51,13 @@ public class CompensatedReading internal constructor(
     ) : this(Answer(reading, sample), unseenDirections, droppedBefore, sensors, storeError, headingAid)
 
     /** Corrected field, heading, and what the compensator is doing. Made when it is first asked for. */
-    public val reading: Reading get() = answer.reading
+    public val reading: MagneticReading get() = answer.reading
 
     /** The raw sample it answers. Made when it is first asked for. */
     public val sample: MagneticSample get() = answer.sample
 
     /** The [reading], for `{ (reading) -> ... }`. */
-    public operator fun component1(): Reading = reading
+    public operator fun component1(): MagneticReading = reading
 
     /** The same for a collector that lost so many before it. */
     internal fun after(dropped: Long) = CompensatedReading(answer, unseenDirections, dropped, sensors, storeError, headingAid, number)
@@ -88,7 +88,7 @@ public class CompensatedReading internal constructor(
  * @param dispatcher where events are collected, samples compensated, and the store is called
  */
 public fun Flow<SensorSample>.compensated(
-    config: Config = Config(),
+    config: CompensationConfig = CompensationConfig(),
     store: CalibrationStore? = null,
     frame: StateFlow<HeadingFrame>? = null,
     capacity: Int = CAPACITY,

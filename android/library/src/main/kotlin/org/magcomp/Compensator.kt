@@ -11,7 +11,7 @@ package org.magcomp
  * @throws MagcompException.Config when a field of the config is out of range
  * @throws NativeLibraryException when the app holds no native library for this phone
  */
-public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: Config = Config()) :
+public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: CompensationConfig = CompensationConfig()) :
     AutoCloseable {
     private val native = NativeLibrary.check().let { NativeCompensator(config) }
     internal val handle = native.fastHandle()
@@ -54,7 +54,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /** A raw magnetometer event and its answer as immutable records. */
     @Throws(MagcompException::class)
-    public fun push(sample: MagneticSample): Reading {
+    public fun push(sample: MagneticSample): MagneticReading {
         val buffer = ReadingBuffer()
         val field = sample.fieldUt
         val reported = sample.reportedHardIronUt ?: NOT_REPORTED
@@ -114,7 +114,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * hard iron is not looked at.
      */
     @Throws(MagcompException::class)
-    public fun pushAll(events: List<SensorSample>): List<Reading> {
+    public fun pushAll(events: List<SensorSample>): List<MagneticReading> {
         val kinds = ByteArray(events.size)
         val times = LongArray(events.size) { events[it].timeNs }
         val values = DoubleArray(3 * events.size)
@@ -155,10 +155,10 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /** Hard iron, soft iron and field strength in force, if any. */
     @Throws(MagcompException::class)
-    public fun calibration(): Calibration? {
+    public fun calibration(): MagnetometerCalibration? {
         val v = DoubleArray(FastPath.CALIBRATION)
         if (check(FastPath.calibration(handle, v)) == 0) return null
-        return Calibration(SoftIron(v[0], v[1], v[2], v[3], v[4], v[5]), Vector3(v[6], v[7], v[8]), v[9])
+        return MagnetometerCalibration(SoftIron(v[0], v[1], v[2], v[3], v[4], v[5]), DeviceVector(v[6], v[7], v[8]), v[9])
     }
 
     /**
@@ -170,7 +170,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * @throws MagcompException.Config when the standard deviation is out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
-    public fun adopt(calibration: Calibration, hardIronSigmaUt: Double): Unit =
+    public fun adopt(calibration: MagnetometerCalibration, hardIronSigmaUt: Double): Unit =
         unlessClosed { native.adopt(calibration, hardIronSigmaUt) }
 
     /**
@@ -228,14 +228,14 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     /** The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none. */
     @Throws(MagcompException::class)
-    public fun fit(): Fit? = unlessClosed { native.fit() }
+    public fun fit(): EllipsoidFit? = unlessClosed { native.fit() }
 
     /** Which directions were seen, for guidance. */
     @Throws(MagcompException::class)
-    public fun coverage(): Coverage {
+    public fun coverage(): DirectionCoverage {
         val out = DoubleArray(FastPath.COVERAGE)
         val count = coverage(out)
-        return Coverage(out[0], List(count) { Vector3(out[1 + 3 * it], out[2 + 3 * it], out[3 + 3 * it]) })
+        return DirectionCoverage(out[0], List(count) { DeviceVector(out[1 + 3 * it], out[2 + 3 * it], out[3 + 3 * it]) })
     }
 
     /** The same as numbers: the share, then three for each direction, which it counts. */
@@ -275,7 +275,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     private companion object {
-        val NOT_REPORTED = Vector3(Double.NaN, Double.NaN, Double.NaN)
+        val NOT_REPORTED = DeviceVector(Double.NaN, Double.NaN, Double.NaN)
 
         /** A kept text is about half as long. */
         const val USUAL_LENGTH = 4096

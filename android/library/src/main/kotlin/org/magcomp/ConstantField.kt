@@ -20,7 +20,7 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
      * @throws MagcompException.Rejected when it is not finite; nothing has changed then
      */
     @Throws(MagcompException::class)
-    public fun add(rawUt: Vector3): Unit = unlessClosed { native.add(rawUt) }
+    public fun add(rawUt: DeviceVector): Unit = unlessClosed { native.add(rawUt) }
 
     /** Orientations so far. */
     @Throws(MagcompException::class)
@@ -28,17 +28,17 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
 
     /** Which directions were seen and which were not, about the best centre known so far. Costs a fit. */
     @Throws(MagcompException::class)
-    public fun coverage(): Coverage = unlessClosed { native.coverage() }
+    public fun coverage(): DirectionCoverage = unlessClosed { native.coverage() }
 
     /**
-     * The calibration with its covariance; `Config.initial` takes it.
+     * The calibration with its covariance; `CompensationConfig.initial` takes it.
      *
      * @param options a field left out has the library's default
      * @throws MagcompException.Fit says what the orientations lack; the session can go on
      */
     @Throws(MagcompException::class)
     @JvmOverloads
-    public fun finish(options: FitOptions? = null): Fit = unlessClosed { native.finish(options) }
+    public fun finish(options: FitOptions? = null): EllipsoidFit = unlessClosed { native.finish(options) }
 
     /** Forgets the orientations, and makes it usable again after [MagcompException.Panicked]. */
     @Throws(MagcompException::class)

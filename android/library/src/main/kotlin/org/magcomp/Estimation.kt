@@ -5,7 +5,7 @@ import kotlinx.coroutines.flow.StateFlow
 
 /** A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save]. */
 internal class Estimation(
-    config: Config,
+    config: CompensationConfig,
     private val store: CalibrationStore?,
     private val frame: StateFlow<HeadingFrame>? = null,
     private val source: MagneticFieldSource? = null,
@@ -31,7 +31,7 @@ internal class Estimation(
     private var saved: Correction? = null
     private var savedNs: Long? = null
     private val coverage = DoubleArray(FastPath.COVERAGE)
-    private var unseen = emptyList<Vector3>()
+    private var unseen = emptyList<DeviceVector>()
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
     private var begun = false
@@ -118,9 +118,9 @@ internal class Estimation(
         }
         val answer = Answer(buffer, sample)
         // a time that is refused may be any
-        if (answer.status !is Status.Rejected) {
+        if (answer.status !is CompensationStatus.Rejected) {
             isInForce = !buffer.xUt.isNaN()
-            if (answer.status == Status.Tracking) unconfirmed = false
+            if (answer.status == CompensationStatus.Tracking) unconfirmed = false
             nowAndThen(sample.timeNs, answer.status)
         }
         return CompensatedReading(answer, unseen, droppedBefore = 0, source?.sensors?.value, storeError, headingAid)
@@ -132,10 +132,10 @@ internal class Estimation(
         return !(unconfirmed && isInForce) || accuracy == null || accuracy == SensorAccuracy.HIGH
     }
 
-    private fun nowAndThen(timeNs: Long, status: Status) {
+    private fun nowAndThen(timeNs: Long, status: CompensationStatus) {
         latestNs = timeNs
         val since = savedNs
-        if (since == null && status == Status.Tracking) {
+        if (since == null && status == CompensationStatus.Tracking) {
             save()
             savedNs = timeNs
         }
@@ -149,11 +149,11 @@ internal class Estimation(
     }
 
     /** The list of before where it is the same, as it is nearly always. */
-    private fun unseenNow(): List<Vector3> {
+    private fun unseenNow(): List<DeviceVector> {
         val count = compensator.coverage(coverage)
         var isSame = count == unseen.size
         for (k in 0 until count) isSame = isSame && with(unseen[k]) { x == coverage[1 + 3 * k] && y == coverage[2 + 3 * k] && z == coverage[3 + 3 * k] }
-        return if (isSame) unseen else List(count) { Vector3(coverage[1 + 3 * it], coverage[2 + 3 * it], coverage[3 + 3 * it]) }
+        return if (isSame) unseen else List(count) { DeviceVector(coverage[1 + 3 * it], coverage[2 + 3 * it], coverage[3 + 3 * it]) }
     }
 
     /** Nanoseconds between two times; the clock may have begun anew between them, so either may be the later. */
@@ -184,7 +184,7 @@ internal class Estimation(
     private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
 
     /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
-    private data class Correction(val softIron: SoftIron, val hardIronUt: Vector3)
+    private data class Correction(val softIron: SoftIron, val hardIronUt: DeviceVector)
 
     /** Saves at the end of a run. */
     fun end() {
@@ -211,7 +211,7 @@ internal class Estimation(
 internal fun systemUnixTimeS(): Long = System.currentTimeMillis() / 1000
 
 /** The heading frame of a config; what was left out is the library's default. */
-internal fun Config.headingFrame(): HeadingFrame = HeadingFrame(
+internal fun CompensationConfig.headingFrame(): HeadingFrame = HeadingFrame(
     heading?.axis ?: ReferenceAxis.AUTO,
     heading?.screenRotation ?: ScreenRotation.DEG0,
     heading?.declinationDeg,

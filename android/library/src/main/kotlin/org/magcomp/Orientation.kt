@@ -9,13 +9,13 @@ import kotlin.math.atan2
  * The attitude as Android's `SensorManager.getRotationMatrix` writes it: nine numbers, row by row, which take a vector of the device to
  * east, north, up. North is magnetic. `SensorManager.remapCoordinateSystem` and `getOrientation` take it.
  */
-public fun Attitude.rotationMatrix(): FloatArray = FloatArray(9).also { matrix -> rows().forEachIndexed { k, value -> matrix[k] = value.toFloat() } }
+public fun DeviceAttitude.rotationMatrix(): FloatArray = FloatArray(9).also { matrix -> rows().forEachIndexed { k, value -> matrix[k] = value.toFloat() } }
 
 /**
  * Azimuth, pitch and roll as Android's `SensorManager.getOrientation` has them, but in degrees.
  *
  * @property azimuthDeg from magnetic north to the top of the screen, clockwise, -180 to 180; nothing is known of it where the top points
- *   straight up or down: then prefer [Reading.heading]
+ *   straight up or down: then prefer [MagneticReading.heading]
  * @property pitchDeg how far the top of the screen points below the horizon, -90 to 90
  * @property rollDeg how far the left edge is raised, -180 to 180
  */
@@ -30,7 +30,7 @@ public class Orientation internal constructor(public val azimuthDeg: Double, pub
  * @param screenRotation how far the screen has turned, as Android's `remapCoordinateSystem` is used for it; 0: those of the device
  */
 @JvmOverloads
-public fun Attitude.orientation(screenRotation: ScreenRotation = ScreenRotation.DEG0): Orientation {
+public fun DeviceAttitude.orientation(screenRotation: ScreenRotation = ScreenRotation.DEG0): Orientation {
     val r = rows()
     // right and top of the screen, in the columns of the device's x and y
     fun x(row: Int) = r[3 * row]
@@ -56,7 +56,7 @@ public fun Attitude.orientation(screenRotation: ScreenRotation = ScreenRotation.
 }
 
 /** Of the unit quaternion. */
-private fun Attitude.rows() = doubleArrayOf(
+private fun DeviceAttitude.rows() = doubleArrayOf(
     1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
     2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
     2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),

@@ -16,9 +16,9 @@ internal class RawEvent {
     var z = 0.0
 
     /** Of a magnetometer the operating system's own hard iron. */
-    var reported: Vector3? = null
+    var reported: DeviceVector? = null
 
-    fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: Vector3? = null) {
+    fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null) {
         this.kind = kind
         this.timeNs = timeNs
         this.x = x
@@ -34,7 +34,7 @@ internal class RawEvent {
     }
 
     fun toSample(): SensorSample {
-        val vector = Vector3(x, y, z)
+        val vector = DeviceVector(x, y, z)
         return when (kind) {
             ROTATION_RATE -> SensorSample.RotationRate(RotationRateSample(timeNs, vector))
             UP -> SensorSample.Up(UpSample(timeNs, vector))
@@ -81,7 +81,7 @@ internal class Inbox(holdS: Double, private val isEager: Boolean) {
     private val news = Channel<Unit>(Channel.CONFLATED)
 
     /** From the sensors' thread. */
-    fun put(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: Vector3? = null) {
+    fun put(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null) {
         val wakes = synchronized(this) {
             val event = free.removeLastOrNull() ?: RawEvent()
             event.set(kind, timeNs, x, y, z, reported)

@@ -3,7 +3,7 @@ package org.magcomp
 /**
  * A reading that is filled again and again, so that a stream of sensor events allocates nothing.
  *
- * A value that is not known is NaN here; [toReading] makes an immutable [Reading] of it, where such a value is null. A buffer is
+ * A value that is not known is NaN here; [toReading] makes an immutable [MagneticReading] of it, where such a value is null. A buffer is
  * not thread-safe: give every thread its own.
  */
 public class ReadingBuffer {
@@ -61,7 +61,7 @@ public class ReadingBuffer {
     /** Its part of k. */
     public val attitudeZ: Double get() = slots[ATTITUDE + 3]
 
-    /** One standard deviation of the attitude, as [Attitude.sigmaDeg], degrees. */
+    /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. */
     public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
 
     /** Uniformity sigma_T of the latest orientations, dimensionless. */
@@ -89,14 +89,14 @@ public class ReadingBuffer {
     public val mode: SensorMode get() = mode(slots, 0)
 
     /** The latest change that was decided. Allocates when it is another one than before. */
-    public val event: Event? get() = event(slots, 0, latestEvent).also { latestEvent = it }
-    private var latestEvent: Event? = null
+    public val event: FieldEvent? get() = event(slots, 0, latestEvent).also { latestEvent = it }
+    private var latestEvent: FieldEvent? = null
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
-    public val status: Status get() = status(slots)
+    public val status: CompensationStatus get() = status(slots)
 
     /** The same as an immutable record. */
-    public fun toReading(): Reading = reading(slots, 0, timeNs, event, status)
+    public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
 
     internal companion object {
         // as `mod slot` in fast.rs
@@ -129,8 +129,8 @@ public class ReadingBuffer {
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = EVENT
 
-        fun heading(slots: DoubleArray, at: Int = 0): Heading? = known(slots[at + HEADING])?.let {
-            Heading(
+        fun heading(slots: DoubleArray, at: Int = 0): CompassHeading? = known(slots[at + HEADING])?.let {
+            CompassHeading(
                 headingDeg = it,
                 headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
                 trueHeadingDeg = known(slots[at + TRUE_HEADING]),
@@ -138,8 +138,8 @@ public class ReadingBuffer {
             )
         }
 
-        fun attitude(slots: DoubleArray, at: Int = 0): Attitude? = known(slots[at + ATTITUDE])?.let {
-            Attitude(
+        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
+            DeviceAttitude(
                 w = it,
                 x = slots[at + ATTITUDE + 1],
                 y = slots[at + ATTITUDE + 2],
@@ -148,10 +148,10 @@ public class ReadingBuffer {
             )
         }
 
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long): Reading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
 
         /** Of [slots] the [NUMBERS] alone are read. */
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: Event?, status: Status): Reading = Reading(
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
             timeNs = timeNs,
             fieldUt = vectorOrNull(slots, at + FIELD),
             fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
@@ -171,15 +171,15 @@ public class ReadingBuffer {
             status = status,
         )
 
-        fun status(slots: DoubleArray, at: Int = 0): Status {
+        fun status(slots: DoubleArray, at: Int = 0): CompensationStatus {
             val reason = slots[at + REASON].toInt()
             return when (val kind = slots[at + STATUS].toInt()) {
-                0 -> Status.Collecting(missing(slots, at, reason))
-                1 -> Status.Tracking
-                2 -> Status.Suspect(whole(slots, at + WHOLE))
-                3 -> Status.Held(holdReason(slots, at, reason))
-                4 -> Status.Disturbed(whole(slots, at + WHOLE))
-                5 -> Status.Rejected(rejectReason(slots, at, reason))
+                0 -> CompensationStatus.Collecting(missing(slots, at, reason))
+                1 -> CompensationStatus.Tracking
+                2 -> CompensationStatus.Suspect(whole(slots, at + WHOLE))
+                3 -> CompensationStatus.Held(holdReason(slots, at, reason))
+                4 -> CompensationStatus.Disturbed(whole(slots, at + WHOLE))
+                5 -> CompensationStatus.Rejected(rejectReason(slots, at, reason))
                 else -> error("status $kind: the library's native part is of another version")
             }
         }
@@ -190,20 +190,20 @@ public class ReadingBuffer {
         private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
 
         /** [before] where it is the same. */
-        private fun event(slots: DoubleArray, at: Int, before: Event? = null): Event? {
-            val kind = EventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
+        private fun event(slots: DoubleArray, at: Int, before: FieldEvent? = null): FieldEvent? {
+            val kind = FieldEventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
             val sinceNs = whole(slots, at + EVENT_TIMES)
             val decidedNs = whole(slots, at + EVENT_TIMES + 2)
             if (before != null && before.kind == kind && before.sinceNs == sinceNs && before.decidedNs == decidedNs) return before
-            return Event(kind, sinceNs = sinceNs, decidedNs = decidedNs)
+            return FieldEvent(kind, sinceNs = sinceNs, decidedNs = decidedNs)
         }
 
-        private fun missing(slots: DoubleArray, at: Int, reason: Int): Missing =
+        private fun missing(slots: DoubleArray, at: Int, reason: Int): CollectingReason =
             when (reason) {
-                0 -> Missing.Samples(whole(slots, at + WHOLE).toInt(), whole(slots, at + WHOLE + 2).toInt())
-                1 -> Missing.Fit(fitProblem(slots, at))
-                2 -> Missing.Rotation
-                3 -> Missing.Directions
+                0 -> CollectingReason.Samples(whole(slots, at + WHOLE).toInt(), whole(slots, at + WHOLE + 2).toInt())
+                1 -> CollectingReason.Fit(fitProblem(slots, at))
+                2 -> CollectingReason.Rotation
+                3 -> CollectingReason.Directions
                 else -> error("missing $reason: the library's native part is of another version")
             }
 
@@ -222,7 +222,7 @@ public class ReadingBuffer {
             when (reason) {
                 0 -> RejectReason.NotFinite
                 1 -> RejectReason.OutOfRange(slots[at + REAL], slots[at + REAL + 1])
-                2 -> RejectReason.Saturated(Axis.entries[whole(slots, at + WHOLE).toInt()], slots[at + REAL], slots[at + REAL + 1])
+                2 -> RejectReason.Saturated(DeviceAxis.entries[whole(slots, at + WHOLE).toInt()], slots[at + REAL], slots[at + REAL + 1])
                 3 -> RejectReason.TimeNotAfter(whole(slots, at + WHOLE), whole(slots, at + WHOLE + 2))
                 4 -> RejectReason.TimeJump(slots[at + REAL], slots[at + REAL + 1])
                 5 -> RejectReason.Stuck(whole(slots, at + WHOLE).toInt())
@@ -245,9 +245,9 @@ public class ReadingBuffer {
 
         fun known(value: Double): Double? = if (value.isNaN()) null else value
 
-        private fun vectorOrNull(slots: DoubleArray, at: Int): Vector3? = if (slots[at].isNaN()) null else vector(slots, at)
+        private fun vectorOrNull(slots: DoubleArray, at: Int): DeviceVector? = if (slots[at].isNaN()) null else vector(slots, at)
 
-        fun vector(slots: DoubleArray, at: Int) = Vector3(slots[at], slots[at + 1], slots[at + 2])
+        fun vector(slots: DoubleArray, at: Int) = DeviceVector(slots[at], slots[at + 1], slots[at + 2])
 
         /** A whole number from its upper and lower 32 bits. */
         private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()

@@ -81,9 +81,9 @@ public class RecordingSource(private val name: String, private val open: () -> R
             nearest(it * 1e9)
         }
 
-        fun vector(x: String, y: String, z: String): Vector3? =
+        fun vector(x: String, y: String, z: String): DeviceVector? =
             if (x in columns.index && y in columns.index && z in columns.index) {
-                Vector3(number(x), number(y), number(z))
+                DeviceVector(number(x), number(y), number(z))
             } else {
                 null
             }

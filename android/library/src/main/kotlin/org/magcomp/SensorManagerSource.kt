@@ -200,7 +200,7 @@ public class SensorManagerSource internal constructor(
     private inner class Listener(private val inbox: Inbox) : SensorEventListener {
         /** How many of each type came so far. */
         val events = AtomicIntegerArray(TYPES)
-        private var bias: Vector3? = null
+        private var bias: DeviceVector? = null
 
         override fun onSensorChanged(event: SensorEvent) {
             val v = event.values
@@ -219,10 +219,10 @@ public class SensorManagerSource internal constructor(
         }
 
         /** The object of before where it is the same. Some phones deliver no bias, and 0 until they have found one. */
-        private fun bias(v: FloatArray): Vector3? {
+        private fun bias(v: FloatArray): DeviceVector? {
             if (v[3] == 0f && v[4] == 0f && v[5] == 0f) return null
             bias?.let { if (it.x == v[3].toDouble() && it.y == v[4].toDouble() && it.z == v[5].toDouble()) return it }
-            return Vector3(v[3].toDouble(), v[4].toDouble(), v[5].toDouble()).also { bias = it }
+            return DeviceVector(v[3].toDouble(), v[4].toDouble(), v[5].toDouble()).also { bias = it }
         }
 
         override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) {

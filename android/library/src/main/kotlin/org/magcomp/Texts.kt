@@ -10,13 +10,13 @@ import kotlin.math.roundToInt
  * One sentence an app may show, in the language of [resources]; an app translates or rewords it with a string resource of the
  * same name. In English it is what `text()` says, without a call into the native library.
  */
-public fun Status.text(resources: Resources): String = text(resources::getString)
+public fun CompensationStatus.text(resources: Resources): String = text(resources::getString)
 
 /** One sentence an app may show of a change that was decided, in the language of [resources]. */
-public fun Event.text(resources: Resources): String = text(resources::getString)
+public fun FieldEvent.text(resources: Resources): String = text(resources::getString)
 
 /** What the user can do for a better heading, in the language of [resources]; null: nothing. */
-public fun Status.guidance(resources: Resources): String? = guidance()?.let(resources::getString)
+public fun CompensationStatus.guidance(resources: Resources): String? = guidance()?.let(resources::getString)
 
 /** One sentence an app may show of what headings from outside are worth, in the language of [resources]. */
 public fun HeadingAid.text(resources: Resources): String = resources.getString(
@@ -28,56 +28,56 @@ public fun HeadingAid.text(resources: Resources): String = resources.getString(
 )
 
 /** The heading as a screen reader says it, in whole degrees, in the language of [resources]; null: that there is none. */
-public fun Heading?.spoken(resources: Resources): String = spoken(resources::getString)
+public fun CompassHeading?.spoken(resources: Resources): String = spoken(resources::getString)
 
 /** A string resource with its placeholders filled. */
 internal typealias Strings = (id: Int, values: Array<out Any>) -> String
 
-internal fun Status.text(strings: Strings): String = when (this) {
-    is Status.Collecting -> strings.say(R.string.magcomp_status_collecting, missing.text(strings))
-    Status.Tracking -> strings.say(R.string.magcomp_status_tracking)
-    is Status.Suspect -> strings.say(R.string.magcomp_status_suspect)
-    is Status.Held -> strings.say(R.string.magcomp_status_held, reason.text(strings))
-    is Status.Disturbed -> strings.say(R.string.magcomp_status_disturbed)
-    is Status.Rejected -> strings.say(R.string.magcomp_status_rejected, reason.text(strings))
+internal fun CompensationStatus.text(strings: Strings): String = when (this) {
+    is CompensationStatus.Collecting -> strings.say(R.string.magcomp_status_collecting, missing.text(strings))
+    CompensationStatus.Tracking -> strings.say(R.string.magcomp_status_tracking)
+    is CompensationStatus.Suspect -> strings.say(R.string.magcomp_status_suspect)
+    is CompensationStatus.Held -> strings.say(R.string.magcomp_status_held, reason.text(strings))
+    is CompensationStatus.Disturbed -> strings.say(R.string.magcomp_status_disturbed)
+    is CompensationStatus.Rejected -> strings.say(R.string.magcomp_status_rejected, reason.text(strings))
 }
 
-internal fun Event.text(strings: Strings): String {
+internal fun FieldEvent.text(strings: Strings): String {
     val id = when (kind) {
-        EventKind.DEVICE_STEP -> R.string.magcomp_event_device_step
-        EventKind.DEVICE_STEP_BACK -> R.string.magcomp_event_device_step_back
-        EventKind.PLACE_CHANGED -> R.string.magcomp_event_place_changed
+        FieldEventKind.DEVICE_STEP -> R.string.magcomp_event_device_step
+        FieldEventKind.DEVICE_STEP_BACK -> R.string.magcomp_event_device_step_back
+        FieldEventKind.PLACE_CHANGED -> R.string.magcomp_event_place_changed
     }
     return strings.say(id, (decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9)
 }
 
-internal fun Heading?.spoken(strings: Strings): String {
+internal fun CompassHeading?.spoken(strings: Strings): String {
     if (this == null) return strings.say(R.string.magcomp_spoken_no_heading)
     // 359.6 is 0
     return strings.say(R.string.magcomp_spoken_heading, headingDeg.roundToInt() % 360, ceil(headingSigmaDeg ?: 180.0).toInt())
 }
 
-internal fun Status.guidance(): Int? = when (this) {
-    is Status.Collecting -> when (missing) {
-        Missing.Rotation -> R.string.magcomp_guidance_turn
-        Missing.Directions, is Missing.Fit -> R.string.magcomp_guidance_eight
-        is Missing.Samples -> R.string.magcomp_guidance_pick_up
+internal fun CompensationStatus.guidance(): Int? = when (this) {
+    is CompensationStatus.Collecting -> when (missing) {
+        CollectingReason.Rotation -> R.string.magcomp_guidance_turn
+        CollectingReason.Directions, is CollectingReason.Fit -> R.string.magcomp_guidance_eight
+        is CollectingReason.Samples -> R.string.magcomp_guidance_pick_up
     }
-    is Status.Held -> when (reason) {
+    is CompensationStatus.Held -> when (reason) {
         HoldReason.TooLittleRotation -> R.string.magcomp_guidance_turn
         is HoldReason.FitRefused, HoldReason.LowUniformity -> R.string.magcomp_guidance_eight
         HoldReason.AtRest -> R.string.magcomp_guidance_pick_up
         HoldReason.NoGyroscope, HoldReason.Constant -> null
     }
-    is Status.Disturbed -> R.string.magcomp_guidance_walk_away
-    Status.Tracking, is Status.Suspect, is Status.Rejected -> null
+    is CompensationStatus.Disturbed -> R.string.magcomp_guidance_walk_away
+    CompensationStatus.Tracking, is CompensationStatus.Suspect, is CompensationStatus.Rejected -> null
 }
 
-private fun Missing.text(strings: Strings): String = when (this) {
-    is Missing.Samples -> strings.say(R.string.magcomp_missing_samples, have, need)
-    is Missing.Fit -> problem.text(strings)
-    Missing.Rotation -> strings.say(R.string.magcomp_missing_rotation)
-    Missing.Directions -> strings.say(R.string.magcomp_missing_directions)
+private fun CollectingReason.text(strings: Strings): String = when (this) {
+    is CollectingReason.Samples -> strings.say(R.string.magcomp_missing_samples, have, need)
+    is CollectingReason.Fit -> problem.text(strings)
+    CollectingReason.Rotation -> strings.say(R.string.magcomp_missing_rotation)
+    CollectingReason.Directions -> strings.say(R.string.magcomp_missing_directions)
 }
 
 private fun HoldReason.text(strings: Strings): String = when (this) {

@@ -15,16 +15,16 @@ import org.junit.jupiter.api.Test;
 class BuildersTest {
     @Test
     void whatIsSetIsInTheConfig() throws MagcompException {
-        Config config = new ConfigBuilder()
-            .method(org.magcomp.Method.WINDOWED)
+        CompensationConfig config = new CompensationConfigBuilder()
+            .method(org.magcomp.CompensationMethod.WINDOWED)
             .heading(new HeadingConfigBuilder().axis(ReferenceAxis.CAMERA).declinationDeg(3.0).build())
             .windowed(new WindowedConfigBuilder().nMin(9).build())
             .build();
-        assertEquals(org.magcomp.Method.WINDOWED, config.getMethod());
+        assertEquals(org.magcomp.CompensationMethod.WINDOWED, config.getMethod());
         assertEquals(ReferenceAxis.CAMERA, config.getHeading().getAxis());
         assertEquals(3.0, config.getHeading().getDeclinationDeg());
         assertEquals(9, config.getWindowed().getNMin());
-        assertEquals(new Config(), new ConfigBuilder().rangeUt(5.0).rangeUt(null).build());
+        assertEquals(new CompensationConfig(), new CompensationConfigBuilder().rangeUt(5.0).rangeUt(null).build());
         try (Compensator compensator = new Compensator(config)) {
             assertEquals(config, compensator.getConfig());
         }
@@ -33,7 +33,7 @@ class BuildersTest {
     @Test
     void everyFieldHasItsSetter() throws Exception {
         Object[][] pairs = {
-            {new ConfigBuilder(), Config.class},
+            {new CompensationConfigBuilder(), CompensationConfig.class},
             {new HeadingConfigBuilder(), HeadingConfig.class},
             {new WindowedConfigBuilder(), WindowedConfig.class},
             {new FitOptionsBuilder(), FitOptions.class},
@@ -62,7 +62,7 @@ class BuildersTest {
         if (type == Boolean.class) return true;
         if (type == HeadingConfig.class) return new HeadingConfig();
         if (type == WindowedConfig.class) return new WindowedConfig();
-        if (type == Calibration.class) return new Calibration(new SoftIron(1, 1, 1, 0, 0, 0), new Vector3(1, 2, 3), 50);
+        if (type == MagnetometerCalibration.class) return new MagnetometerCalibration(new SoftIron(1, 1, 1, 0, 0, 0), new DeviceVector(1, 2, 3), 50);
         assertNotNull(type.getEnumConstants(), type.getName());
         return type.getEnumConstants()[1];
     }

@@ -28,7 +28,7 @@ class CompassJavaTest {
         executor.shutdownNow();
     }
 
-    private static class Counter implements CompassListener {
+    private static class Counter implements CompassReadingListener {
         final AtomicInteger readings = new AtomicInteger();
         final CompletableFuture<Exception> ended = new CompletableFuture<>();
         volatile CompensatedReading latest;
@@ -93,7 +93,7 @@ class CompassJavaTest {
         Compass compass = new Compass(new RecordingSource("endless", EndlessReader::new));
         CountDownLatch some = new CountDownLatch(100);
         AtomicInteger readings = new AtomicInteger();
-        AutoCloseable running = compass.start(executor, new CompassListener() {
+        AutoCloseable running = compass.start(executor, new CompassReadingListener() {
             @Override
             public void onReading(CompensatedReading reading) {
                 readings.incrementAndGet();

@@ -34,16 +34,16 @@ class AidTest {
                 for (k in 1L..50L * seconds) {
                     val timeNs = k * second / 50
                     if (k % 50 == 0L) compass.aid(timeNs + offsetNs)
-                    emit(SensorSample.RotationRate(RotationRateSample(timeNs, Vector3(0.0, 0.0, 0.0))))
-                    emit(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))))
-                    emit(SensorSample.Magnetic(MagneticSample(timeNs, Vector3(0.2 * sin(k.toDouble()), 20.0, -45.0))))
+                    emit(SensorSample.RotationRate(RotationRateSample(timeNs, DeviceVector(0.0, 0.0, 0.0))))
+                    emit(SensorSample.Up(UpSample(timeNs, DeviceVector(0.0, 0.0, 9.81))))
+                    emit(SensorSample.Magnetic(MagneticSample(timeNs, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0))))
                 }
             }
 
             override fun eventTimeNs(elapsedRealtimeNs: Long) = elapsedRealtimeNs - offsetNs
         }
-        val field = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 49.244)
-        compass = Compass(source, Config(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
         compass.use { compass.readings().toList() }
     }
 
@@ -142,14 +142,14 @@ class AidTest {
             SensorManager.getOrientation(matrix, angles)
             assertEquals(0.0, Math.IEEEremainder(Math.toDegrees(angles[0].toDouble()) - headingDeg, 360.0), 0.01)
             assertEquals(1f, matrix[8], 1e-6f)
-            assertEquals(Yaw.Relative, told.yaw)
+            assertEquals(WorldYaw.Relative, told.yaw)
         }
         // tilted: the camera looks north while the top edge points up, so device x, y, z are east, up, south
         val upright = arCoreAttitude(1, floatArrayOf(0f, 0f, 0f, 1f), 3.0)
         val matrix = FloatArray(9)
         SensorManager.getRotationMatrixFromVector(matrix, with(upright) { floatArrayOf(x.toFloat(), y.toFloat(), z.toFloat(), w.toFloat()) })
         for ((k, value) in listOf(1f, 0f, 0f, 0f, 0f, -1f, 0f, 1f, 0f).withIndex()) assertEquals(value, matrix[k], 1e-6f, "$k")
-        assertEquals(Yaw.Absolute(3.0, NorthReference.TRUE), upright.yaw)
+        assertEquals(WorldYaw.Absolute(3.0, NorthReference.TRUE), upright.yaw)
         assertThrows(IllegalArgumentException::class.java) { arCoreAttitude(1, FloatArray(3)) }
         // of no yaw: nothing about north
         assertTrue(lying(5) { aid(arCoreAttitude(it, eastUpSouth(30.0))) }.all { it.headingAid == null })
@@ -158,14 +158,14 @@ class AidTest {
     @Test
     fun `what can't be is refused as the core refuses it, before there is an estimator`() {
         val nan = Double.NaN
-        fun device(x: Double) = HeadedAxis.Device(Vector3(x, 0.0, 0.0))
+        fun device(x: Double) = HeadedAxis.Device(DeviceVector(x, 0.0, 0.0))
         val headings = listOf(
             headed.copy(headingDeg = nan), headed.copy(headingDeg = 360.1), headed.copy(headingDeg = -361.0), headed.copy(sigmaDeg = 0.0),
             headed.copy(sigmaDeg = -1.0), headed.copy(sigmaDeg = 180.1), headed.copy(sigmaDeg = Double.POSITIVE_INFINITY),
             headed.copy(axis = device(0.0)), headed.copy(axis = device(nan)), headed.copy(headingDeg = nan, axis = HeadedAxis.Vehicle),
         )
-        val pose = AttitudeSample(0, 1.0, 0.0, 0.0, 0.0, Yaw.Relative)
-        fun absolute(sigmaDeg: Double) = pose.copy(yaw = Yaw.Absolute(sigmaDeg, NorthReference.MAGNETIC))
+        val pose = AttitudeSample(0, 1.0, 0.0, 0.0, 0.0, WorldYaw.Relative)
+        fun absolute(sigmaDeg: Double) = pose.copy(yaw = WorldYaw.Absolute(sigmaDeg, NorthReference.MAGNETIC))
         val attitudes = listOf(pose.copy(w = 0.0), pose.copy(x = nan), pose.copy(z = Double.POSITIVE_INFINITY), absolute(0.0), absolute(181.0), absolute(nan))
         val compass = Compass(RecordingSource("nothing") { "t_s,mx,my,mz\n".reader() })
         fun reason(call: () -> Unit) = assertThrows(MagcompException.EventRejected::class.java, call).reason
@@ -191,13 +191,13 @@ class AidTest {
     @Test
     fun `one that comes twice, late or from another clock is not taken`() {
         Compensator().use {
-            it.push(MagneticSample(100 * second, Vector3(1.0, 2.0, 3.0)))
+            it.push(MagneticSample(100 * second, DeviceVector(1.0, 2.0, 3.0)))
             assertTrue(it.pushHeading(headed.copy(timeNs = 99 * second)))
             assertFalse(it.pushHeading(headed.copy(timeNs = 99 * second)))
             assertFalse(it.pushHeading(headed.copy(timeNs = 94 * second)))
             assertFalse(it.pushHeading(headed.copy(timeNs = 200 * second)))
-            assertTrue(it.pushAttitude(AttitudeSample(100 * second, 1.0, 0.0, 0.0, 0.0, Yaw.Relative)))
-            assertFalse(it.pushAttitude(AttitudeSample(100 * second, 1.0, 0.0, 0.0, 0.0, Yaw.Relative)))
+            assertTrue(it.pushAttitude(AttitudeSample(100 * second, 1.0, 0.0, 0.0, 0.0, WorldYaw.Relative)))
+            assertFalse(it.pushAttitude(AttitudeSample(100 * second, 1.0, 0.0, 0.0, 0.0, WorldYaw.Relative)))
             assertNull(it.headingAid())
             assertNull(it.foundDeclination())
         }

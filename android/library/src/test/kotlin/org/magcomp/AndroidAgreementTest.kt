@@ -15,8 +15,8 @@ class AndroidAgreementTest {
     fun `headings agree with getRotationMatrix and getOrientation`() {
         val random = Random(7)
         // the raw field is the field: what is compared are headings
-        val nothing = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 50.0)
-        val config = Config(method = Method.CONSTANT, initial = nothing, heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))
+        val nothing = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 50.0)
+        val config = CompensationConfig(method = CompensationMethod.CONSTANT, initial = nothing, heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))
         val matrix = FloatArray(9)
         val angles = FloatArray(3)
         val out = ReadingBuffer()
@@ -68,7 +68,7 @@ class AndroidAgreementTest {
         }
     }
 
-    private fun vector(v: FloatArray) = Vector3(v[0].toDouble(), v[1].toDouble(), v[2].toDouble())
+    private fun vector(v: FloatArray) = DeviceVector(v[0].toDouble(), v[1].toDouble(), v[2].toDouble())
 
     /** North and up in a device frame of random attitude. */
     private fun attitude(random: Random): List<DoubleArray> {

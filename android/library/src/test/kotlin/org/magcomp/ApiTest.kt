@@ -12,7 +12,7 @@ import org.junit.jupiter.api.Test
 class ApiTest {
     @Test
     fun `the API is the one that was agreed on`() {
-        val places = listOf(Compass::class, Reading::class).map { File(it.java.protectionDomain.codeSource.location.toURI()) }
+        val places = listOf(Compass::class, MagneticReading::class).map { File(it.java.protectionDomain.codeSource.location.toURI()) }
         val classes = places.flatMap(::classes)
         val found = classes.asSequence().map { it.inputStream() }
             .loadApiFromJvmClasses().filterOutNonPublic().dump(StringBuilder()).toString()

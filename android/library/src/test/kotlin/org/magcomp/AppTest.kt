@@ -34,7 +34,7 @@ class AppTest {
         assertTrue(sensors.registrations.all { it.periodUs == 10_000 && it.latencyUs == 0 }, "${sensors.registrations}")
         events.forEach(sensors::deliver)
         // what the last events wait for
-        val later = SensorSample.Up(UpSample(events.last().timeNs + 50_000_000, Vector3(0.0, 0.0, 9.81)))
+        val later = SensorSample.Up(UpSample(events.last().timeNs + 50_000_000, DeviceVector(0.0, 0.0, 9.81)))
         sensors.deliver(later)
         collecting.join()
         withTimeout(20_000) { while (app.preferences.getString("calibration", null) == null) yield() }
@@ -43,7 +43,7 @@ class AppTest {
 
         // the next launch, whatever its options and its config
         val options = SensorOptions(rateHz = 50, gyroscope = false)
-        val next = Compass(activity, options, Config(heading = HeadingConfig(axis = ReferenceAxis.CAMERA)))
+        val next = Compass(activity, options, CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.CAMERA)))
         assertEquals(ReferenceAxis.CAMERA, next.axis)
         assertEquals(null, next.sensors.value)
         val first = launch { assertNotNull(next.readings().first().reading.fieldUt, "calibrated at once") }
@@ -189,21 +189,21 @@ object WithoutLibrary {
         "ReadingBuffer" to { ReadingBuffer() },
         "geomagneticField" to { geomagneticField(48.86, 2.35, 35.0, 1_750_000_000_000) },
         "defaultConfig" to { defaultConfig() },
-        "text" to { Status.Tracking.text() },
+        "text" to { CompensationStatus.Tracking.text() },
         "MagcompException.text" to { MagcompException.Closed().text() },
-        "correct" to { correct(Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 50.0), Vector3(0.0, 0.0, 0.0)) },
-        "heading" to { heading(Vector3(0.0, 20.0, -40.0), Vector3(0.0, 0.0, 1.0), headingFrame(0)) ?: "none" },
+        "correct" to { correct(MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 50.0), DeviceVector(0.0, 0.0, 0.0)) },
+        "heading" to { heading(DeviceVector(0.0, 20.0, -40.0), DeviceVector(0.0, 0.0, 1.0), headingFrame(0)) ?: "none" },
         "calibrationFromJson" to {
             calibrationFromJson("""{"soft_iron": [1, 0, 0, 0, 1, 0, 0, 0, 1], "hard_iron_ut": [0, 0, 0], "field_strength_ut": 50}""")
         },
-        "startLogging" to { startLogging("tag", LogLevel.WARN) },
+        "startLogging" to { startLogging("tag", MagcompLogLevel.WARN) },
     )
 
     @JvmStatic
     fun main(arguments: Array<String>) {
         val said = (listOf(arguments.single()) + calls.keys + calls.keys).map { runCatching(calls.getValue(it)).exceptionOrNull()?.javaClass?.simpleName }
         val ended = CompletableFuture<Exception?>()
-        val listener = object : CompassListener {
+        val listener = object : CompassReadingListener {
             override fun onReading(reading: CompensatedReading) = Unit
 
             override fun onEnd(error: Exception?) {

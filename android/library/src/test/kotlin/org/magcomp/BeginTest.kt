@@ -21,15 +21,15 @@ class BeginTest {
             val sigmas = listOf(60L, 3600L, 86_400L, null).map { age ->
                 Compensator().use { second ->
                     second.setHeadingFrame(HeadingFrame(ReferenceAxis.TOP_EDGE, ScreenRotation.DEG90, 3.0))
-                    second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
+                    second.push(MagneticSample(STEP_NS, DeviceVector(1.0, 2.0, 3.0)))
                     second.adoptKept(text, age?.let { NOW_S + it })
                     assertEquals(first.calibration()!!.hardIronUt, second.calibration()!!.hardIronUt)
                     assertNull(second.keep(NOW_S), "nothing was learned since")
-                    val rejected = second.push(MagneticSample(STEP_NS, Vector3(1.0, 2.0, 3.0)))
-                    assertTrue((rejected.status as Status.Rejected).reason is RejectReason.TimeNotAfter, "the clock goes on")
+                    val rejected = second.push(MagneticSample(STEP_NS, DeviceVector(1.0, 2.0, 3.0)))
+                    assertTrue((rejected.status as CompensationStatus.Rejected).reason is RejectReason.TimeNotAfter, "the clock goes on")
                     second.pushAll(flat(10)).single().let { reading ->
                         assertTrue(reading.heading?.let { it.trueHeadingDeg != null } ?: true, "the frame stays")
-                        assertNotEquals(Status.Tracking, reading.status)
+                        assertNotEquals(CompensationStatus.Tracking, reading.status)
                         reading.fieldSigmaUt ?: 1e9
                     }
                 }
@@ -75,19 +75,19 @@ class BeginTest {
 
     @Test
     fun `the operating system's hard iron gives readings from the first sample on`() {
-        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0), Vector3(120.0, -80.0, 300.0))
+        val first = MagneticSample(STEP_NS, DeviceVector(120.0, -35.0, 300.0), DeviceVector(120.0, -80.0, 300.0))
         Compensator().use { compensator ->
             val reading = compensator.push(first)
-            assertEquals(Vector3(0.0, 45.0, 0.0), reading.fieldUt)
+            assertEquals(DeviceVector(0.0, 45.0, 0.0), reading.fieldUt)
             assertNull(reading.reportedHardIronJumpUt)
         }
-        Compensator(Config(useReportedHardIron = false)).use { assertNull(it.push(first).fieldUt) }
+        Compensator(CompensationConfig(useReportedHardIron = false)).use { assertNull(it.push(first).fieldUt) }
     }
 
     @Test
     fun `an adopted calibration is as unsure as it is said to be`() {
-        val first = MagneticSample(STEP_NS, Vector3(120.0, -35.0, 300.0))
-        val calibration = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(120.0, -80.0, 300.0), 45.0)
+        val first = MagneticSample(STEP_NS, DeviceVector(120.0, -35.0, 300.0))
+        val calibration = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(120.0, -80.0, 300.0), 45.0)
         val sigmas = listOf(3.0, 30.0).map { sigmaUt ->
             Compensator().use {
                 it.adopt(calibration, sigmaUt)
@@ -106,9 +106,9 @@ class BeginTest {
     @Test
     fun `a jump of the operating system's hard iron is visible`() {
         Compensator().use { compensator ->
-            val b = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, -1.0), null, Vector3(4.0, 2.0, -1.0))
+            val b = listOf(DeviceVector(1.0, 2.0, 3.0), DeviceVector(1.0, 2.0, 3.0), DeviceVector(4.0, 2.0, -1.0), null, DeviceVector(4.0, 2.0, -1.0))
             val jumps = b.mapIndexed { k, reported ->
-                compensator.push(MagneticSample(k + 1L, Vector3(1.0 * k, 0.0, 0.0), reported)).reportedHardIronJumpUt
+                compensator.push(MagneticSample(k + 1L, DeviceVector(1.0 * k, 0.0, 0.0), reported)).reportedHardIronJumpUt
             }
             assertEquals(listOf(null, null, 5.0, null, null), jumps)
         }

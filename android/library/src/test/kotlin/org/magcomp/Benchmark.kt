@@ -34,9 +34,9 @@ class Benchmark {
 
     private fun run(case: Case) {
         samples = tumbling(case.samples)
-        val config = Config(
-            method = if (case.constant) Method.CONSTANT else Method.WINDOWED,
-            initial = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 50.0).takeIf { case.constant },
+        val config = CompensationConfig(
+            method = if (case.constant) CompensationMethod.CONSTANT else CompensationMethod.WINDOWED,
+            initial = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 50.0).takeIf { case.constant },
             windowed = WindowedConfig(nMin = case.nMin),
         )
         val ways = linkedMapOf<String, () -> Cost>(
@@ -61,21 +61,21 @@ class Benchmark {
         }
     }
 
-    private fun overJni(config: Config): Cost = Compensator(config).use { compensator ->
+    private fun overJni(config: CompensationConfig): Cost = Compensator(config).use { compensator ->
         val out = ReadingBuffer()
         measure { k -> compensator.push((k + 1) * STEP_NS, samples[3 * k], samples[3 * k + 1], samples[3 * k + 2], out) }
     }
 
-    private fun overJniAsRecords(config: Config): Cost = Compensator(config).use { compensator ->
+    private fun overJniAsRecords(config: CompensationConfig): Cost = Compensator(config).use { compensator ->
         measure { k -> compensator.push(sample(k)) }
     }
 
-    private fun overUniffi(config: Config): Cost = NativeCompensator(config).use { native ->
+    private fun overUniffi(config: CompensationConfig): Cost = NativeCompensator(config).use { native ->
         measure { k -> native.push(sample(k)) }
     }
 
     private fun sample(k: Int) =
-        MagneticSample((k + 1) * STEP_NS, Vector3(samples[3 * k], samples[3 * k + 1], samples[3 * k + 2]))
+        MagneticSample((k + 1) * STEP_NS, DeviceVector(samples[3 * k], samples[3 * k + 1], samples[3 * k + 2]))
 
     private inline fun measure(push: (Int) -> Unit): Cost {
         val bytes = threads.currentThreadAllocatedBytes

@@ -19,9 +19,9 @@ class BorderTest {
     fun `finds the hard iron, and says why not before`() {
         Compensator().use { compensator ->
             val readings = compensator.pushAll(events(values))
-            assertTrue(readings.first().status is Status.Collecting)
+            assertTrue(readings.first().status is CompensationStatus.Collecting)
             assertNull(readings.first().fieldUt)
-            assertEquals(Status.Tracking, readings.last().status)
+            assertEquals(CompensationStatus.Tracking, readings.last().status)
             assertEquals(50.0, readings.last().totalFieldUt!!, 2.0)
             val hardIron = compensator.calibration()!!.hardIronUt
             assertArrayEquals(HARD_IRON, doubleArrayOf(hardIron.x, hardIron.y, hardIron.z), 1.0)
@@ -29,7 +29,7 @@ class BorderTest {
             assertNull(compensator.fit())
             assertTrue(compensator.coverage().share > 0.5)
         }
-        Compensator(Config(method = Method.WINDOWED)).use { compensator ->
+        Compensator(CompensationConfig(method = CompensationMethod.WINDOWED)).use { compensator ->
             compensator.pushAll(events(values))
             assertEquals(81, compensator.fit()!!.covariance.size)
         }
@@ -37,7 +37,7 @@ class BorderTest {
 
     @Test
     fun `a whole reading of the magnetometer alone is the same over JNI and uniffi`() {
-        val native = NativeCompensator(Config())
+        val native = NativeCompensator(CompensationConfig())
         Compensator().use { compensator ->
             val alone = events(values).filterIsInstance<SensorSample.Magnetic>()
             val over = compensator.pushAll(alone)
@@ -60,14 +60,14 @@ class BorderTest {
                 }
             }
             val shown = with(buffer) {
-                Reading(
-                    timeNs, Vector3(xUt, yUt, zUt), fieldSigmaUt, Vector3(filteredXUt, filteredYUt, filteredZUt), totalFieldUt,
-                    Heading(headingDeg, headingSigmaDeg, trueHeadingDeg, inclinationDeg),
-                    Attitude(attitudeW, attitudeX, attitudeY, attitudeZ, attitudeSigmaDeg), sigmaT, window, coverage,
+                MagneticReading(
+                    timeNs, DeviceVector(xUt, yUt, zUt), fieldSigmaUt, DeviceVector(filteredXUt, filteredYUt, filteredZUt), totalFieldUt,
+                    CompassHeading(headingDeg, headingSigmaDeg, trueHeadingDeg, inclinationDeg),
+                    DeviceAttitude(attitudeW, attitudeX, attitudeY, attitudeZ, attitudeSigmaDeg), sigmaT, window, coverage,
                     directionSigmaDeg, worstSigmaDeg, modelOrder, reportedHardIronJumpUt, mode, event, status,
                 )
             }
-            val unknown = Vector3(Double.NaN, Double.NaN, Double.NaN)
+            val unknown = DeviceVector(Double.NaN, Double.NaN, Double.NaN)
             val reading = buffer.toReading()
             val spelled = reading.copy(
                 filteredFieldUt = reading.filteredFieldUt ?: unknown,
@@ -104,18 +104,18 @@ class BorderTest {
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(Axis.Z, 1300.0, 1299.5),
+            RejectReason.Saturated(DeviceAxis.Z, 1300.0, 1299.5),
             RejectReason.TimeNotAfter(7, 9_007_199_254_740_993),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
         )
-        val missing = listOf(Missing.Samples(60, 100), Missing.Rotation, Missing.Directions)
-        val expected = listOf(Status.Tracking, Status.Suspect(-9_007_199_254_740_993)) +
-            missing.map { Status.Collecting(it) } +
-            problems.map { Status.Collecting(Missing.Fit(it)) } +
-            held.map { Status.Held(it) } +
-            Status.Disturbed(Long.MIN_VALUE + 1) +
-            rejected.map { Status.Rejected(it) }
+        val missing = listOf(CollectingReason.Samples(60, 100), CollectingReason.Rotation, CollectingReason.Directions)
+        val expected = listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(-9_007_199_254_740_993)) +
+            missing.map { CompensationStatus.Collecting(it) } +
+            problems.map { CompensationStatus.Collecting(CollectingReason.Fit(it)) } +
+            held.map { CompensationStatus.Held(it) } +
+            CompensationStatus.Disturbed(Long.MIN_VALUE + 1) +
+            rejected.map { CompensationStatus.Rejected(it) }
         val slots = DoubleArray(FastPath.slots)
         assertEquals(expected.size, TestHooks.exampleStatus(-1, slots))
         for ((index, status) in expected.withIndex()) {
@@ -128,7 +128,7 @@ class BorderTest {
     @Test
     fun `a config out of range is a typed error`() {
         val error = assertThrows(MagcompException.Config::class.java) {
-            Compensator(Config(windowed = WindowedConfig(nMin = 3)))
+            Compensator(CompensationConfig(windowed = WindowedConfig(nMin = 3)))
         }
         assertEquals("windowed.n_min", error.field)
         assertTrue("at least 9" in error.text(), error.text())
@@ -151,9 +151,9 @@ class BorderTest {
             val before = compensator.keep(NOW_S)!!
             val out = ReadingBuffer()
             compensator.push(Long.MAX_VALUE, Double.NaN, 0.0, 0.0, out)
-            assertEquals(Status.Rejected(RejectReason.NotFinite), out.status)
+            assertEquals(CompensationStatus.Rejected(RejectReason.NotFinite), out.status)
             compensator.push(5, 1.0, 2.0, 3.0, out)
-            assertEquals(Status.Rejected(RejectReason.TimeNotAfter(5, 600 * STEP_NS)), out.status)
+            assertEquals(CompensationStatus.Rejected(RejectReason.TimeNotAfter(5, 600 * STEP_NS)), out.status)
             assertFalse(compensator.pushUp(5, 0.0, 0.0, 9.8), "too late")
             assertFalse(compensator.pushRotationRate(5, Double.NaN, 0.0, 0.0))
             assertEquals(before, compensator.keep(NOW_S))
@@ -162,10 +162,10 @@ class BorderTest {
 
     @Test
     fun `a saturated sample names its axis`() {
-        Compensator(Config(railUt = 1200.0)).use { compensator ->
-            val at = listOf(Vector3(1200.0, 1.0, 2.0), Vector3(1.0, -1201.0, 2.0), Vector3(1.0, 2.0, 1300.0))
-            val reasons = at.mapIndexed { k, field -> (compensator.push(MagneticSample(k + 1L, field)).status as Status.Rejected).reason }
-            val expected = listOf(Pair(Axis.X, 1200.0), Pair(Axis.Y, -1201.0), Pair(Axis.Z, 1300.0))
+        Compensator(CompensationConfig(railUt = 1200.0)).use { compensator ->
+            val at = listOf(DeviceVector(1200.0, 1.0, 2.0), DeviceVector(1.0, -1201.0, 2.0), DeviceVector(1.0, 2.0, 1300.0))
+            val reasons = at.mapIndexed { k, field -> (compensator.push(MagneticSample(k + 1L, field)).status as CompensationStatus.Rejected).reason }
+            val expected = listOf(Pair(DeviceAxis.X, 1200.0), Pair(DeviceAxis.Y, -1201.0), Pair(DeviceAxis.Z, 1300.0))
             assertEquals(expected.map { (axis, value) -> RejectReason.Saturated(axis, value, 1200.0) }, reasons)
             assertTrue(" y -1201.0 uT" in reasons[1].text(), reasons[1].text())
         }
@@ -191,17 +191,17 @@ class BorderTest {
     fun `a constant calibration guides to the directions that are missing`() {
         ConstantField().use { session ->
             assertThrows(MagcompException.Fit::class.java) { session.finish() }
-            for (k in 0 until 40) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
+            for (k in 0 until 40) session.add(DeviceVector(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
             val before = session.coverage()
-            for (k in 40 until 600) session.add(Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
+            for (k in 40 until 600) session.add(DeviceVector(values[3 * k], values[3 * k + 1], values[3 * k + 2]))
             val after = session.coverage()
             assertTrue(after.unseenDirections.size < before.unseenDirections.size)
             assertEquals(600, session.orientations())
             val fit = session.finish()
             assertEquals(120.0, fit.calibration.hardIronUt.x, 1.0)
-            val corrected = correct(fit.calibration, Vector3(values[0], values[1], values[2]))
+            val corrected = correct(fit.calibration, DeviceVector(values[0], values[1], values[2]))
             assertNotEquals(values[0], corrected.x)
-            assertThrows(MagcompException.Rejected::class.java) { session.add(Vector3(Double.NaN, 0.0, 0.0)) }
+            assertThrows(MagcompException.Rejected::class.java) { session.add(DeviceVector(Double.NaN, 0.0, 0.0)) }
             session.reset()
             assertEquals(0, session.orientations())
         }
@@ -213,7 +213,7 @@ class BorderTest {
         session.close()
         session.close()
         val uses = listOf(
-            { session.add(Vector3(1.0, 2.0, 3.0)) },
+            { session.add(DeviceVector(1.0, 2.0, 3.0)) },
             { session.orientations() },
             { session.coverage() },
             { session.finish() },
@@ -224,7 +224,7 @@ class BorderTest {
 
     @Test
     fun `messages go to stderr under their tag, as many as their level lets through`() {
-        fun said(level: LogLevel): String {
+        fun said(level: MagcompLogLevel): String {
             // in a process of its own: the log of this one is set once
             val java = File(System.getProperty("java.home"), "bin/java").path
             val options = listOf("java.library.path", "jna.library.path").map { "-D$it=" + System.getProperty(it) }
@@ -234,19 +234,19 @@ class BorderTest {
             assertEquals(0, process.waitFor(), text)
             return text
         }
-        val errors = said(LogLevel.ERROR)
+        val errors = said(MagcompLogLevel.ERROR)
         assertTrue(Regex("^ERROR compass-app: panicked at .*", RegexOption.MULTILINE).containsMatchIn(errors), errors)
         assertTrue("ERROR compass-app: panic caught at the border: on purpose" in errors, errors)
         assertFalse("WARN" in errors, errors)
-        val warnings = said(LogLevel.WARN)
+        val warnings = said(MagcompLogLevel.WARN)
         assertTrue("WARN compass-app: the operating system's hard iron was not taken over" in warnings, warnings)
-        assertFalse("compass-app" in said(LogLevel.OFF))
+        assertFalse("compass-app" in said(MagcompLogLevel.OFF))
     }
 
     @Test
     fun `an event out of order, late or missing leaves the pairing of the others alone`() {
-        val flat = Vector3(0.0, 0.0, 9.81)
-        val field = { k: Int -> Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2]) }
+        val flat = DeviceVector(0.0, 0.0, 9.81)
+        val field = { k: Int -> DeviceVector(values[3 * k], values[3 * k + 1], values[3 * k + 2]) }
         Compensator().use { compensator ->
             compensator.pushAll(events(values))
             val begin = 600 * STEP_NS + PAUSE_NS

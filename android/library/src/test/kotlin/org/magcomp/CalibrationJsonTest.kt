@@ -25,9 +25,9 @@ class CalibrationJsonTest {
             ),
             calibration.softIron,
         )
-        assertEquals(Vector3(0.4434981867517305, 0.07810767384555047, -0.2777318011715177), calibration.hardIronUt)
+        assertEquals(DeviceVector(0.4434981867517305, 0.07810767384555047, -0.2777318011715177), calibration.hardIronUt)
         assertEquals(44.62375335464398, calibration.fieldStrengthUt)
-        Compensator(Config(initial = calibration)).use { compensator ->
+        Compensator(CompensationConfig(initial = calibration)).use { compensator ->
             assertEquals(calibration, compensator.calibration())
         }
     }

@@ -31,7 +31,7 @@ class CompassListenerTest {
         executor.shutdownNow()
     }
 
-    private inner class Listening(val onReading: (Int) -> Unit = {}) : CompassListener {
+    private inner class Listening(val onReading: (Int) -> Unit = {}) : CompassReadingListener {
         val readings = AtomicInteger()
         val ends = AtomicInteger()
         private val ended = CompletableFuture<Pair<Exception?, String>>()
@@ -64,7 +64,7 @@ class CompassListenerTest {
         val others = List(FakeSensorManager.LISTENER_LIMIT) { FakeSensorManager.Silent() }
         val magnetometer = sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
         others.forEach { sensors.registerListener(it, magnetometer, 1, 0) }
-        val listening = object : CompassListener {
+        val listening = object : CompassReadingListener {
             val ended = CompletableFuture<Exception?>()
 
             override fun onReading(reading: CompensatedReading) = Unit
@@ -123,7 +123,7 @@ class CompassListenerTest {
     @Test
     fun `a config out of range`() {
         val listening = Listening()
-        Compass(Played(events.asFlow()), Config(rangeUt = -1.0)).start(executor, listening)
+        Compass(Played(events.asFlow()), CompensationConfig(rangeUt = -1.0)).start(executor, listening)
         assertEquals("range_ut", assertInstanceOf(MagcompException.Config::class.java, listening.error()).field)
     }
 
@@ -179,7 +179,7 @@ class CompassListenerTest {
 
     @Test
     fun `an executor that was shut down, before or meanwhile`() {
-        class Told : CompassListener {
+        class Told : CompassReadingListener {
             val ended = CompletableFuture<Exception?>()
             val readings = AtomicInteger()
 
@@ -210,7 +210,7 @@ class CompassListenerTest {
 
     @Test
     fun `an executor that forgets what it had accepted`() {
-        val listening = object : CompassListener {
+        val listening = object : CompassReadingListener {
             val ended = CompletableFuture<Exception?>()
 
             override fun onReading(reading: CompensatedReading) = Unit

@@ -103,7 +103,7 @@ class CompassTest {
     @Test
     fun `a source that never waits ends with its collector`() = runBlocking {
         var asked = 0L
-        val source = generateSequence { if (asked < MANY) MagneticSample(++asked * STEP_NS, Vector3(1.0, 2.0, 3.0 + asked % 7)) else null }
+        val source = generateSequence { if (asked < MANY) MagneticSample(++asked * STEP_NS, DeviceVector(1.0, 2.0, 3.0 + asked % 7)) else null }
         assertEquals(3, source.map { SensorSample.Magnetic(it) }.asFlow().compensated().take(3).toList().size)
         assertTrue(asked < MANY, "it was played to its end")
     }
@@ -115,7 +115,7 @@ class CompassTest {
         assertTrue(store.text!!.length < 4000, "no more than the next launch takes over")
         val again = Compass(Played(events.take(2)), store = store).readings().take(1).toList().single()
         assertNotNull(again.reading.fieldUt, "calibrated from the first sample on, though the clock began anew")
-        assertTrue(again.reading.status !is Status.Rejected)
+        assertTrue(again.reading.status !is CompensationStatus.Rejected)
     }
 
     @Test
@@ -155,7 +155,7 @@ class CompassTest {
             }
         }
         val readings = turning.compensated(frame = frames, capacity = events.size).toList().map { it.reading }
-        val still = Compensator(Config(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))).use { it.pushAll(events) }
+        val still = Compensator(CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))).use { it.pushAll(events) }
         assertEquals(still.take(half / 2), readings.take(half / 2))
         val (before, after) = Pair(still.last().heading!!, readings.last().heading!!)
         assertEquals(90.0, Math.IEEEremainder(after.headingDeg - before.headingDeg + 360, 360.0), 5.0)
@@ -168,7 +168,7 @@ class CompassTest {
         val played = Played(events)
         assertEquals(HeadingFrame(ReferenceAxis.AUTO, ScreenRotation.DEG0, null), Compass(played).frame)
         val heading = HeadingConfig(axis = ReferenceAxis.CAMERA, screenRotation = ScreenRotation.DEG90, declinationDeg = 3.0)
-        val config = Config(method = Method.WINDOWED, heading = heading)
+        val config = CompensationConfig(method = CompensationMethod.WINDOWED, heading = heading)
         val compass = Compass(played, config)
         assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 3.0), compass.frame)
         val last = compass.readings().last().reading
@@ -183,7 +183,7 @@ class CompassTest {
     @Test
     fun `a compass and a compensator have the same defaults`(): Unit = runBlocking {
         assertEquals(defaultConfig().heading!!.axis, Compass(Played(events)).frame.axis)
-        val hardIron = Vector3(HARD_IRON[0], HARD_IRON[1], HARD_IRON[2])
+        val hardIron = DeviceVector(HARD_IRON[0], HARD_IRON[1], HARD_IRON[2])
         val reported = events.map { if (it is SensorSample.Magnetic) SensorSample.Magnetic(it.sample.copy(reportedHardIronUt = hardIron)) else it }
         val expected = Compensator().use { compensator ->
             reported.mapNotNull { event ->
@@ -202,8 +202,8 @@ class CompassTest {
     @Test
     fun `the system's own hard iron reaches the compensator`() = runBlocking {
         val (x, y, z) = HARD_IRON.toList()
-        val samples = events.filterIsInstance<SensorSample.Magnetic>().map { it.sample.copy(reportedHardIronUt = Vector3(x, y, z)) }
-        val config = Config(useReportedHardIron = true)
+        val samples = events.filterIsInstance<SensorSample.Magnetic>().map { it.sample.copy(reportedHardIronUt = DeviceVector(x, y, z)) }
+        val config = CompensationConfig(useReportedHardIron = true)
         val readings = samples.map { SensorSample.Magnetic(it) }.asFlow().compensated(config, capacity = samples.size).toList()
         assertNotNull(readings.first().reading.fieldUt, "the system's estimate is the first calibration")
         assertEquals(Compensator(config).use { c -> samples.map { c.push(it) } }, readings.map { it.reading })
@@ -230,8 +230,8 @@ class CompassTest {
         val text = "\uFEFFmz,note,mx,my,t_s,ax,ay,az\r\n3,?,1,2,0.25,0,0,9.8\r\n\r\n"
         val source = RecordingSource("text") { text.reader() }
         val expected = listOf(
-            SensorSample.Up(UpSample(250_000_000, Vector3(0.0, 0.0, 9.8))),
-            SensorSample.Magnetic(MagneticSample(250_000_000, Vector3(1.0, 2.0, 3.0))),
+            SensorSample.Up(UpSample(250_000_000, DeviceVector(0.0, 0.0, 9.8))),
+            SensorSample.Magnetic(MagneticSample(250_000_000, DeviceVector(1.0, 2.0, 3.0))),
         )
         assertEquals(expected, source.samples().toList())
         assertEquals(expected, source.samples().toList(), "cold: it can be collected again")

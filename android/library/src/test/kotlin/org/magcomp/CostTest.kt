@@ -68,7 +68,7 @@ object CostMain {
         val collecting = launch(Dispatchers.Default) {
             when (arguments.single()) {
                 "heading" -> compass.headings().collect {
-                    sum += (it.headingDeg ?: 0.0) + (it.headingSigmaDeg ?: 0.0) + if (it.status == Status.Tracking) 1 else 0
+                    sum += (it.headingDeg ?: 0.0) + (it.headingSigmaDeg ?: 0.0) + if (it.status == CompensationStatus.Tracking) 1 else 0
                     arrived(it.timeNs)
                 }
                 else -> compass.readings().map { it.reading }.collect {

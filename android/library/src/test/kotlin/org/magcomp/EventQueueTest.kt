@@ -80,7 +80,7 @@ class EventQueueTest {
         assertNotEquals(one, readings(events, batchMs = 100, holdS = 0.0))
     }
 
-    private suspend fun readings(events: List<SensorSample>, batchMs: Long, holdS: Double? = null): List<Reading> {
+    private suspend fun readings(events: List<SensorSample>, batchMs: Long, holdS: Double? = null): List<MagneticReading> {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, hardIron = false)
         val options = SensorOptions(maxReportLatencyUs = (1000 * batchMs).toInt())
         val source = sensors.source(holdS?.let { options.copy(holdS = it) } ?: options)
@@ -100,7 +100,7 @@ class EventQueueTest {
     }
 
     private fun event(kind: Long, timeNs: Long): SensorSample {
-        val v = Vector3(1.0, 2.0, 3.0)
+        val v = DeviceVector(1.0, 2.0, 3.0)
         return when (kind) {
             0L -> SensorSample.RotationRate(RotationRateSample(timeNs, v))
             1L -> SensorSample.Up(UpSample(timeNs, v))

@@ -24,7 +24,7 @@ class FactsTest {
     @Test
     fun correcting() {
         for (case in list(facts, "correct")) {
-            val calibration = Calibration(softIron(case), vector(case.getJSONArray("hard_iron_ut")), 50.0)
+            val calibration = MagnetometerCalibration(softIron(case), vector(case.getJSONArray("hard_iron_ut")), 50.0)
             assertVector(vector(case.getJSONArray("field_ut")), correct(calibration, vector(case.getJSONArray("raw_ut"))), 1e-12)
         }
     }
@@ -32,8 +32,8 @@ class FactsTest {
     @Test
     fun `no calibration`() {
         for (case in list(facts, "no_calibration")) {
-            val calibration = Calibration(softIron(case), Vector3(0.0, 0.0, 0.0), case.getDouble("field_strength_ut"))
-            val error = assertThrows(MagcompException.Calibration::class.java) { correct(calibration, Vector3(1.0, 2.0, 3.0)) }
+            val calibration = MagnetometerCalibration(softIron(case), DeviceVector(0.0, 0.0, 0.0), case.getDouble("field_strength_ut"))
+            val error = assertThrows(MagcompException.Calibration::class.java) { correct(calibration, DeviceVector(1.0, 2.0, 3.0)) }
             assertEquals(case.getString("text"), error.text())
         }
     }
@@ -77,13 +77,13 @@ class FactsTest {
         val limits = facts.getJSONObject("limits")
         fun pair(key: String) = limits.getJSONArray(key).let { Pair(it.getDouble(0), it.getDouble(1)) }
         Compensator().use { compensator ->
-            fun push(timeNs: Long, x: Double) = compensator.push(MagneticSample(timeNs, Vector3(x, 0.0, 0.0))).status
+            fun push(timeNs: Long, x: Double) = compensator.push(MagneticSample(timeNs, DeviceVector(x, 0.0, 0.0))).status
             val (within, beyond) = pair("magnetic_ut")
-            assertTrue(push(0, within) is Status.Collecting)
-            assertTrue((push(1, beyond) as Status.Rejected).reason is RejectReason.OutOfRange)
+            assertTrue(push(0, within) is CompensationStatus.Collecting)
+            assertTrue((push(1, beyond) as CompensationStatus.Rejected).reason is RejectReason.OutOfRange)
             val (soon, late) = pair("gap_ns")
-            assertTrue((push(late.toLong(), 1.0) as Status.Rejected).reason is RejectReason.TimeJump)
-            assertTrue(push(soon.toLong(), 1.0) is Status.Collecting)
+            assertTrue((push(late.toLong(), 1.0) as CompensationStatus.Rejected).reason is RejectReason.TimeJump)
+            assertTrue(push(soon.toLong(), 1.0) is CompensationStatus.Collecting)
         }
         Compensator().use { compensator ->
             val (slow, fast) = pair("rotation_rate_rad_s")
@@ -107,8 +107,8 @@ class FactsTest {
             FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
             FitProblem.NotFinite,
         )
-        val missing = listOf(Missing.Samples(60, 100)) + problems.map { Missing.Fit(it) } +
-            listOf(Missing.Rotation, Missing.Directions)
+        val missing = listOf(CollectingReason.Samples(60, 100)) + problems.map { CollectingReason.Fit(it) } +
+            listOf(CollectingReason.Rotation, CollectingReason.Directions)
         val held = listOf(
             HoldReason.LowUniformity,
             HoldReason.FitRefused(poor),
@@ -120,13 +120,13 @@ class FactsTest {
         val rejected = listOf(
             RejectReason.NotFinite,
             RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(Axis.X, 1300.0, 1299.5),
+            RejectReason.Saturated(DeviceAxis.X, 1300.0, 1299.5),
             RejectReason.TimeNotAfter(7, 8),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
         )
-        val ours = missing.map { Status.Collecting(it) } + Status.Tracking + Status.Suspect(1) +
-            held.map { Status.Held(it) } + Status.Disturbed(1) + rejected.map { Status.Rejected(it) }
+        val ours = missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) +
+            held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) + rejected.map { CompensationStatus.Rejected(it) }
         val expected = list(facts, "statuses").map { Pair(it.getString("label"), it.getString("text")) }
         assertEquals(expected, ours.map { Pair(it.label(), it.text()) })
     }
@@ -140,7 +140,7 @@ class FactsTest {
         for (case in list(facts, "errors") + list(facts, "border_errors")) {
             val error = when (val name = case.getString("name")) {
                 "Config" -> assertThrows(MagcompException.Config::class.java) {
-                    Compensator(Config(windowed = WindowedConfig(nMin = 3)))
+                    Compensator(CompensationConfig(windowed = WindowedConfig(nMin = 3)))
                 }
                 "KeptDamaged" -> Compensator().use {
                     assertThrows(MagcompException.KeptDamaged::class.java) { it.adoptKept("nonsense", null) }
@@ -198,14 +198,14 @@ class FactsTest {
         return List(list.length()) { list.getJSONObject(it) }
     }
 
-    private fun vector(json: JSONArray) = Vector3(json.getDouble(0), json.getDouble(1), json.getDouble(2))
+    private fun vector(json: JSONArray) = DeviceVector(json.getDouble(0), json.getDouble(1), json.getDouble(2))
 
     private fun softIron(case: JSONObject): SoftIron {
         val m = case.getJSONArray("soft_iron")
         return SoftIron(m.getDouble(0), m.getDouble(1), m.getDouble(2), m.getDouble(3), m.getDouble(4), m.getDouble(5))
     }
 
-    private fun assertVector(expected: Vector3, found: Vector3, tolerance: Double) = assertArrayEquals(
+    private fun assertVector(expected: DeviceVector, found: DeviceVector, tolerance: Double) = assertArrayEquals(
         with(expected) { doubleArrayOf(x, y, z) },
         with(found) { doubleArrayOf(x, y, z) },
         tolerance,

@@ -58,8 +58,8 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
 
     /** Delivers an event to the sensors of a phone with gravity and an uncalibrated magnetometer. */
     fun deliver(event: SensorSample) {
-        fun to(type: Int, v: Vector3, bias: Vector3? = null) {
-            val all = listOf(v.x, v.y, v.z) + (bias ?: Vector3(0.0, 0.0, 0.0)).let { listOf(it.x, it.y, it.z) }
+        fun to(type: Int, v: DeviceVector, bias: DeviceVector? = null) {
+            val all = listOf(v.x, v.y, v.z) + (bias ?: DeviceVector(0.0, 0.0, 0.0)).let { listOf(it.x, it.y, it.z) }
             deliver(type, event.timeNs, *all.take(events.getValue(type).values.size).map { it.toFloat() }.toFloatArray())
         }
         when (event) {

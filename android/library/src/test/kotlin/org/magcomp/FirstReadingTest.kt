@@ -17,13 +17,13 @@ import org.junit.jupiter.api.Test
 
 /** A phone that lies still from the start, with nothing in a store. */
 class FirstReadingTest {
-    private val hardIron = Vector3(120.0, -80.0, 300.0)
+    private val hardIron = DeviceVector(120.0, -80.0, 300.0)
 
     @Test
     fun `with the system's hard iron it has a heading, as wrong as its sigma says`() {
         // what a phone's own calibration errs by
-        val off = Vector3(4.0, -5.0, 3.0)
-        val reported = Vector3(hardIron.x + off.x, hardIron.y + off.y, hardIron.z + off.z)
+        val off = DeviceVector(4.0, -5.0, 3.0)
+        val reported = DeviceVector(hardIron.x + off.x, hardIron.y + off.y, hardIron.z + off.z)
         val found = (0 until 360 step 10).map { headingDeg ->
             val heading = first(headingDeg.toDouble(), reported).heading!!
             val errorDeg = abs(Math.IEEEremainder(heading.headingDeg - headingDeg, 360.0))
@@ -38,17 +38,17 @@ class FirstReadingTest {
     @Test
     fun `without it there is none, nor when the config refuses it`() {
         assertNull(first(0.0, null).heading)
-        assertNull(first(0.0, hardIron, Config(useReportedHardIron = false)).heading)
+        assertNull(first(0.0, hardIron, CompensationConfig(useReportedHardIron = false)).heading)
         assertEquals(0.0, Math.IEEEremainder(first(0.0, hardIron).heading!!.headingDeg, 360.0), 1e-3)
     }
 
-    private fun first(headingDeg: Double, reported: Vector3?, config: Config = Config()): Reading = runBlocking {
+    private fun first(headingDeg: Double, reported: DeviceVector?, config: CompensationConfig = CompensationConfig()): MagneticReading = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY)
         val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().take(1).toList().single().reading }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         val (north, east) = Pair(cos(Math.toRadians(headingDeg)), sin(Math.toRadians(headingDeg)))
-        sensors.deliver(SensorSample.Up(UpSample(STEP_NS, Vector3(0.0, 0.0, 9.81))))
-        val raw = Vector3(hardIron.x - 20 * east, hardIron.y + 20 * north, hardIron.z - 45)
+        sensors.deliver(SensorSample.Up(UpSample(STEP_NS, DeviceVector(0.0, 0.0, 9.81))))
+        val raw = DeviceVector(hardIron.x - 20 * east, hardIron.y + 20 * north, hardIron.z - 45)
         sensors.deliver(SensorSample.Magnetic(MagneticSample(STEP_NS, raw, reported)))
         reading.await()
     }

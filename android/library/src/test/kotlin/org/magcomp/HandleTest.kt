@@ -37,7 +37,7 @@ class HandleTest {
             TestHooks.panicOnPurpose(compensator.handle)
             val calls = listOf(
                 { compensator.push(1, 1.0, 2.0, 3.0, ReadingBuffer()) },
-                { compensator.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0))) },
+                { compensator.push(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0))) },
                 { compensator.pushUp(1, 0.0, 0.0, 9.8) },
                 { compensator.pushRotationRate(1, 0.0, 0.0, 0.0) },
                 { compensator.pushAll(events(values)) },
@@ -64,7 +64,7 @@ class HandleTest {
 
     @Test
     fun `a panic is a typed error until reset`() {
-        val native = NativeCompensator(Config())
+        val native = NativeCompensator(CompensationConfig())
         val handle = native.fastHandle()
         assertEquals(FastPath.PANICKED, TestHooks.panicOnPurpose(handle))
         val out = DoubleArray(FastPath.slots)
@@ -87,7 +87,7 @@ class HandleTest {
         for (handle in listOf(0L, -1L, Long.MAX_VALUE, Long.MIN_VALUE, 1L shl 32 or 0xffff)) {
             assertEquals(FastPath.CLOSED, FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, out))
         }
-        NativeCompensator(Config()).use { native ->
+        NativeCompensator(CompensationConfig()).use { native ->
             val handle = native.fastHandle()
             val short = DoubleArray(out.size - 1)
             assertThrows(IndexOutOfBoundsException::class.java) { FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short) }
@@ -104,7 +104,7 @@ class HandleTest {
             assertEquals(null, nothing.keep(NOW_S))
             assertEquals(48, nothing.coverage().unseenDirections.size)
         }
-        NativeCompensator(Config()).use { native ->
+        NativeCompensator(CompensationConfig()).use { native ->
             val (handle, out) = Pair(native.fastHandle(), DoubleArray(FastPath.slots))
             for (event in events(values)) {
                 when (event) {
@@ -116,7 +116,7 @@ class HandleTest {
             Compensator().use { compensator ->
                 for (event in events(values)) {
                     when (event) {
-                        is SensorSample.Magnetic -> with(event.sample) { compensator.push(copy(reportedHardIronUt = Vector3(0.0, 0.0, 0.0))) }
+                        is SensorSample.Magnetic -> with(event.sample) { compensator.push(copy(reportedHardIronUt = DeviceVector(0.0, 0.0, 0.0))) }
                         is SensorSample.Up -> with(event.sample.upMS2) { compensator.pushUp(event.timeNs, x, y, z) }
                         is SensorSample.RotationRate -> error("none is played")
                     }
@@ -142,7 +142,7 @@ class HandleTest {
 
     @Test
     fun `a handle is never given twice`() {
-        val handles = (1..1000).map { NativeCompensator(Config()).use { native -> native.fastHandle() } }
+        val handles = (1..1000).map { NativeCompensator(CompensationConfig()).use { native -> native.fastHandle() } }
         assertEquals(1000, handles.toSet().size)
     }
 }

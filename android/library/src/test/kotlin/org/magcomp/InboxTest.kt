@@ -30,7 +30,7 @@ class InboxTest {
         inbox.put(RawEvent.ROTATION_RATE, 1, 1.0, 2.0, 3.0)
         assertEquals(listOf("0 1 1.0 2.0 3.0 null"), got)
         inbox.put(RawEvent.UP, 2, 4.0, 5.0, 6.0)
-        inbox.put(RawEvent.MAGNETIC, 2, 7.0, 8.0, 9.0, Vector3(10.0, 0.0, 0.0))
+        inbox.put(RawEvent.MAGNETIC, 2, 7.0, 8.0, 9.0, DeviceVector(10.0, 0.0, 0.0))
         assertEquals(listOf("1 2 4.0 5.0 6.0 null", "2 2 7.0 8.0 9.0 10.0"), got.drop(1))
     }
 

@@ -16,10 +16,10 @@ import org.junit.jupiter.api.Test
 class OrientationTest {
     private val random = Random(11)
 
-    private fun attitude(): Attitude {
+    private fun attitude(): DeviceAttitude {
         val q = DoubleArray(4) { random.nextGaussian() }
         val length = sqrt(q.sumOf { it * it })
-        return Attitude(q[0] / length, q[1] / length, q[2] / length, q[3] / length, null)
+        return DeviceAttitude(q[0] / length, q[1] / length, q[2] / length, q[3] / length, null)
     }
 
     @Test
@@ -59,7 +59,7 @@ class OrientationTest {
             }
         }
         // straight up
-        assertEquals(-90.0, Attitude(sqrt(0.5), sqrt(0.5), 0.0, 0.0, null).orientation().pitchDeg, 1e-6)
+        assertEquals(-90.0, DeviceAttitude(sqrt(0.5), sqrt(0.5), 0.0, 0.0, null).orientation().pitchDeg, 1e-6)
     }
 
     @Test
@@ -67,7 +67,7 @@ class OrientationTest {
         val source = object : MagneticFieldSource {
             override fun samples() = flow { events(tumbling(1500)).forEach { emit(it) } }
         }
-        val compass = Compass(source, Config(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE)), graceMs = 0)
+        val compass = Compass(source, CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE)), graceMs = 0)
         compass.declinationDeg = 3.0
         val readings = compass.headings().toList().filter { it.attitude != null && it.headingDeg != null }
         val level = readings.filter { abs(it.attitude!!.orientation().pitchDeg) < 60 }
@@ -77,7 +77,7 @@ class OrientationTest {
             assertEquals(0.0, off, 3.0 + 2 * reading.headingSigmaDeg!!, "$reading")
         }
         val one = readings.last()
-        assertEquals(one.details.reading.heading, Heading(one.headingDeg!!, one.headingSigmaDeg, one.trueHeadingDeg, one.details.reading.heading!!.inclinationDeg))
+        assertEquals(one.details.reading.heading, CompassHeading(one.headingDeg!!, one.headingSigmaDeg, one.trueHeadingDeg, one.details.reading.heading!!.inclinationDeg))
         assertEquals(0.0, Math.IEEEremainder(one.trueHeadingDeg!! - one.headingDeg!! - 3.0, 360.0), 1e-9)
         assertEquals(Pair(one.details.reading.timeNs, one.details.reading.status), Pair(one.timeNs, one.status))
         assertTrue("give or take" in one.spoken(englishResources()))

@@ -46,7 +46,7 @@ class PairingTest {
             .map { it.second }
         val found = readings(arrivals.map { jittered(it, random) })
         assertEquals(4000, found.size)
-        assertTrue(found.none { it.status is Status.Rejected })
+        assertTrue(found.none { it.status is CompensationStatus.Rejected })
         assertErrors(found.drop(1500), below = 2.0)
     }
 
@@ -74,7 +74,7 @@ class PairingTest {
     private fun readings(events: List<SensorSample>) = Compensator().use { it.pushAll(events) }
 
     /** 95 % of the corrected fields point where the true ones do, within so many degrees. */
-    private fun assertErrors(readings: List<Reading>, below: Double) {
+    private fun assertErrors(readings: List<MagneticReading>, below: Double) {
         val errors = readings.map { angleDeg(it.fieldUt!!, turned.fields.getValue(it.timeNs / STEP_NS)) }.sorted()
         val worst = errors[errors.size * 95 / 100]
         assertTrue(worst < below, "95 % of the directions are right within $worst degrees")
@@ -90,34 +90,34 @@ class PairingTest {
         }
     }
 
-    private class Turned(val events: List<SensorSample>, val fields: Map<Long, Vector3>)
+    private class Turned(val events: List<SensorSample>, val fields: Map<Long, DeviceVector>)
 
     private fun turned(): Turned {
         val random = Random(5)
         val events = mutableListOf<SensorSample>()
-        val fields = HashMap<Long, Vector3>()
+        val fields = HashMap<Long, DeviceVector>()
         var attitude = doubleArrayOf(1.0, 0.0, 0.0, 0.0)
         for (k in 1..16_000L) {
             val timeNs = k * GYROSCOPE_STEP_NS
             val t = timeNs * 1e-9
             attitude = turn(attitude, rate(t - 0.5e-9 * GYROSCOPE_STEP_NS), GYROSCOPE_STEP_NS * 1e-9)
             events += SensorSample.RotationRate(RotationRateSample(timeNs, rate(t)))
-            if (k % 8 == 0L) events += SensorSample.Up(UpSample(timeNs, inDevice(attitude, Vector3(0.0, 0.0, 9.81))))
+            if (k % 8 == 0L) events += SensorSample.Up(UpSample(timeNs, inDevice(attitude, DeviceVector(0.0, 0.0, 9.81))))
             if (k % 4 == 0L) {
-                val field = inDevice(attitude, Vector3(0.0, 22.0, -42.0))
+                val field = inDevice(attitude, DeviceVector(0.0, 22.0, -42.0))
                 fields[timeNs / STEP_NS] = field
                 val noise = { 0.3 * random.nextGaussian() }
-                val raw = Vector3(field.x + 30 + noise(), field.y - 20 + noise(), field.z + 40 + noise())
+                val raw = DeviceVector(field.x + 30 + noise(), field.y - 20 + noise(), field.z + 40 + noise())
                 events += SensorSample.Magnetic(MagneticSample(timeNs, raw))
             }
         }
         return Turned(events, fields)
     }
 
-    private fun rate(t: Double) = Vector3(0.8 * sin(0.9 * t), 0.9 * cos(0.7 * t), 0.7 * sin(1.3 * t + 1))
+    private fun rate(t: Double) = DeviceVector(0.8 * sin(0.9 * t), 0.9 * cos(0.7 * t), 0.7 * sin(1.3 * t + 1))
 
     /** The attitude q (device to Earth; w, x, y, z) after turning at a rate about the device's axes for so long. */
-    private fun turn(q: DoubleArray, rate: Vector3, seconds: Double): DoubleArray {
+    private fun turn(q: DoubleArray, rate: DeviceVector, seconds: Double): DoubleArray {
         val speed = sqrt(rate.x * rate.x + rate.y * rate.y + rate.z * rate.z)
         val half = speed * seconds / 2
         val (w, s) = Pair(cos(half), if (speed > 0) sin(half) / speed else 0.0)
@@ -131,17 +131,17 @@ class PairingTest {
     }
 
     /** A vector of the Earth's frame in the device's. */
-    private fun inDevice(q: DoubleArray, v: Vector3): Vector3 {
+    private fun inDevice(q: DoubleArray, v: DeviceVector): DeviceVector {
         val (w, x, y, z) = q.toList()
-        return Vector3(
+        return DeviceVector(
             (1 - 2 * (y * y + z * z)) * v.x + 2 * (x * y + w * z) * v.y + 2 * (x * z - w * y) * v.z,
             2 * (x * y - w * z) * v.x + (1 - 2 * (x * x + z * z)) * v.y + 2 * (y * z + w * x) * v.z,
             2 * (x * z + w * y) * v.x + 2 * (y * z - w * x) * v.y + (1 - 2 * (x * x + y * y)) * v.z,
         )
     }
 
-    private fun angleDeg(a: Vector3, b: Vector3): Double {
-        fun dot(a: Vector3, b: Vector3) = a.x * b.x + a.y * b.y + a.z * b.z
+    private fun angleDeg(a: DeviceVector, b: DeviceVector): Double {
+        fun dot(a: DeviceVector, b: DeviceVector) = a.x * b.x + a.y * b.y + a.z * b.z
         return Math.toDegrees(acos((dot(a, b) / sqrt(dot(a, a) * dot(b, b))).coerceIn(-1.0, 1.0)))
     }
 

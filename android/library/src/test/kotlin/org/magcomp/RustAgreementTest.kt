@@ -19,7 +19,7 @@ class RustAgreementTest {
     fun `a recording over JNI, one event at a time`() {
         val readings = Compensator().use { compensator -> events.mapNotNull { push(compensator, it) } }
         assertReadings(readings)
-        assertTrue(readings.any { it.heading != null && it.status is Status.Tracking }, "the recording shows something")
+        assertTrue(readings.any { it.heading != null && it.status is CompensationStatus.Tracking }, "the recording shows something")
     }
 
     @Test
@@ -46,7 +46,7 @@ class RustAgreementTest {
 
     @Test
     fun `a recording over uniffi`() {
-        val readings = NativeCompensator(Config()).use { native ->
+        val readings = NativeCompensator(CompensationConfig()).use { native ->
             events.mapNotNull {
                 when (it) {
                     is SensorSample.Magnetic -> native.push(it.sample)
@@ -123,7 +123,7 @@ class RustAgreementTest {
         }
     }
 
-    private fun assertReadings(readings: List<Reading>) {
+    private fun assertReadings(readings: List<MagneticReading>) {
         val ours = readings.map {
             val field = it.fieldUt
             val heading = it.heading
@@ -139,7 +139,7 @@ class RustAgreementTest {
         for ((their, our) in theirs.zip(ours)) assertEquals(their, our)
     }
 
-    private fun push(compensator: Compensator, event: SensorSample): Reading? {
+    private fun push(compensator: Compensator, event: SensorSample): MagneticReading? {
         when (event) {
             is SensorSample.Magnetic -> return compensator.push(event.sample)
             is SensorSample.RotationRate -> with(event.sample.rateRadS) { compensator.pushRotationRate(event.timeNs, x, y, z) }
@@ -161,5 +161,5 @@ class RustAgreementTest {
 
     private fun vectors(name: String) = JSONObject(repository.resolve("tests/vectors/$name").readText())
 
-    private fun vector(json: JSONArray) = Vector3(json.getDouble(0), json.getDouble(1), json.getDouble(2))
+    private fun vector(json: JSONArray) = DeviceVector(json.getDouble(0), json.getDouble(1), json.getDouble(2))
 }

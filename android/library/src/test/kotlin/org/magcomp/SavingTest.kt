@@ -61,8 +61,8 @@ class SavingTest {
         val refused = (events[1001] as SensorSample.Magnetic).sample
         events.add(1002, SensorSample.Magnetic(refused.copy(timeNs = refused.timeNs - 3_600_000_000_000)))
         val readings = readings(events, store)
-        assertEquals(1, readings.count { it.reading.status is Status.Rejected })
-        val tracking = readings.first { it.reading.status == Status.Tracking }
+        assertEquals(1, readings.count { it.reading.status is CompensationStatus.Rejected })
+        val tracking = readings.first { it.reading.status == CompensationStatus.Tracking }
         assertEquals(4, store.savedS.size, "${store.savedS}")
         assertEquals(tracking.sample.timeNs * 1e-9, store.savedS.first())
         assertEquals(25.0, store.savedS.last())
@@ -113,8 +113,8 @@ class SavingTest {
     }
 
     /** When a compensator of our own changes hard iron or soft iron, and to what. */
-    private fun changes(events: List<SensorSample>): List<Pair<Double, Calibration>> = Compensator().use { compensator ->
-        var latest: Calibration? = null
+    private fun changes(events: List<SensorSample>): List<Pair<Double, MagnetometerCalibration>> = Compensator().use { compensator ->
+        var latest: MagnetometerCalibration? = null
         events.mapNotNull { event ->
             compensator.pushAll(listOf(event))
             val found = compensator.calibration()
@@ -160,19 +160,19 @@ class SavingTest {
     /** A phone with a gyroscope, turned by hand for some samples and still from then on: noise of 0.3 uT. */
     private fun handHeld(moving: Int, still: Int): List<SensorSample> {
         val random = Random(6)
-        fun noisy(v: Vector3, noise: Double) = Vector3(
+        fun noisy(v: DeviceVector, noise: Double) = DeviceVector(
             v.x + noise * random.nextGaussian(),
             v.y + noise * random.nextGaussian(),
             v.z + noise * random.nextGaussian(),
         )
-        var up = Vector3(0.0, 0.0, 9.81)
-        var field = Vector3(0.0, 22.0, -42.0)
+        var up = DeviceVector(0.0, 0.0, 9.81)
+        var field = DeviceVector(0.0, 22.0, -42.0)
         return (1..moving + still).flatMap { k ->
             val (t, timeNs) = Pair(k * 0.01, k * STEP_NS)
-            val rate = if (k <= moving) Vector3(0.8 * sin(0.9 * t), 0.9 * cos(0.7 * t), 0.7 * sin(1.3 * t + 1)) else Vector3(0.0, 0.0, 0.0)
+            val rate = if (k <= moving) DeviceVector(0.8 * sin(0.9 * t), 0.9 * cos(0.7 * t), 0.7 * sin(1.3 * t + 1)) else DeviceVector(0.0, 0.0, 0.0)
             up = seen(up, rate)
             field = seen(field, rate)
-            val raw = Vector3(field.x + 30, field.y - 20, field.z + 40)
+            val raw = DeviceVector(field.x + 30, field.y - 20, field.z + 40)
             listOf(
                 SensorSample.RotationRate(RotationRateSample(timeNs, noisy(rate, 0.002))),
                 SensorSample.Up(UpSample(timeNs, noisy(up, 0.02))),
@@ -182,13 +182,13 @@ class SavingTest {
     }
 
     /** A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula. */
-    private fun seen(v: Vector3, rate: Vector3): Vector3 {
+    private fun seen(v: DeviceVector, rate: DeviceVector): DeviceVector {
         val speed = sqrt(rate.x * rate.x + rate.y * rate.y + rate.z * rate.z)
         if (speed == 0.0) return v
         val (x, y, z) = Triple(rate.x / speed, rate.y / speed, rate.z / speed)
         val (c, s) = Pair(cos(0.01 * speed), sin(0.01 * speed))
         val along = (x * v.x + y * v.y + z * v.z) * (1 - c)
-        return Vector3(
+        return DeviceVector(
             v.x * c - (y * v.z - z * v.y) * s + x * along,
             v.y * c - (z * v.x - x * v.z) * s + y * along,
             v.z * c - (x * v.y - y * v.x) * s + z * along,

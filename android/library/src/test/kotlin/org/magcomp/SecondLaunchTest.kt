@@ -34,18 +34,18 @@ class SecondLaunchTest {
     @Test
     fun `headings err as their sigma says, whatever happened to the phone meanwhile`() {
         val (learned, _) = learn()
-        val cover = Vector3(150.0, -100.0, 300.0)
+        val cover = DeviceVector(150.0, -100.0, 300.0)
         val wrong = ArrayList<String>()
         var headings = 0
         for (offUt in listOf(0.0, 20.0, 39.0, null)) {
             for (k in 0 until PHONES) {
                 preferences.edit().putString("calibration", learned).apply()
                 val random = Random(100L + k)
-                val direction = length(random.let { Vector3(it.nextGaussian(), it.nextGaussian(), it.nextGaussian()) }, 1.0)
+                val direction = length(random.let { DeviceVector(it.nextGaussian(), it.nextGaussian(), it.nextGaussian()) }, 1.0)
                 val off = if (offUt == null) cover else length(direction, offUt)
                 val phone = Phone(k.toLong(), hardIron = HARD_IRON_UT + off).apply { layDown(23.0 * k) }
                 val readings = launched(phone, 200, still = true, nowS = NOW_S + 3600)
-                assertFalse(readings.any { it.reading.status == Status.Tracking }, "$offUt, $k")
+                assertFalse(readings.any { it.reading.status == CompensationStatus.Tracking }, "$offUt, $k")
                 assertEquals(learned, text, "nothing was learned")
                 val heading = readings.last().reading.heading
                 if (heading == null) {
@@ -66,9 +66,9 @@ class SecondLaunchTest {
     @Test
     fun `it is learned again where the phone is turned, and saved then`() {
         val (learned, timeNs) = learn()
-        val phone = Phone(3, hardIron = HARD_IRON_UT + Vector3(20.0, -10.0, 15.0), beginNs = timeNs)
+        val phone = Phone(3, hardIron = HARD_IRON_UT + DeviceVector(20.0, -10.0, 15.0), beginNs = timeNs)
         val readings = launched(phone, 3000, still = false, nowS = NOW_S + 3600)
-        assertTrue(readings.any { it.reading.status == Status.Tracking })
+        assertTrue(readings.any { it.reading.status == CompensationStatus.Tracking })
         assertNotEquals(learned, text)
         val again = Compensator().use { it.apply { adoptKept(text!!, NOW_S + 3600) }.calibration()!! }
         assertEquals(HARD_IRON_UT.x + 20, again.hardIronUt.x, 3.0)
@@ -76,8 +76,8 @@ class SecondLaunchTest {
 
     @Test
     fun `the system's hard iron and what was given are never saved as learned`() {
-        val given = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), HARD_IRON_UT, 47.4)
-        for (config in listOf(Config(), Config(initial = given, useReportedHardIron = false))) {
+        val given = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), HARD_IRON_UT, 47.4)
+        for (config in listOf(CompensationConfig(), CompensationConfig(initial = given, useReportedHardIron = false))) {
             val phone = Phone(1, reported = HARD_IRON_UT).apply { layDown(30.0) }
             val readings = launched(phone, 2000, still = true, config = config)
             assertNotNull(readings.last().reading.heading, "it is in force")
@@ -103,8 +103,8 @@ class SecondLaunchTest {
     @Test
     fun `the system's hard iron is heard beside a kept calibration only where the system is sure of it`() {
         val (learned, _) = learn()
-        val hardIron = HARD_IRON_UT + Vector3(22.0, -22.0, 22.0)
-        fun fieldUt(reported: Vector3?, accuracy: Int?): Vector3 {
+        val hardIron = HARD_IRON_UT + DeviceVector(22.0, -22.0, 22.0)
+        fun fieldUt(reported: DeviceVector?, accuracy: Int?): DeviceVector {
             preferences.edit().putString("calibration", learned).apply()
             val phone = Phone(4, hardIron, reported).apply { layDown(120.0) }
             return launched(phone, 20, still = true, nowS = NOW_S + 3600, accuracy = accuracy).last().reading.fieldUt!!
@@ -113,7 +113,7 @@ class SecondLaunchTest {
         assertEquals(alone, fieldUt(hardIron, null))
         assertEquals(alone, fieldUt(hardIron, SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM))
         val sure = fieldUt(hardIron, SensorManager.SENSOR_STATUS_ACCURACY_HIGH)
-        fun off(field: Vector3) = (field + Phone(4).apply { layDown(120.0) }.field * -1.0).length()
+        fun off(field: DeviceVector) = (field + Phone(4).apply { layDown(120.0) }.field * -1.0).length()
         assertTrue(off(sure) < 0.75 * off(alone), "${off(sure)} ${off(alone)}")
     }
 
@@ -133,7 +133,7 @@ class SecondLaunchTest {
             val first = compass.readings().toList().last().reading
             nowS += 60
             val again = compass.readings().toList()
-            assertTrue(again.none { it.reading.status is Status.Rejected })
+            assertTrue(again.none { it.reading.status is CompensationStatus.Rejected })
             val heading = again.last().reading.heading!!
             assertEquals(first.heading!!.headingSigmaDeg!!, heading.headingSigmaDeg!!, 1.0)
             assertEquals(trueHeadingDeg(heading.headingDeg, 2.0), heading.trueHeadingDeg, "the frame stays")
@@ -153,7 +153,7 @@ class SecondLaunchTest {
             }
         }
         val other = Compass(played, graceMs = 0).apply { unixTimeS = { nowS } }
-        suspend fun first(): Reading {
+        suspend fun first(): MagneticReading {
             isSeen = CompletableDeferred()
             return other.readings().onEach { isSeen.complete(Unit) }.toList().first().reading
         }
@@ -171,7 +171,7 @@ class SecondLaunchTest {
     private fun learn(): Pair<String, Long> {
         val phone = Phone(0)
         val last = launched(phone, 3000, still = false).last()
-        assertEquals(Status.Tracking, last.reading.status)
+        assertEquals(CompensationStatus.Tracking, last.reading.status)
         return Pair(text!!, last.sample.timeNs)
     }
 
@@ -181,7 +181,7 @@ class SecondLaunchTest {
         samples: Int,
         still: Boolean,
         nowS: Long = NOW_S,
-        config: Config = Config(),
+        config: CompensationConfig = CompensationConfig(),
         accuracy: Int? = null,
     ): List<CompensatedReading> = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
@@ -201,28 +201,28 @@ class SecondLaunchTest {
     }
 }
 
-val HARD_IRON_UT = Vector3(HARD_IRON[0], HARD_IRON[1], HARD_IRON[2])
+val HARD_IRON_UT = DeviceVector(HARD_IRON[0], HARD_IRON[1], HARD_IRON[2])
 
-operator fun Vector3.plus(other: Vector3) = Vector3(x + other.x, y + other.y, z + other.z)
+operator fun DeviceVector.plus(other: DeviceVector) = DeviceVector(x + other.x, y + other.y, z + other.z)
 
-operator fun Vector3.times(factor: Double) = Vector3(x * factor, y * factor, z * factor)
+operator fun DeviceVector.times(factor: Double) = DeviceVector(x * factor, y * factor, z * factor)
 
-fun Vector3.length() = sqrt(x * x + y * y + z * z)
+fun DeviceVector.length() = sqrt(x * x + y * y + z * z)
 
-private fun length(v: Vector3, length: Double) = v * (length / v.length())
+private fun length(v: DeviceVector, length: Double) = v * (length / v.length())
 
 /** A phone with a gyroscope whose sensors have noise; turned about all axes, or lying still. */
 class Phone(
     seed: Long,
-    private val hardIron: Vector3 = HARD_IRON_UT,
-    private val reported: Vector3? = null,
+    private val hardIron: DeviceVector = HARD_IRON_UT,
+    private val reported: DeviceVector? = null,
     beginNs: Long = 0,
 ) {
     private val random = Random(seed)
 
     /** The world's north and up in the device. */
-    private var north = Vector3(0.0, 1.0, 0.0)
-    private var up = Vector3(0.0, 0.0, 1.0)
+    private var north = DeviceVector(0.0, 1.0, 0.0)
+    private var up = DeviceVector(0.0, 0.0, 1.0)
     var timeNs = beginNs
         private set
 
@@ -231,19 +231,19 @@ class Phone(
         private set
 
     /** The Earth's in the device, uT. */
-    val field: Vector3 get() = north * 21.0 + up * -43.0
+    val field: DeviceVector get() = north * 21.0 + up * -43.0
 
     fun layDown(headingDeg: Double) {
         this.headingDeg = headingDeg
         val angle = Math.toRadians(headingDeg)
-        north = Vector3(-sin(angle), cos(angle), 0.0)
-        up = Vector3(0.0, 0.0, 1.0)
+        north = DeviceVector(-sin(angle), cos(angle), 0.0)
+        up = DeviceVector(0.0, 0.0, 1.0)
     }
 
     /** The next 10 ms. */
     fun advance(still: Boolean): List<SensorSample> {
         val t = timeNs * 1e-9
-        val rate = if (still) Vector3(0.0, 0.0, 0.0) else Vector3(sin(0.9 * t), cos(1.3 * t + 1), 0.8 * sin(0.5 * t))
+        val rate = if (still) DeviceVector(0.0, 0.0, 0.0) else DeviceVector(sin(0.9 * t), cos(1.3 * t + 1), 0.8 * sin(0.5 * t))
         north = seen(north, rate)
         up = seen(up, rate)
         timeNs += STEP_NS
@@ -254,16 +254,16 @@ class Phone(
         )
     }
 
-    private fun noisy(v: Vector3, noise: Double) =
-        v + Vector3(random.nextGaussian(), random.nextGaussian(), random.nextGaussian()) * noise
+    private fun noisy(v: DeviceVector, noise: Double) =
+        v + DeviceVector(random.nextGaussian(), random.nextGaussian(), random.nextGaussian()) * noise
 
     /** A vector of the world as the device sees it after turning at a rate for 10 ms: Rodrigues' formula. */
-    private fun seen(v: Vector3, rate: Vector3): Vector3 {
+    private fun seen(v: DeviceVector, rate: DeviceVector): DeviceVector {
         val speed = rate.length()
         if (speed == 0.0) return v
         val (x, y, z) = rate * (1 / speed)
         val (c, s) = Pair(cos(0.01 * speed), sin(0.01 * speed))
-        val cross = Vector3(y * v.z - z * v.y, z * v.x - x * v.z, x * v.y - y * v.x)
-        return v * c + cross * -s + Vector3(x, y, z) * ((x * v.x + y * v.y + z * v.z) * (1 - c))
+        val cross = DeviceVector(y * v.z - z * v.y, z * v.x - x * v.z, x * v.y - y * v.x)
+        return v * c + cross * -s + DeviceVector(x, y, z) * ((x * v.x + y * v.y + z * v.z) * (1 - c))
     }
 }

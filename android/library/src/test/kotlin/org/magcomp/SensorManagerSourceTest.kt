@@ -39,13 +39,13 @@ class SensorManagerSourceTest {
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 3, 120f, -35f, 300f, 120f, -80f, 300f)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 4, 121f, -36f, 301f, 120f, -80f, 300f)
         }
-        val reported = Vector3(120.0, -80.0, 300.0)
+        val reported = DeviceVector(120.0, -80.0, 300.0)
         assertEquals(
             listOf(
-                SensorSample.RotationRate(RotationRateSample(1, Vector3(0.1f.toDouble(), 0.2f.toDouble(), 0.3f.toDouble()))),
-                SensorSample.Up(UpSample(2, Vector3(0.0, 0.0, 9.81f.toDouble()))),
-                SensorSample.Magnetic(MagneticSample(3, Vector3(120.0, -35.0, 300.0), reported)),
-                SensorSample.Magnetic(MagneticSample(4, Vector3(121.0, -36.0, 301.0), reported)),
+                SensorSample.RotationRate(RotationRateSample(1, DeviceVector(0.1f.toDouble(), 0.2f.toDouble(), 0.3f.toDouble()))),
+                SensorSample.Up(UpSample(2, DeviceVector(0.0, 0.0, 9.81f.toDouble()))),
+                SensorSample.Magnetic(MagneticSample(3, DeviceVector(120.0, -35.0, 300.0), reported)),
+                SensorSample.Magnetic(MagneticSample(4, DeviceVector(121.0, -36.0, 301.0), reported)),
             ),
             samples,
         )
@@ -75,8 +75,8 @@ class SensorManagerSourceTest {
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, 2, 1f, 2f, 3f)
         }
         val expected = listOf(
-            SensorSample.Up(UpSample(1, Vector3(4.0, -9.0, 2.0))),
-            SensorSample.Magnetic(MagneticSample(2, Vector3(1.0, 2.0, 3.0), null)),
+            SensorSample.Up(UpSample(1, DeviceVector(4.0, -9.0, 2.0))),
+            SensorSample.Magnetic(MagneticSample(2, DeviceVector(1.0, 2.0, 3.0), null)),
         )
         assertEquals(expected, samples)
     }
@@ -208,9 +208,9 @@ class SensorManagerSourceTest {
     @Test
     fun `the hard iron is that of its event, whichever number changes`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val told = listOf(Vector3(1.0, 2.0, 3.0), Vector3(1.0, 2.0, 3.0), Vector3(4.0, 2.0, 3.0), Vector3(4.0, 5.0, 3.0), Vector3(4.0, 5.0, 6.0), null)
+        val told = listOf(DeviceVector(1.0, 2.0, 3.0), DeviceVector(1.0, 2.0, 3.0), DeviceVector(4.0, 2.0, 3.0), DeviceVector(4.0, 5.0, 3.0), DeviceVector(4.0, 5.0, 6.0), null)
         val samples = collectWhile(sensors, sensors.source(), told.size) {
-            told.forEachIndexed { k, it -> sensors.deliver(SensorSample.Magnetic(MagneticSample(k + 1L, Vector3(7.0, 8.0, 9.0), it))) }
+            told.forEachIndexed { k, it -> sensors.deliver(SensorSample.Magnetic(MagneticSample(k + 1L, DeviceVector(7.0, 8.0, 9.0), it))) }
         }
         assertEquals(told, samples.map { (it as SensorSample.Magnetic).sample.reportedHardIronUt })
     }
@@ -274,27 +274,27 @@ class SensorManagerSourceTest {
         for (hardIron in listOf(false, true)) {
             val sensors = FakeSensorManager(*all, hardIron = hardIron)
             val samples = collectWhile(sensors, sensors.source(), 1) {
-                sensors.deliver(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0))))
+                sensors.deliver(SensorSample.Magnetic(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0))))
             }
-            assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0), null))), samples)
+            assertEquals(listOf(SensorSample.Magnetic(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0), null))), samples)
         }
     }
 
     @Test
     fun `a sample at the range that the sensor tells is saturated, unless the app knows another`() = runBlocking {
-        suspend fun status(fullScaleUt: Float, config: Config = Config()): Status {
+        suspend fun status(fullScaleUt: Float, config: CompensationConfig = CompensationConfig()): CompensationStatus {
             val sensors = FakeSensorManager(*all, fullScaleUt = fullScaleUt)
             val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().first().reading }
             sensors.registered(3)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, -1200.5f, 3f)
             return reading.await().status
         }
-        assertEquals(Status.Rejected(RejectReason.Saturated(Axis.Y, -1200.5, 1200.0)), status(1200f))
-        assertTrue(status(1201f) is Status.Collecting)
-        assertTrue(status(1200f, Config(railUt = 2000.0)) is Status.Collecting)
+        assertEquals(CompensationStatus.Rejected(RejectReason.Saturated(DeviceAxis.Y, -1200.5, 1200.0)), status(1200f))
+        assertTrue(status(1201f) is CompensationStatus.Collecting)
+        assertTrue(status(1200f, CompensationConfig(railUt = 2000.0)) is CompensationStatus.Collecting)
         for (absurd in listOf(0f, -1f, 99f, 100_001f, Float.NaN, Float.POSITIVE_INFINITY)) {
             assertEquals(null, FakeSensorManager(*all, fullScaleUt = absurd).source().fullScaleUt)
-            assertTrue(status(absurd) is Status.Collecting, "$absurd")
+            assertTrue(status(absurd) is CompensationStatus.Collecting, "$absurd")
         }
         assertEquals(null, FakeSensorManager().source().fullScaleUt)
     }
@@ -309,7 +309,7 @@ class SensorManagerSourceTest {
         val app = launch { compass.readings().collect { readings += it } }
         sensors.registered(3)
         var sleptS = 0.0
-        suspend fun pass(samples: Int, still: Boolean, lateS: (Int) -> Double = { 0.0 }): Reading {
+        suspend fun pass(samples: Int, still: Boolean, lateS: (Int) -> Double = { 0.0 }): MagneticReading {
             repeat(samples) { k ->
                 val events = phone.advance(still)
                 sensors.continuousNs = phone.timeNs + ((sleptS + lateS(k)) * 1e9).toLong()
@@ -324,7 +324,7 @@ class SensorManagerSourceTest {
         // batches of 5 s, and an event of an hour ago
         pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
         sensors.deliver(SensorSample.Magnetic(MagneticSample(phone.timeNs - 3_600_000_000_000, HARD_IRON_UT)))
-        withTimeout(60_000) { while (readings.last().reading.status !is Status.Rejected) yield() }
+        withTimeout(60_000) { while (readings.last().reading.status !is CompensationStatus.Rejected) yield() }
         val before = pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
         assertEquals(Pair(0.0, gaps), Pair(source.hiddenS, compensator().gaps()))
         // a nap that is as good as none
@@ -386,8 +386,8 @@ class SensorManagerSourceTest {
         }
         val (x, y, z) = listOf(1.0, 2.0, 3.0)
         val expected = listOf(
-            SensorSample.Magnetic(MagneticSample(1, Vector3(x, y, z), null)),
-            SensorSample.RotationRate(RotationRateSample(1, Vector3(x, y, z))),
+            SensorSample.Magnetic(MagneticSample(1, DeviceVector(x, y, z), null)),
+            SensorSample.RotationRate(RotationRateSample(1, DeviceVector(x, y, z))),
         )
         assertEquals(expected, samples)
     }

@@ -68,7 +68,7 @@ class SharedCompassTest {
 
     @Test
     fun `200 rotations change nothing`() = runBlocking {
-        val expected = Compensator(Config(heading = HeadingConfig(axis = ReferenceAxis.AUTO))).use { it.pushAll(events) }
+        val expected = Compensator(CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.AUTO))).use { it.pushAll(events) }
         for (store in listOf(Store(0), Store(30))) {
             val compass = Compass(sensors.source(), store = store)
             for (rotation in 0 until 200) {
@@ -120,7 +120,7 @@ class SharedCompassTest {
         fun collecting(n: Int, count: Int) = async { compass.readings().take(count).toList(collected[n]) }
         suspend fun arrived(vararg counts: Int) =
             withTimeout(20_000) { while (collected.map { it.size } != counts.toList()) yield() }
-        fun field(k: Long) = sensors.deliver(SensorSample.Magnetic(MagneticSample(k, Vector3(1.0, 2.0, k.toDouble()))))
+        fun field(k: Long) = sensors.deliver(SensorSample.Magnetic(MagneticSample(k, DeviceVector(1.0, 2.0, k.toDouble()))))
 
         val one = collecting(0, 4)
         registered(3)
@@ -149,7 +149,7 @@ class SharedCompassTest {
         registered(3)
         for (event in events.take(1000)) sensors.deliver(event)
         val last = compass.readings().first { it.sample.timeNs == events[999].timeNs }
-        assertEquals(Status.Tracking, last.reading.status)
+        assertEquals(CompensationStatus.Tracking, last.reading.status)
         val before = store.saves.get()
         screen.cancelAndJoin()
         withTimeout(20_000) { while (store.saves.get() == before) delay(1) }
@@ -239,7 +239,7 @@ class SharedCompassTest {
         val compass = Compass(RecordingSource(recording))
         val first = compass.readings().toList()
         val again = compass.readings().first()
-        assertTrue(again.reading.status !is Status.Rejected, "${again.reading.status}")
+        assertTrue(again.reading.status !is CompensationStatus.Rejected, "${again.reading.status}")
         assertNotNull(again.reading.fieldUt)
         assertTrue(again.sample.timeNs < first.last().sample.timeNs)
     }
@@ -360,7 +360,7 @@ class SharedCompassTest {
         assertEquals("of a test", (error as MagcompException.Panicked).what)
         val estimation = broken.await()
         assertThrows(MagcompException.Closed::class.java) { estimation.compensator.calibration() }
-        assertTrue(compass.readings().first().reading.status is Status.Collecting)
+        assertTrue(compass.readings().first().reading.status is CompensationStatus.Collecting)
     }
 
     private suspend fun registered(count: Int) = withTimeout(20_000) { while (sensors.registrations.size < count) yield() }

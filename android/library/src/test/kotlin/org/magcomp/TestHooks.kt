@@ -26,12 +26,12 @@ object TestHooks {
 object LoggingMain {
     @JvmStatic
     fun main(arguments: Array<String>) {
-        startLogging("compass-app", LogLevel.valueOf(arguments.single()))
+        startLogging("compass-app", MagcompLogLevel.valueOf(arguments.single()))
         Compensator().use {
             // no phone has a hard iron this large
-            it.push(MagneticSample(1, Vector3(1.0, 2.0, 3.0), Vector3(0.0, 9000.0, 0.0)))
+            it.push(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0), DeviceVector(0.0, 9000.0, 0.0)))
         }
-        NativeCompensator(Config()).use { TestHooks.panicOnPurpose(it.fastHandle()) }
+        NativeCompensator(CompensationConfig()).use { TestHooks.panicOnPurpose(it.fastHandle()) }
     }
 }
 
@@ -86,9 +86,9 @@ private fun direction(k: Int): DoubleArray {
 }
 
 /** Gravity in the device: the field dips by 53 degrees wherever the device points. */
-fun up(k: Int): Vector3 {
+fun up(k: Int): DeviceVector {
     val (x, y, z) = direction(k)
-    return Vector3(9.81 * (-0.8 * x - 0.6 * Math.sin(k * 0.11)), 9.81 * (-0.8 * y + 0.6 * Math.cos(k * 0.11)), -9.81 * 0.8 * z)
+    return DeviceVector(9.81 * (-0.8 * x - 0.6 * Math.sin(k * 0.11)), 9.81 * (-0.8 * y + 0.6 * Math.cos(k * 0.11)), -9.81 * 0.8 * z)
 }
 
 val HARD_IRON = doubleArrayOf(120.0, -80.0, 300.0)
@@ -102,7 +102,7 @@ const val PAUSE_NS = 2_000_000_000L
 /** The same as events, with `up` beside every sample: the one that belongs to sample [at] and the next ones. */
 fun events(values: DoubleArray, beginNs: Long = 0, at: Int = 0): List<SensorSample> = (0 until values.size / 3).flatMap { k ->
     val timeNs = beginNs + (k + 1) * STEP_NS
-    val field = Vector3(values[3 * k], values[3 * k + 1], values[3 * k + 2])
+    val field = DeviceVector(values[3 * k], values[3 * k + 1], values[3 * k + 2])
     listOf(
         SensorSample.Up(UpSample(timeNs, up(at + k))),
         SensorSample.Magnetic(MagneticSample(timeNs, field)),
@@ -112,8 +112,8 @@ fun events(values: DoubleArray, beginNs: Long = 0, at: Int = 0): List<SensorSamp
 /** One more sample, number [k], of a device that lies flat. */
 fun flat(k: Int): List<SensorSample> {
     val timeNs = (k + 1) * STEP_NS
-    val field = Vector3(HARD_IRON[0] + 10.0, HARD_IRON[1] + 28.0, HARD_IRON[2] - 40.0)
-    return listOf(SensorSample.Up(UpSample(timeNs, Vector3(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
+    val field = DeviceVector(HARD_IRON[0] + 10.0, HARD_IRON[1] + 28.0, HARD_IRON[2] - 40.0)
+    return listOf(SensorSample.Up(UpSample(timeNs, DeviceVector(0.0, 0.0, 9.81))), SensorSample.Magnetic(MagneticSample(timeNs, field)))
 }
 
 /** A kept calibration as if a newer version of the library had written it. */
@@ -124,7 +124,7 @@ const val NOW_S = 1_795_000_000L
 
 /** An event as Android delivers it. */
 fun inFloats(event: SensorSample): SensorSample {
-    fun Vector3.inFloats() = Vector3(x.toFloat().toDouble(), y.toFloat().toDouble(), z.toFloat().toDouble())
+    fun DeviceVector.inFloats() = DeviceVector(x.toFloat().toDouble(), y.toFloat().toDouble(), z.toFloat().toDouble())
     return when (event) {
         is SensorSample.Magnetic -> SensorSample.Magnetic(event.sample.copy(fieldUt = event.sample.fieldUt.inFloats()))
         is SensorSample.RotationRate -> SensorSample.RotationRate(event.sample.copy(rateRadS = event.sample.rateRadS.inFloats()))

@@ -18,22 +18,22 @@ class TextsTest {
         repeat(200) {
             for (status in statuses(random)) {
                 assertEquals(status.text(), status.text(resources))
-                seen += listOfNotNull(status, (status as? Status.Collecting)?.missing, (status as? Status.Held)?.reason, (status as? Status.Rejected)?.reason)
+                seen += listOfNotNull(status, (status as? CompensationStatus.Collecting)?.missing, (status as? CompensationStatus.Held)?.reason, (status as? CompensationStatus.Rejected)?.reason)
                     .map { it.javaClass }
-                seen += listOfNotNull(((status as? Status.Collecting)?.missing as? Missing.Fit)?.problem).map { it.javaClass }
+                seen += listOfNotNull(((status as? CompensationStatus.Collecting)?.missing as? CollectingReason.Fit)?.problem).map { it.javaClass }
             }
         }
-        val all = listOf(Status::class, Missing::class, HoldReason::class, RejectReason::class, FitProblem::class)
+        val all = listOf(CompensationStatus::class, CollectingReason::class, HoldReason::class, RejectReason::class, FitProblem::class)
             .flatMap { kind -> kind.java.declaredClasses.filter { kind.java.isAssignableFrom(it) } }
         assertEquals(29, all.size)
         assertEquals(all.toSet(), seen, "every kind was asked")
         val events = JSONObject(repository.resolve("tests/vectors/facts.json").readText()).getJSONArray("events")
         val asked = (0 until events.length()).map(events::getJSONObject).map { case ->
-            val kind = EventKind.valueOf(case.getString("kind").replace(Regex("(?<=[a-z])(?=[A-Z])"), "_").uppercase(Locale.ROOT))
-            assertEquals(case.getString("text"), Event(kind, case.getLong("since_ns"), case.getLong("decided_ns")).text(resources))
+            val kind = FieldEventKind.valueOf(case.getString("kind").replace(Regex("(?<=[a-z])(?=[A-Z])"), "_").uppercase(Locale.ROOT))
+            assertEquals(case.getString("text"), FieldEvent(kind, case.getLong("since_ns"), case.getLong("decided_ns")).text(resources))
             kind
         }
-        assertEquals(EventKind.entries, asked)
+        assertEquals(FieldEventKind.entries, asked)
         for (aid in HeadingAid.entries) assertEquals(aid.text(), aid.text(resources))
     }
 
@@ -43,23 +43,23 @@ class TextsTest {
         val eight = "Turn the phone about all its axes, as if drawing an eight."
         val pickUp = "Pick the phone up and turn it."
         val expected = mapOf(
-            Status.Collecting(Missing.Rotation) to turn,
-            Status.Held(HoldReason.TooLittleRotation) to turn,
-            Status.Collecting(Missing.Directions) to eight,
-            Status.Collecting(Missing.Fit(FitProblem.NotFinite)) to eight,
-            Status.Held(HoldReason.FitRefused(FitProblem.NotFinite)) to eight,
-            Status.Held(HoldReason.LowUniformity) to eight,
-            Status.Collecting(Missing.Samples(1, 2)) to pickUp,
-            Status.Held(HoldReason.AtRest) to pickUp,
-            Status.Disturbed(1) to "Walk away from metal and magnets.",
+            CompensationStatus.Collecting(CollectingReason.Rotation) to turn,
+            CompensationStatus.Held(HoldReason.TooLittleRotation) to turn,
+            CompensationStatus.Collecting(CollectingReason.Directions) to eight,
+            CompensationStatus.Collecting(CollectingReason.Fit(FitProblem.NotFinite)) to eight,
+            CompensationStatus.Held(HoldReason.FitRefused(FitProblem.NotFinite)) to eight,
+            CompensationStatus.Held(HoldReason.LowUniformity) to eight,
+            CompensationStatus.Collecting(CollectingReason.Samples(1, 2)) to pickUp,
+            CompensationStatus.Held(HoldReason.AtRest) to pickUp,
+            CompensationStatus.Disturbed(1) to "Walk away from metal and magnets.",
         )
         for ((status, guidance) in expected) assertEquals(guidance, status.guidance(resources))
         for (status in statuses(Random(1)) - expected.keys) {
-            val asks = status is Status.Collecting || status is Status.Disturbed ||
-                (status as? Status.Held)?.reason.let { it is HoldReason.FitRefused }
+            val asks = status is CompensationStatus.Collecting || status is CompensationStatus.Disturbed ||
+                (status as? CompensationStatus.Held)?.reason.let { it is HoldReason.FitRefused }
             if (!asks) assertNull(status.guidance(resources), "$status")
         }
-        fun heading(deg: Double, sigmaDeg: Double?) = Heading(deg, sigmaDeg, null, 60.0)
+        fun heading(deg: Double, sigmaDeg: Double?) = CompassHeading(deg, sigmaDeg, null, 60.0)
         assertEquals("no heading yet", null.spoken(resources))
         assertEquals("heading 0 degrees, give or take 3", heading(359.6, 2.1).spoken(resources))
         assertEquals("heading 90 degrees, give or take 180", heading(89.7, null).spoken(resources))
@@ -77,7 +77,7 @@ class TextsTest {
         assertTrue(englishStrings.size >= 30)
     }
 
-    private fun statuses(random: Random): List<Status> {
+    private fun statuses(random: Random): List<CompensationStatus> {
         // never half way between two decimals
         fun real() = random.nextDouble(-3000.0, 3000.0)
         fun whole() = random.nextInt(0, 10_000)
@@ -86,15 +86,15 @@ class TextsTest {
             FitProblem.Inconsistent(real(), real()), FitProblem.NotAnEllipsoid, FitProblem.FieldOutOfRange(real(), real(), real()),
             FitProblem.NotFinite,
         )
-        val missing = problems.map { Missing.Fit(it) } + Missing.Samples(whole(), whole()) + Missing.Rotation + Missing.Directions
+        val missing = problems.map { CollectingReason.Fit(it) } + CollectingReason.Samples(whole(), whole()) + CollectingReason.Rotation + CollectingReason.Directions
         val held = problems.map { HoldReason.FitRefused(it) } + HoldReason.LowUniformity + HoldReason.Constant + HoldReason.AtRest +
             HoldReason.TooLittleRotation + HoldReason.NoGyroscope
         val rejected = listOf(
-            RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(Axis.entries.random(random), real(), real()),
+            RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(DeviceAxis.entries.random(random), real(), real()),
             RejectReason.TimeNotAfter(random.nextLong(), random.nextLong()), RejectReason.TimeJump(real(), 604_800.0),
             RejectReason.Stuck(whole()),
         )
-        return missing.map { Status.Collecting(it) } + Status.Tracking + Status.Suspect(1) + held.map { Status.Held(it) } + Status.Disturbed(1) +
-            rejected.map { Status.Rejected(it) }
+        return missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) + held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) +
+            rejected.map { CompensationStatus.Rejected(it) }
     }
 }

@@ -99,7 +99,7 @@ class AarTest {
 
     @Test
     fun `the classes are those of the library and the bindings, for every Android`() {
-        for (name in listOf("Compass", "Compensator", "ConstantField", "NativeCompensator", "SensorManagerSource", "CompassListener", "Config")) {
+        for (name in listOf("Compass", "Compensator", "ConstantField", "NativeCompensator", "SensorManagerSource", "CompassReadingListener", "CompensationConfig")) {
             assertTrue("org/magcomp/$name.class" in classes, name)
         }
         for ((name, bytes) in classes.filterKeys { it.endsWith(".class") }) {

@@ -7,7 +7,7 @@ import org.magcomp.HELD_AHEAD
 import org.magcomp.HeadedAxis
 import org.magcomp.HeadingSample
 import org.magcomp.NorthReference
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 import org.magcomp.arCoreAttitude
 
 // what follows is in android/README.md; ReadmeTest compares them
@@ -24,6 +24,6 @@ fun onFrame(compass: Compass, timestampNs: Long, rotation: FloatArray) {
 
 /** The user points the camera at a landmark, to 5 degrees; the map knows where it is from here. */
 fun onLandmark(compass: Compass, bearingDeg: Double) {
-    val camera = HeadedAxis.Device(Vector3(0.0, 0.0, -1.0))
+    val camera = HeadedAxis.Device(DeviceVector(0.0, 0.0, -1.0))
     compass.aid(HeadingSample(SystemClock.elapsedRealtimeNanos(), bearingDeg, 5.0, NorthReference.TRUE, camera))
 }

@@ -18,7 +18,7 @@ import org.magcomp.ScreenRotation
 import org.magcomp.SensorSample
 import org.magcomp.STEP_NS
 import org.magcomp.UpSample
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 import org.magcomp.events
 import org.magcomp.repository
 import org.magcomp.tumbling
@@ -50,7 +50,7 @@ class ReadmeTest {
         compass.screenRotation = ScreenRotation.DEG90
         val last = async { compass.readings().first { it.sample.timeNs == 600 * STEP_NS } }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
-        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
+        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         last.await()
         // the latest, as no more comes
@@ -68,7 +68,7 @@ class ReadmeTest {
     fun `the first page's snippet shows a heading`(): Unit = runBlocking {
         val heading = async { headings(FakeApp(sensors)).first { " deg +- " in it } }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
-        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
+        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9.]+ deg \\+- [0-9.]+").matches(heading.await()), heading.await())
     }
@@ -78,7 +78,7 @@ class ReadmeTest {
         val model = CompassViewModel(FakeApp(sensors))
         val heading = async { model.text.first { "give or take" in it } }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
-        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, Vector3(0.0, 0.0, 9.8)))
+        val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9.]+ deg, give or take [0-9.]+").matches(heading.await()), heading.await())
         // turned: the latest at once, though no event comes

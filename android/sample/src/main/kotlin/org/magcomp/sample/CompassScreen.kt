@@ -30,7 +30,7 @@ import androidx.compose.ui.text.style.TextAlign
 import androidx.compose.ui.unit.TextUnit
 import androidx.compose.ui.unit.dp
 import androidx.compose.ui.unit.sp
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 
 private class Ink(isDark: Boolean) {
     val paper = if (isDark) Color(0xff111417) else Color(0xfffafafa)
@@ -102,8 +102,8 @@ private fun Rose(state: ScreenState, letters: List<String>, ink: Ink) {
 @Composable
 private fun Sphere(state: ScreenState, ink: Ink) = Canvas(Modifier.size(120.dp).clearAndSetSemantics {}) {
     val radius = size.minDimension / 2
-    fun place(v: Vector3) = Offset(center.x + radius * v.x.toFloat(), center.y - radius * v.y.toFloat())
-    fun shade(v: Vector3) = ink.missing.copy(alpha = if (v.z < 0) 0.3f else 1f)
+    fun place(v: DeviceVector) = Offset(center.x + radius * v.x.toFloat(), center.y - radius * v.y.toFloat())
+    fun shade(v: DeviceVector) = ink.missing.copy(alpha = if (v.z < 0) 0.3f else 1f)
     drawCircle(ink.faint, style = Stroke(1.dp.toPx()))
     for (direction in state.unseen) drawCircle(shade(direction), if (direction == state.next) 7.dp.toPx() else 3.dp.toPx(), place(direction))
     state.pointing?.let { drawCircle(ink.text, 8.dp.toPx(), place(it), style = Stroke(2.dp.toPx())) }

@@ -15,8 +15,8 @@ import org.magcomp.HeadingSmoother
 import org.magcomp.MagcompException
 import org.magcomp.ScreenRotation
 import org.magcomp.SensorException
-import org.magcomp.Status
-import org.magcomp.Vector3
+import org.magcomp.CompensationStatus
+import org.magcomp.DeviceVector
 import org.magcomp.guidance
 import org.magcomp.spoken
 import org.magcomp.text
@@ -42,9 +42,9 @@ data class ScreenState(
     /** What headings from outside are worth. */
     val help: String? = null,
     /** Where the field has not pointed yet, where it points now, and which of the former is nearest: unit vectors, x to the right of the screen. */
-    val unseen: List<Vector3> = emptyList(),
-    val pointing: Vector3? = null,
-    val next: Vector3? = null,
+    val unseen: List<DeviceVector> = emptyList(),
+    val pointing: DeviceVector? = null,
+    val next: DeviceVector? = null,
     /** What a screen reader says of the rose. */
     val spoken: String = "",
 )
@@ -73,7 +73,7 @@ class ScreenModel(private val resources: Resources) {
         val sigmaDeg = heading?.headingSigmaDeg ?: 180.0
         val roseDeg = smoother.push(reading.timeNs, heading?.headingDeg ?: Double.NaN)
         val guidance = reading.status.guidance(resources)
-        val isDisturbed = reading.status is Status.Disturbed
+        val isDisturbed = reading.status is CompensationStatus.Disturbed
         val pointing = reading.fieldUt?.let { unit(it) }?.on(rotation)
         val unseen = answer.unseenDirections.map { it.on(rotation) }
         val next = pointing?.let { now -> unseen.maxByOrNull { it.x * now.x + it.y * now.y + it.z * now.z } }
@@ -111,15 +111,15 @@ class ScreenModel(private val resources: Resources) {
     private fun say(id: Int, vararg values: Any): String = resources.getString(id, *values)
 
     /** From the device's frame to that of the screen as it is turned. */
-    private fun Vector3.on(rotation: ScreenRotation) = when (rotation) {
+    private fun DeviceVector.on(rotation: ScreenRotation) = when (rotation) {
         ScreenRotation.DEG0 -> this
-        ScreenRotation.DEG90 -> Vector3(-y, x, z)
-        ScreenRotation.DEG180 -> Vector3(-x, -y, z)
-        ScreenRotation.DEG270 -> Vector3(y, -x, z)
+        ScreenRotation.DEG90 -> DeviceVector(-y, x, z)
+        ScreenRotation.DEG180 -> DeviceVector(-x, -y, z)
+        ScreenRotation.DEG270 -> DeviceVector(y, -x, z)
     }
 
-    private fun unit(v: Vector3): Vector3? {
+    private fun unit(v: DeviceVector): DeviceVector? {
         val length = Math.sqrt(v.x * v.x + v.y * v.y + v.z * v.z)
-        return if (length > 0) Vector3(v.x / length, v.y / length, v.z / length) else null
+        return if (length > 0) DeviceVector(v.x / length, v.y / length, v.z / length) else null
     }
 }

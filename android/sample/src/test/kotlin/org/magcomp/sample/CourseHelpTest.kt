@@ -9,9 +9,9 @@ import kotlinx.coroutines.runBlocking
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
-import org.magcomp.Calibration
+import org.magcomp.MagnetometerCalibration
 import org.magcomp.Compass
-import org.magcomp.Config
+import org.magcomp.CompensationConfig
 import org.magcomp.HeadingAid
 import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
@@ -19,7 +19,7 @@ import org.magcomp.RotationRateSample
 import org.magcomp.SensorSample
 import org.magcomp.SoftIron
 import org.magcomp.UpSample
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 
 class CourseHelpTest {
     @Test
@@ -41,14 +41,14 @@ class CourseHelpTest {
                     }
                     if (k % 50 == 0L) help.onLocationChanged(at(52.5))
                     if (k % 100 == 0L) help.onLocationChanged(at(91.0))
-                    emit(SensorSample.RotationRate(RotationRateSample(ns, Vector3(0.0, 0.0, 0.0))))
-                    emit(SensorSample.Up(UpSample(ns, Vector3(0.0, 0.0, 9.81))))
-                    emit(SensorSample.Magnetic(MagneticSample(ns, Vector3(0.2 * sin(k.toDouble()), 20.0, -45.0))))
+                    emit(SensorSample.RotationRate(RotationRateSample(ns, DeviceVector(0.0, 0.0, 0.0))))
+                    emit(SensorSample.Up(UpSample(ns, DeviceVector(0.0, 0.0, 9.81))))
+                    emit(SensorSample.Magnetic(MagneticSample(ns, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0))))
                 }
             }
         }
-        val field = Calibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0), 49.244)
-        compass = Compass(source, Config(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
         help = CourseHelp(compass)
         val last = compass.readings().toList().last()
         assertEquals(HeadingAid.LEADS, last.headingAid)

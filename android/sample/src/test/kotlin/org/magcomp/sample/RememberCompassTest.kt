@@ -20,7 +20,7 @@ import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
 import org.magcomp.ScreenRotation
 import org.magcomp.SensorSample
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 import org.magcomp.compose.rememberCompass
 
 /** The file that an app copies, over stand-ins of AndroidX. */
@@ -39,7 +39,7 @@ class RememberCompassTest {
         }
     }
 
-    private fun deliver(timeNs: Long) = events.trySend(MagneticSample(timeNs, Vector3(1.0, 2.0, timeNs.toDouble())))
+    private fun deliver(timeNs: Long) = events.trySend(MagneticSample(timeNs, DeviceVector(1.0, 2.0, timeNs.toDouble())))
 
     @Test
     fun `a screen shows readings while it is on, and an error`() = runDesktopComposeUiTest {

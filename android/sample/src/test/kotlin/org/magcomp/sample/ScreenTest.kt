@@ -33,23 +33,23 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
-import org.magcomp.Event
-import org.magcomp.EventKind
-import org.magcomp.Heading
+import org.magcomp.FieldEvent
+import org.magcomp.FieldEventKind
+import org.magcomp.CompassHeading
 import org.magcomp.HeadingAid
 import org.magcomp.HoldReason
 import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
-import org.magcomp.Missing
-import org.magcomp.Reading
+import org.magcomp.CollectingReason
+import org.magcomp.MagneticReading
 import org.magcomp.ScreenRotation
 import org.magcomp.SensorAccuracy
 import org.magcomp.SensorMode
 import org.magcomp.SensorSample
 import org.magcomp.SensorsInUse
-import org.magcomp.Status
+import org.magcomp.CompensationStatus
 import org.magcomp.UsedSensor
-import org.magcomp.Vector3
+import org.magcomp.DeviceVector
 import org.magcomp.headingFrame
 import org.w3c.dom.Element
 import sun.misc.Unsafe
@@ -80,23 +80,23 @@ class ScreenTest {
     // without its constructor, which calls Android's native part
     private val resources = (Unsafe::class.java.getDeclaredField("theUnsafe").apply { isAccessible = true }.get(null) as Unsafe)
         .allocateInstance(English::class.java) as Resources
-    private val unseen = listOf(Vector3(1.0, 0.0, 0.0), Vector3(0.0, -1.0, 0.0), Vector3(0.0, 0.6, 0.8), Vector3(-0.7, 0.1, -0.7))
+    private val unseen = listOf(DeviceVector(1.0, 0.0, 0.0), DeviceVector(0.0, -1.0, 0.0), DeviceVector(0.0, 0.6, 0.8), DeviceVector(-0.7, 0.1, -0.7))
 
     private fun answer(
-        status: Status,
+        status: CompensationStatus,
         headingDeg: Double? = 41.6,
         timeNs: Long = 0,
-        event: Event? = null,
-        unseen: List<Vector3> = this.unseen,
+        event: FieldEvent? = null,
+        unseen: List<DeviceVector> = this.unseen,
         aid: HeadingAid? = null,
     ) = CompensatedReading(
-        Reading(
-            timeNs = timeNs, fieldUt = headingDeg?.let { Vector3(20.0, 5.0, -40.0) }, fieldSigmaUt = null, filteredFieldUt = null,
-            totalFieldUt = headingDeg?.let { 45.0 }, heading = headingDeg?.let { Heading(it, 12.4, it + 3, 60.0) }, attitude = null, sigmaT = null,
+        MagneticReading(
+            timeNs = timeNs, fieldUt = headingDeg?.let { DeviceVector(20.0, 5.0, -40.0) }, fieldSigmaUt = null, filteredFieldUt = null,
+            totalFieldUt = headingDeg?.let { 45.0 }, heading = headingDeg?.let { CompassHeading(it, 12.4, it + 3, 60.0) }, attitude = null, sigmaT = null,
             window = 0, coverage = 0.5, directionSigmaDeg = null, worstSigmaDeg = null, modelOrder = null, reportedHardIronJumpUt = null,
             mode = SensorMode.GYROSCOPE_AND_GRAVITY, event = event, status = status,
         ),
-        MagneticSample(timeNs, Vector3(1.0, 2.0, 3.0)),
+        MagneticSample(timeNs, DeviceVector(1.0, 2.0, 3.0)),
         unseen,
         headingAid = aid,
     )
@@ -108,8 +108,8 @@ class ScreenTest {
 
     @Test
     fun `every part of a reading is said`() {
-        val event = Event(EventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
-        val state = ScreenModel(resources).show(answer(Status.Held(HoldReason.TooLittleRotation), event = event), systemDeg = 47.2)
+        val event = FieldEvent(FieldEventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Held(HoldReason.TooLittleRotation), event = event), systemDeg = 47.2)
         assertEquals("42° ± 12°", state.heading)
         assertEquals(41.6, state.roseDeg)
         assertEquals(12.4, state.sigmaDeg)
@@ -128,7 +128,7 @@ class ScreenTest {
 
     @Test
     fun `interference is a banner, and its advice is not said twice`() {
-        val state = ScreenModel(resources).show(answer(Status.Disturbed(1)), systemDeg = null)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Disturbed(1)), systemDeg = null)
         assertEquals("Walk away from metal and magnets.", state.banner)
         assertNull(state.guidance)
         assertNull(state.systemHeading)
@@ -136,7 +136,7 @@ class ScreenTest {
 
     @Test
     fun `without a heading the rose is empty`() {
-        val state = ScreenModel(resources).show(answer(Status.Collecting(Missing.Rotation), headingDeg = null), systemDeg = null)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Collecting(CollectingReason.Rotation), headingDeg = null), systemDeg = null)
         assertNull(state.roseDeg)
         assertNull(state.next)
         assertEquals(listOf("no heading yet", "no heading yet", "Turn the phone."), listOf(state.heading, state.spoken, state.guidance))
@@ -145,9 +145,9 @@ class ScreenTest {
     @Test
     fun `the rose goes the shorter way round`() {
         val model = ScreenModel(resources)
-        model.show(answer(Status.Tracking, 350.0, timeNs = 0), null)
+        model.show(answer(CompensationStatus.Tracking, 350.0, timeNs = 0), null)
         // half of 20 degrees in a half-life
-        assertEquals(0.0, model.show(answer(Status.Tracking, 10.0, timeNs = 100_000_000), null).roseDeg!!, 1e-9)
+        assertEquals(0.0, model.show(answer(CompensationStatus.Tracking, 10.0, timeNs = 100_000_000), null).roseDeg!!, 1e-9)
     }
 
     @Test
@@ -155,7 +155,7 @@ class ScreenTest {
         fun source(events: kotlinx.coroutines.flow.Flow<SensorSample>) = object : MagneticFieldSource {
             override fun samples() = events
         }
-        val sample = SensorSample.Magnetic(MagneticSample(1, Vector3(1.0, 2.0, 3.0)))
+        val sample = SensorSample.Magnetic(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0)))
         val over = ScreenModel(resources).states(Compass(source(flowOf(sample)), graceMs = 0), MutableStateFlow(null)).toList()
         assertEquals("the readings have ended", over.last().status)
         assertNull(over.last().roseDeg)
@@ -186,9 +186,9 @@ class ScreenTest {
         for (topEdgeDeg in listOf(0.0, 30.0, 200.0)) {
             // 20 uT to the north, 40 down, in the device
             val a = Math.toRadians(topEdgeDeg)
-            val field = Vector3(-20 * sin(a), 20 * cos(a), -40.0)
+            val field = DeviceVector(-20 * sin(a), 20 * cos(a), -40.0)
             for (rotation in display) {
-                val ours = org.magcomp.heading(field, Vector3(0.0, 0.0, 1.0), headingFrame(rotation))!!.headingDeg
+                val ours = org.magcomp.heading(field, DeviceVector(0.0, 0.0, 1.0), headingFrame(rotation))!!.headingDeg
                 val system = headingDeg(flat(topEdgeDeg), rotation)!!
                 assertEquals(0.0, Math.IEEEremainder(ours - system, 360.0), 1e-3, "$topEdgeDeg, $rotation")
             }
@@ -197,13 +197,13 @@ class ScreenTest {
 
     @Test
     fun `the sphere turns with the screen`() {
-        val up = answer(Status.Tracking, unseen = listOf(Vector3(1.0, 0.5, 0.2)))
+        val up = answer(CompensationStatus.Tracking, unseen = listOf(DeviceVector(1.0, 0.5, 0.2)))
         fun on(rotation: ScreenRotation) = ScreenModel(resources).show(up, null, rotation).unseen.single()
         // of a screen that is turned left by 90 degrees the device's right edge is the top
-        assertEquals(Vector3(1.0, 0.5, 0.2), on(ScreenRotation.DEG0))
-        assertEquals(Vector3(-0.5, 1.0, 0.2), on(ScreenRotation.DEG90))
-        assertEquals(Vector3(-1.0, -0.5, 0.2), on(ScreenRotation.DEG180))
-        assertEquals(Vector3(0.5, -1.0, 0.2), on(ScreenRotation.DEG270))
+        assertEquals(DeviceVector(1.0, 0.5, 0.2), on(ScreenRotation.DEG0))
+        assertEquals(DeviceVector(-0.5, 1.0, 0.2), on(ScreenRotation.DEG90))
+        assertEquals(DeviceVector(-1.0, -0.5, 0.2), on(ScreenRotation.DEG180))
+        assertEquals(DeviceVector(0.5, -1.0, 0.2), on(ScreenRotation.DEG270))
         assertEquals(on(ScreenRotation.DEG90), ScreenModel(resources).show(up, null, ScreenRotation.DEG90).next)
     }
 
@@ -261,19 +261,19 @@ class ScreenTest {
 
     @Test
     fun `the sphere has right on the right and up above`() {
-        val none = ScreenState(unseen = listOf(Vector3(0.0, 0.0, 1.0)))
-        fun dot(v: Vector3) = where(none, none.copy(unseen = none.unseen + v))
-        val (middle, right, up) = Triple(dot(Vector3(0.0, 0.1, 1.0)), dot(Vector3(0.9, 0.0, 0.0)), dot(Vector3(0.0, 0.9, 0.0)))
+        val none = ScreenState(unseen = listOf(DeviceVector(0.0, 0.0, 1.0)))
+        fun dot(v: DeviceVector) = where(none, none.copy(unseen = none.unseen + v))
+        val (middle, right, up) = Triple(dot(DeviceVector(0.0, 0.1, 1.0)), dot(DeviceVector(0.9, 0.0, 0.0)), dot(DeviceVector(0.0, 0.9, 0.0)))
         assertTrue(right.first > middle.first + 0.1, "$middle, $right")
         assertTrue(up.second > middle.second + 0.1, "$middle, $up")
-        val ring = where(none, none.copy(pointing = Vector3(-0.9, 0.0, 0.0)))
+        val ring = where(none, none.copy(pointing = DeviceVector(-0.9, 0.0, 0.0)))
         assertTrue(ring.first < middle.first - 0.1, "$ring")
     }
 
     @OptIn(ExperimentalTestApi::class)
     @Test
     fun `a screen reader hears the rose as one sentence, and every line of text`() = runDesktopComposeUiTest(720, 1480) {
-        val state = ScreenModel(resources).show(answer(Status.Held(HoldReason.TooLittleRotation)), systemDeg = 47.2)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Held(HoldReason.TooLittleRotation)), systemDeg = 47.2)
         setContent { CompassScreen(state, letters, isDark = false) }
         onNodeWithContentDescription("heading 42 degrees, give or take 13").assertExists()
         // its letters would be heard one by one
@@ -285,7 +285,7 @@ class ScreenTest {
     @Test
     fun `a switch says whether a course helps, and sets it`() = runDesktopComposeUiTest(720, 1480) {
         val wanted = mutableListOf<Boolean>()
-        val state = ScreenModel(resources).show(answer(Status.Tracking, aid = HeadingAid.DISAGREES), systemDeg = null)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Tracking, aid = HeadingAid.DISAGREES), systemDeg = null)
         setContent { CompassScreen(state, letters, isDark = false, course = CourseSwitch(isOn = false, own.getValue("course_off")) { wanted += it }) }
         onNodeWithText("the heading from outside disagrees, and is ignored").assertExists()
         onNodeWithText("course of the GNSS: does not help").assertIsOff().performClick()
@@ -295,8 +295,8 @@ class ScreenTest {
     /** The picture of android/README.md is one of these. */
     @Test
     fun `the screen is drawn, in light and dark`() {
-        val event = Event(EventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
-        val state = ScreenModel(resources).show(answer(Status.Disturbed(1), event = event), systemDeg = 58.0)
+        val event = FieldEvent(FieldEventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
+        val state = ScreenModel(resources).show(answer(CompensationStatus.Disturbed(1), event = event), systemDeg = 58.0)
         val picture = File(System.getProperty("picture"))
         picture.writeBytes(drawn(state))
         val (light, dark) = Pair(ImageIO.read(picture), image(drawn(state, isDark = true)))

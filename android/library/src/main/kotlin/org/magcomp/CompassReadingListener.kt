@@ -16,7 +16,7 @@ import kotlinx.coroutines.launch
 import kotlinx.coroutines.withTimeoutOrNull
 
 /** What a Java app implements to get readings. */
-public interface CompassListener {
+public interface CompassReadingListener {
     /** One reading. */
     public fun onReading(reading: CompensatedReading)
 
@@ -32,7 +32,7 @@ public interface CompassListener {
 }
 
 /** A listener and the executor it is called on. */
-internal class Listening(private val executor: Executor, private val listener: CompassListener) {
+internal class Listening(private val executor: Executor, private val listener: CompassReadingListener) {
     fun start(dispatcher: CoroutineDispatcher, readings: Flow<CompensatedReading>): AutoCloseable {
         val scope = CoroutineScope(dispatcher + SupervisorJob())
         scope.launch {

@@ -1,0 +1,48 @@
+import Foundation
+
+/// A source that an app pushes into, for one that has a `CMMotionManager` of its own, of which there should be one alone:
+/// `source.push(SensorSample.events(of: motion))` and `source.push(SensorSample.events(of: data))` in its handlers.
+///
+/// Events go out in the order of their times, whichever sensor's are delivered late. What is pushed while nobody iterates is gone.
+public final class PushedSource: MagneticFieldSource {
+    private struct State {
+        var listeners: [Int: AsyncThrowingStream<SensorSample, any Error>.Continuation] = [:]
+        var number = 0
+        var queue: EventQueue
+    }
+
+    private let holdS: Double
+    private let state: Locked<State>
+
+    /// - Parameter holdS: longest that an event waits for those of other sensors, seconds, 0 to 0.25, as ``SensorOptions/holdS``
+    public init(holdS: Double = 0.05) {
+        self.holdS = holdS
+        state = Locked(State(queue: EventQueue(holdS: 0)))
+    }
+
+    /// Gives events to everyone who iterates. Any thread may call, one at a time.
+    public func push(_ events: [SensorSample]) {
+        let (listeners, due) = state.change { state in (state.listeners.values, events.flatMap { state.queue.push($0) }) }
+        for listener in listeners {
+            for event in due { listener.yield(event) }
+        }
+    }
+
+    public func samples() -> SensorSamples {
+        SensorSamples { [state, holdS] in
+            AsyncThrowingStream { listener in
+                do { try SensorOptions.check(holdS: holdS, of: "PushedSource") } catch {
+                    listener.finish(throwing: error)
+                    return
+                }
+                let number = state.change { state in
+                    if state.listeners.isEmpty { state.queue = EventQueue(holdS: holdS) }
+                    state.number += 1
+                    state.listeners[state.number] = listener
+                    return state.number
+                }
+                listener.onTermination = { [state] _ in state.change { $0.listeners[number] = nil } }
+            }
+        }
+    }
+}

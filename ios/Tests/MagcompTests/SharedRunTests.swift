@@ -1,0 +1,216 @@
+import Foundation
+@testable import Magcomp
+import Testing
+
+/// One model for many views, and sensors that run on a little.
+@Suite @MainActor struct SharedRunTests {
+    /// A view that shows a model: its task.
+    func view(_ model: CompassModel) -> Task<Void, Never> { Task { await model.run() } }
+
+    func shows(_ model: CompassModel, sample k: Int) async throws {
+        try await eventually { model.reading?.sample.timeNs == Int64(k) * stepNs }
+    }
+
+    @Test func viewsOfOneModelShareItsRun() async throws {
+        let source = Live()
+        let model = CompassModel(
+            compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6, smoothingHalfLifeS: 1))
+        let first = view(model)
+        try await source.started(1)
+        source.play(tumbling(600))
+        try await shows(model, sample: 600)
+        let heading = try #require(model.headingDeg)
+        var blanks = 0
+        CompassModelTests.follow({ model.headingDeg }) { if $0 == nil { blanks += 1 } }
+        let second = view(model)
+        for _ in 0..<50 { await Task.yield() }
+        #expect(model.headingDeg == heading && model.status == "tracking")
+        // one smoother: it goes a little every time, and never back
+        var shown: [Double] = []
+        for k in 600..<605 {
+            source.play(flat(k))
+            try await shows(model, sample: k + 1)
+            for _ in 0..<20 { await Task.yield() }
+            shown.append(try #require(model.headingDeg))
+        }
+        let steps = zip(shown, shown.dropFirst()).map { ($1 - $0).remainder(dividingBy: 360) }
+        #expect(steps.allSatisfy { $0 * steps[0] > 0 && abs($0) < 5 }, "\(shown)")
+        // the other view goes on
+        first.cancel()
+        await first.value
+        source.play(flat(605))
+        try await shows(model, sample: 606)
+        #expect(source.state.value.starts == 1 && source.state.value.ends == 0 && blanks == 0)
+        second.cancel()
+        await second.value
+        try await eventually { source.state.value.ends == 1 }
+    }
+
+    @Test func aViewThatComesWhileTheLastOneLeavesHasARunOfItsOwn() async throws {
+        let source = Live()
+        let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
+        let first = view(model)
+        try await source.started(1)
+        first.cancel()
+        let second = view(model)
+        await first.value
+        try await source.started(2)
+        source.play(tumbling(3))
+        try await shows(model, sample: 3)
+        // who was cancelled before it began starts nothing
+        let third = view(model)
+        third.cancel()
+        await third.value
+        second.cancel()
+        await second.value
+        try await eventually { source.state.value.ends == 2 }
+        #expect(source.state.value.starts == 2)
+    }
+
+    @Test func everyViewEndsWithTheSource() async throws {
+        let source = Live()
+        let (model, object) = (
+            CompassModel(compass: Compass(source: source)), CompassObject(compass: Compass(source: NoSource()))
+        )
+        let views = [view(model), view(model)]
+        try await source.started(1)
+        source.finish(SensorError.accessRefused(sensor: .motion))
+        for view in views { await view.value }
+        #expect(model.error == .sensor(.accessRefused(sensor: .motion)))
+        // nothing to try again
+        model.retry()
+        await object.run()
+        object.retry()
+        #expect(source.state.value.starts == 1)
+    }
+
+    @Test func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
+        let source = Live()
+        let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
+        let views = [view(model), view(model)]
+        for run in 1...3 {
+            try await source.started(run)
+            source.play(tumbling(600))
+            try await shows(model, sample: 600)
+            // nothing to try again yet
+            model.retry()
+            source.finish(SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
+            try await eventually { model.error?.mayPass == true }
+            #expect(model.headingDeg == nil && model.status == "The magnetometer has stopped.")
+            #expect(source.state.value.starts == run)
+            model.retry()
+        }
+        try await source.started(4)
+        try await eventually { model.error == nil }
+        for view in views { view.cancel() }
+        for view in views { await view.value }
+        try await eventually { source.state.value.ends == 4 }
+        #expect(!CompassError.library(.closed).mayPass && !CompassError.sensor(.accessRefused(sensor: .motion)).mayPass)
+    }
+
+    @Test func whoWaitsToTryAgainLeavesWhenItsViewDoes() async throws {
+        let source = Live()
+        let object = CompassObject(compass: Compass(source: source))
+        let running = Task { await object.run() }
+        try await source.started(1)
+        source.finish(SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
+        try await eventually { object.state.error?.mayPass == true }
+        running.cancel()
+        await running.value
+        object.retry()
+        for _ in 0..<50 { await Task.yield() }
+        #expect(source.state.value.starts == 1)
+    }
+
+    /// A tab that goes and comes.
+    @Test func aScreenThatComesBackInTimeHasItsHeadingAtOnce() async throws {
+        let (source, store) = (Live(), Slow())
+        var compass: Compass? = Compass(source: source, store: store, graceS: 1e6)
+        let seen = Shared<[CompensatedReading]>([])
+        let first = reader(try #require(compass), seen)
+        try await source.started(1)
+        source.play(tumbling(900))
+        try await eventually { seen.value.count == 900 }
+        let saved = store.kept.value
+        first.cancel()
+        try await first.value
+        // the app may end in the grace time: all was saved
+        await compass?.settled()
+        #expect(store.kept.value != nil && store.kept.value != saved)
+        source.play(flat(900))
+        try await eventually { compass?.latest?.sample.timeNs == 901 * stepNs }
+        let model = CompassModel(compass: try #require(compass))
+        var texts: [String] = []
+        CompassModelTests.follow({ model.status }) { texts.append($0) }
+        let second = view(model)
+        try await shows(model, sample: 901)
+        #expect(model.headingDeg != nil && !texts.contains("starting"))
+        second.cancel()
+        await second.value
+        for _ in 0..<50 { await Task.yield() }
+        #expect(source.state.value.starts == 1 && source.state.value.ends == 0)
+        // the sensors stop when nobody can come back: the model has the compass
+        compass = nil
+        withExtendedLifetime(model) { #expect(source.state.value.ends == 0) }
+    }
+
+    @Test func sensorsStopWhenTheGraceTimeIsOverOrNobodyCanComeBack() async throws {
+        let source = Live()
+        var compass: Compass? = Compass(source: source, graceS: 0.01)
+        for run in 1...2 {
+            let task = reader(try #require(compass), Shared([]))
+            try await source.started(run)
+            source.play(tumbling(1))
+            try await eventually { compass?.latest != nil }
+            task.cancel()
+            try await task.value
+            try await eventually { source.state.value.ends == run }
+            #expect(compass?.latest == nil)
+        }
+        compass = Compass(source: source, graceS: 1e6)
+        let task = reader(try #require(compass), Shared([]))
+        try await source.started(3)
+        source.play(tumbling(1))
+        try await eventually { compass?.latest != nil }
+        task.cancel()
+        try await task.value
+        compass = nil
+        try await eventually { source.state.value.ends == 3 }
+    }
+
+    @Test func aPreviewShowsItsStateAndRunsNothing() async {
+        let heading = CompassHeading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
+        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let state = CompassState(
+            CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample))
+        let (model, object) = (CompassModel(state: state), CompassObject(state: state))
+        await model.run()
+        await object.run()
+        #expect(model.headingDeg == 42 && model.headingSigmaDeg == 3 && model.status == "tracking")
+        #expect(object.state == state)
+    }
+
+    @Test func theTwinSavesForgetsAndTellsAsTheModelDoes() async throws {
+        let (source, store) = (Live(), Slow())
+        let object = CompassObject(
+            compass: Compass(source: source, store: store), display: CompassDisplay(rateHz: 10))
+        let changes = Shared(0)
+        object.objectWillChange.sink { changes.change { $0 += 1 } }
+        let running = Task { await object.run() }
+        try await source.started(1)
+        // the first state is the one that is shown already
+        #expect(changes.value == 0)
+        source.play(tumbling(900))
+        try await eventually { object.state.reading?.sample.timeNs == 891 * stepNs }
+        #expect((1...90).contains(changes.value), "\(changes.value) at 10 Hz")
+        let saved = store.kept.value
+        object.save()
+        await object.compass.settled()
+        #expect(saved != nil && store.kept.value != saved)
+        object.reset()
+        await object.compass.settled()
+        #expect(store.kept.value == nil)
+        running.cancel()
+        await running.value
+    }
+}
