@@ -49,9 +49,16 @@ enum Special {
     Gaps,
     Drift,
     Spikes,
+    /// A magnet is passed every three seconds, of 5 to 180 uT; from the start on, or once settled.
+    Magnets {
+        from: usize,
+    },
+    /// 20 uT at 16.7 Hz for six seconds.
+    Tram,
+    PauseAndStep,
 }
 
-const SPECIAL: [(&str, Special); 12] = [
+const SPECIAL: [(&str, Special); 16] = [
     ("nothing", Special::Nothing),
     ("walk", Special::Walk),
     ("step", Special::Step),
@@ -64,6 +71,10 @@ const SPECIAL: [(&str, Special); 12] = [
     ("gaps", Special::Gaps),
     ("drift", Special::Drift),
     ("spikes", Special::Spikes),
+    ("magnets", Special::Magnets { from: 400 }),
+    ("magnets from the start", Special::Magnets { from: 0 }),
+    ("tram", Special::Tram),
+    ("pause, with a step", Special::PauseAndStep),
 ];
 
 /// As a sensor gives it: in steps, within which the platforms' sines and logarithms differ, so that the stream is the same on all.
@@ -87,10 +98,11 @@ fn stream(special: Special, seed: u64) -> Vec<Events> {
         time_ns += match special {
             Special::Gaps if k == 500 => 700_000_000,
             Special::Gaps if k == 700 => 4_000_000_000,
+            Special::PauseAndStep if k == 600 => 6_000_000_000,
             _ => 20_000_000,
         };
         let off_ut = match special {
-            Special::Step if late => 27.0,
+            Special::Step | Special::PauseAndStep if late => 27.0,
             Special::SmallStep if late => 6.0,
             Special::StepAndBack if (400..700).contains(&k) => 27.0,
             Special::PlaceThenStep if k >= 800 => 27.0,
@@ -99,7 +111,17 @@ fn stream(special: Special, seed: u64) -> Vec<Events> {
         };
         let placed = matches!(special, Special::Place) && (400..700).contains(&k)
             || matches!(special, Special::PlaceThenStep) && k >= 400;
-        let place_ut = if placed { Vector3::new(15.0, -5.0, 12.0) } else { Vector3::zeros() };
+        let place_ut = match special {
+            Special::Magnets { from } if k >= from => {
+                // 0.8 s of every 3, nearer and nearer
+                let apart_s = (t % 3.0 - 1.5) / 0.4;
+                let size_ut = (5.0 + 9.0 * t) * (1.0 - apart_s * apart_s).max(0.0);
+                Vector3::new(0.6, (0.7 * t).sin(), (0.7 * t).cos()) * size_ut
+            }
+            Special::Tram if (500..800).contains(&k) => Vector3::new(20.0, 8.0, -12.0) * (104.9 * t).sin(),
+            _ if placed => Vector3::new(15.0, -5.0, 12.0),
+            _ => Vector3::zeros(),
+        };
         let spike = if matches!(special, Special::Spikes) && k % 50 == 49 { 60.0 } else { 0.0 };
         let b = start.hard_iron_ut() + Vector3::new(0.6, -0.7, 0.4) * off_ut;
         let truth = Calibration::new(*start.soft_iron(), b, 48.0).expect("a phone's");
@@ -191,7 +213,7 @@ fn readings_are_those_of_the_golden_file() {
     for name in ["broad_01_slow_rotation_A", "broad_34_attached_magnet_3cm"] {
         add_runs(name, &recording(name));
     }
-    assert_eq!(found.len(), 56);
+    assert_eq!(found.len(), 72);
     if let Some(readings) = &mut readings {
         readings.flush().expect("room"); // a panic in WebAssembly drops nothing
     }
