@@ -96,7 +96,11 @@ impl Bank {
         let prior = cold(&frame.u, tuning);
         let id = self.new_id();
         // a vertical that contradicts the field is one that tells nothing
-        let heeds: &[bool] = if frame.up.is_some() { &[true, false] } else { &[false] };
+        let heeds: &[bool] = match frame.up {
+            Some(_) if tuning.unheeded => &[true, false],
+            Some(_) => &[true],
+            None => &[false],
+        };
         let sides = heeds.iter().flat_map(|heeds| (0..6).map(move |side| (*heeds, side)));
         for (heeds_vertical, side) in sides {
             let mut base = State::new(&prior, frame.uneven.variance, frame.tilt.variance);
@@ -123,9 +127,9 @@ impl Bank {
         let best = self.best().cloned();
         let unknown = 8.0_f64.to_radians().powi(2);
         if let Some(best) = best.as_ref() {
-            let look = self.frames.next - self.looked >= LOOK;
+            let look = tuning.looks && self.frames.next - self.looked >= LOOK;
             // a cold start is always in the race
-            if best.error > unknown && self.frames.next - self.looked >= YOUNG {
+            if tuning.cold_again && best.error > unknown && self.frames.next - self.looked >= YOUNG {
                 self.looked = self.frames.next;
                 self.begin_cold(&frame, best.log_joint() + ln(RARE), strength_known, tuning);
             }
@@ -139,7 +143,7 @@ impl Bank {
             }
         }
         let doubtful = best.is_some_and(|best| !best.is_known() && best.length(&self.frames) > LATELY);
-        if doubtful && self.frames.next - self.mirrored >= LATELY {
+        if tuning.twins && doubtful && self.frames.next - self.mirrored >= LATELY {
             self.mirrored = self.frames.next;
             self.twins(tuning);
         }
@@ -169,7 +173,7 @@ impl Bank {
         let scale = shape(&known.mean).trace() / 3.0;
         let sizes =
             [(0, LEAST_TOLD_UT), (1, tuning.step_ut), (9, LARGEST_UT)].into_iter().take(if surprised { 3 } else { 2 });
-        let ways: &[bool] = if surprised { &[false, true] } else { &[false] };
+        let ways: &[bool] = if surprised && tuning.gradual { &[false, true] } else { &[false] };
         for ((size, step), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
             let mut base = state.clone();
             base.take_for_known(&honest);
@@ -179,7 +183,7 @@ impl Bank {
             let lin = known.mean;
             let mut child = child(Kind::Device, base, lin, device, size);
             child.takes_time = takes_time;
-            child.leap = (size == 9 && number > LATELY).then(|| Leap {
+            child.leap = (tuning.leap && size == 9 && number > LATELY).then(|| Leap {
                 known: honest,
                 from: self.frames.at(number - 1).u,
                 from_ns: self.frames.at(number - 1).time_ns,
@@ -194,14 +198,14 @@ impl Bank {
             base.log = log(tuning.places_per_h) - LN_2;
             self.all.push(child(Kind::Place, base, known.mean, place, size));
         }
-        if let Some(former) = self.former.filter(|_| surprised) {
+        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
             let mut base = state.with(&former);
             base.log = log(tuning.devices_per_h) - LN_2;
             self.all.push(child(Kind::Former, base, former.mean, device, 2));
         }
         // b may move, or rest
         let moves = !parent.moves;
-        if !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
+        if tuning.moves && !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
             self.all.retain(|it| it.moves != moves);
             let rates = moves.then(|| tuning.rates(self.unit_ut));
             self.all.push(parent.fork(rates, number, log(tuning.devices_per_h)));

@@ -266,7 +266,7 @@ impl Adaptive {
         }
         let variance = self.stays.variance(stay.length)?;
         stay.frames += 1;
-        if stay.frames > 1 {
+        if stay.frames > 1 && self.tuning.stays {
             stay.length += 1;
         }
         Some((std::mem::take(&mut stay.pooled), variance, moved_s))
@@ -300,8 +300,10 @@ impl Adaptive {
             }
         }
         self.missed = Some((miss, vertical.map(|v| v.0)));
-        self.uneven.add(miss, frame.white + rho, frame.moved_s);
-        if let Some((v, rho)) = vertical {
+        if tuning.unevenness {
+            self.uneven.add(miss, frame.white + rho, frame.moved_s);
+        }
+        if let Some((v, rho)) = vertical.filter(|_| tuning.tilting) {
             self.tilt.add(v, frame.tilt_white + rho, frame.seconds);
         }
     }

@@ -183,7 +183,7 @@ impl State {
 
     /// One frame, linear about `lin`; false where lin is none of its.
     pub fn step(&mut self, lin: &Tau, frame: &Frame, way: Way, tuning: &Tuning) -> bool {
-        let rough = if frame.time_ns < way.rough_until_ns { ROUGH * ROUGH } else { 1.0 };
+        let rough = if tuning.rough && frame.time_ns < way.rough_until_ns { ROUGH * ROUGH } else { 1.0 };
         self.lasts(UNEVEN, Lasting { variance: frame.uneven.variance * rough, ..frame.uneven });
         self.lasts(TILT, frame.tilt);
         let mut moved = way.walk * way.walk * frame.seconds;
@@ -216,7 +216,9 @@ impl State {
             gv.fixed_rows_mut::<10>(0).copy_from(&gradient(lin, &across, &seen.offset, 1.0));
             (gv[TILTED], gv[TILT]) = (-1.0, -1.0);
             let turned = seen.direction - up * mu;
-            (0..3).for_each(|i| gv[BIAS + i] = -turned[i]);
+            if tuning.accelerometer_bias {
+                (0..3).for_each(|i| gv[BIAS + i] = -turned[i]);
+            }
             v = Some((sine - lin[9], gv));
         }
         if is_odd(nu, s) {
@@ -238,7 +240,7 @@ impl State {
         }
         self.odd = 0;
         self.learn(nu, s, &g, &pg, &way);
-        if !way.is_fixed {
+        if tuning.spread && !way.is_fixed {
             self.spread.walk(moved);
             self.spread.add(&frame.u, &seen.direction, frame.white, frame.uneven.variance, s);
             if let Some(up) = frame.up.filter(|_| way.heeds_vertical) {
