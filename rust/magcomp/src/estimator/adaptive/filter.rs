@@ -179,9 +179,10 @@ impl Filter {
 
     /// Whether a frame is none that it expects.
     pub fn is_surprised(&self, frame: &Frame, tuning: &Tuning, unit_ut: f64) -> bool {
-        let mut tried = self.clone();
-        tried.add(frame, tuning, unit_ut);
-        tried.now.odd > 0 || tried.now.place_ns == Some(frame.time_ns)
+        let mut tried = self.now.clone();
+        self.leap.is_none()
+            && tried.step(&self.lin, frame, self.way(tuning, unit_ut), tuning)
+            && (tried.odd > 0 || tried.place_ns == Some(frame.time_ns))
     }
 
     /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.

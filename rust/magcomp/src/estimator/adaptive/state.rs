@@ -80,7 +80,9 @@ impl<const N: usize> State<N> {
 
     /// A scalar miss e + g (x - lin), its variance with noise r, and P g.
     pub fn innovation(&self, lin: &Tau, e: f64, g: &Numbers<N>, r: f64) -> (f64, f64, Numbers<N>) {
-        let pg = &self.p * g;
+        let mut pg = Numbers::<N>::zeros();
+        // a third of the derivatives are none
+        (0..N).filter(|j| g[*j] != 0.0).for_each(|j| pg.axpy(g[j], &self.p.column(j), 1.0));
         let mut nu = e;
         for i in 0..Self::AT {
             nu += g[i] * (self.x[i] - lin[i]);
@@ -94,7 +96,7 @@ impl<const N: usize> State<N> {
     pub fn update(&mut self, nu: f64, s: f64, pg: &Numbers<N>) {
         let k = pg / s;
         self.x -= k * nu;
-        self.p -= k * pg.transpose();
+        (0..N).for_each(|j| self.p.column_mut(j).axpy(-pg[j], &k, 1.0));
         self.log -= 0.5 * (nu * nu / s + ln(std::f64::consts::TAU * s));
     }
 
