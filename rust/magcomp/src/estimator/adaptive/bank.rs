@@ -24,6 +24,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 const MOST: usize = 18;
 /// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, a former one, a fork and a twin.
 const BROUGHT: usize = 23;
+/// Places of hypotheses, which are large and stay where they are.
 type Places = ArrayVec<usize, { MOST + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
 const BUDGET: i64 = 3 * FRAMES as i64;
@@ -41,9 +42,7 @@ const YOUNG: u64 = KNOWN_FRAMES / 2;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bank {
-    /// Hypotheses are large and stay where they are; their order is kept beside them, the likeliest first.
-    all: Vec<Filter>,
-    order: Places,
+    pub all: Vec<Filter>,
     pub frames: Frames,
     pub noise: Noise,
     former: Option<Gaussian>,
@@ -59,7 +58,6 @@ impl Bank {
     pub fn new(unit_ut: f64) -> Self {
         Self {
             all: Vec::with_capacity(MOST + BROUGHT),
-            order: Places::new(),
             frames: Frames::new(),
             noise: Noise::default(),
             former: None,
@@ -74,7 +72,6 @@ impl Bank {
     /// Forgets everything, in the memory that is there.
     pub fn clear(&mut self) {
         self.all.clear();
-        self.order.clear();
         self.frames.clear();
         self.former = None;
         (self.next_id, self.turn) = (0, 0);
@@ -91,31 +88,26 @@ impl Bank {
     }
 
     fn best_place(&self) -> Option<usize> {
-        let log = |k: &usize| self.all[*k].log_joint();
-        self.order.iter().copied().max_by(|a, b| log(a).total_cmp(&log(b)))
+        (0..self.all.len()).max_by(|a, b| self.all[*a].log_joint().total_cmp(&self.all[*b].log_joint()))
     }
 
     pub fn best(&self) -> Option<&Filter> {
         self.best_place().map(|k| &self.all[k])
     }
 
-    fn add(&mut self, filter: Filter) {
-        self.order.push(self.all.len());
-        self.all.push(filter);
-    }
-
     /// The likeliest first.
-    fn sort(&mut self) {
-        let Self { all, order, .. } = self;
-        order.sort_unstable_by(|a, b| all[*b].log_joint().total_cmp(&all[*a].log_joint()));
+    fn order(&self) -> Places {
+        let mut order: Places = (0..self.all.len()).collect();
+        order.sort_unstable_by(|a, b| self.all[*b].log_joint().total_cmp(&self.all[*a].log_joint()));
+        order
     }
 
-    /// Those that are no longer in the order go.
-    fn drop_others(&mut self) {
-        for k in (0..self.all.len()).rev().filter(|k| !self.order.contains(k)).collect::<Places>() {
-            self.all.swap_remove(k);
-            let moved = self.all.len();
-            self.order.iter_mut().filter(|place| **place == moved).for_each(|place| *place = k);
+    /// Those of which this does not hold go.
+    fn keep(&mut self, is_kept: impl Fn(usize, &Filter) -> bool) {
+        for k in (0..self.all.len()).rev() {
+            if !is_kept(k, &self.all[k]) {
+                self.all.swap_remove(k);
+            }
         }
     }
 
@@ -144,7 +136,7 @@ impl Bank {
             (filter.id, filter.heeds_vertical) = (id, heeds_vertical);
             filter.scale_sd = Some(if strength_known { tuning.soft_iron } else { EARTH_SD });
             filter.restart();
-            self.add(filter);
+            self.all.push(filter);
         }
     }
 
@@ -152,7 +144,7 @@ impl Bank {
         let base = State::new(given, frame.uneven.variance, frame.tilt.variance);
         let mut filter = Filter::new(Kind::Former, base, given.mean, self.frames.next, frame.time_ns);
         filter.id = self.new_id();
-        self.add(filter);
+        self.all.push(filter);
     }
 
     /// A frame; whether it surprised the best hypothesis.
@@ -223,28 +215,26 @@ impl Bank {
                 turning: self.turning(),
                 step: step / self.unit_ut,
             });
-            self.add(child);
+            self.all.push(child);
         }
         for (size, differs) in [(0, ROOM_UT / self.unit_ut), (1, tuning.place)] {
             let mut base = state.clone();
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
-            self.add(child(Kind::Place, base, known.mean, of_place, size));
+            self.all.push(child(Kind::Place, base, known.mean, of_place, size));
         }
         if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
             let mut base = state.with(&former);
             base.log = log(tuning.devices_per_h) - LN_2;
-            self.add(child(Kind::Former, base, former.mean, of_device, 2));
+            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
         }
         // b may move, or rest
         let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
         if tuning.moves && !self.all.iter().any(is_rival) {
             let rates = (!moves).then(|| tuning.rates(self.unit_ut));
             let fork = self.all[place].fork(rates, number, log(tuning.devices_per_h));
-            let Self { all, order, .. } = self;
-            order.retain(|k| all[*k].moves == moves);
-            self.drop_others();
-            self.add(fork);
+            self.keep(|_, it| it.moves == moves);
+            self.all.push(fork);
         }
     }
 
@@ -273,17 +263,17 @@ impl Bank {
         let mut lin: Tau = known.mean;
         (0..3).for_each(|i| lin[6 + i] -= off[i]);
         let twin = best.about(lin, &self.frames, tuning, self.unit_ut);
-        self.add(twin);
+        self.all.push(twin);
     }
 
     /// The best first, the others in turn: those that have moved run again, within a budget.
     fn settle(&mut self, tuning: &Tuning) {
         let mut left = BUDGET;
-        self.sort();
+        let order = self.order();
         self.turn += 1;
         let n = self.all.len();
         for place in 0..n {
-            let k = self.order[if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) }];
+            let k = order[if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) }];
             let filter = &mut self.all[k];
             let length = filter.length(&self.frames);
             if length + 2 >= FRAMES {
@@ -306,11 +296,11 @@ impl Bank {
     }
 
     fn prune(&mut self) {
-        self.sort();
-        let Some(top) = self.order.first().map(|k| self.all[*k].log_joint()) else { return };
+        let order = self.order();
+        let Some(top) = order.first().map(|k| self.all[*k].log_joint()) else { return };
         let latest = self.frames.next;
         let mut kept = Places::new();
-        for k in self.order.iter().copied() {
+        for k in order {
             let filter = &self.all[k];
             let is_young = filter.kind == Kind::Cold && latest - filter.first < LATELY;
             let is_likely = filter.log_joint().is_finite() && (filter.log_joint() > top - HOPELESS || is_young);
@@ -321,8 +311,7 @@ impl Bank {
                 kept.push(k);
             }
         }
-        self.order = kept;
-        self.drop_others();
+        self.keep(|k, _| kept.contains(&k));
         let Some(place) = self.best_place() else { return };
         let best = &mut self.all[place];
         best.look();
@@ -337,8 +326,8 @@ impl Bank {
     pub fn mixture(&self) -> Option<Gaussian> {
         let top = self.best()?.log_joint();
         let weight = |it: &Filter| exp(it.log_joint() - top);
-        let sum: f64 = self.each().map(weight).sum();
-        let parts = || self.each().map(|it| (&it.now, weight(it) / sum)).filter(|(_, share)| *share > NOTHING);
+        let sum: f64 = self.all.iter().map(weight).sum();
+        let parts = || self.all.iter().map(|it| (&it.now, weight(it) / sum)).filter(|(_, share)| *share > NOTHING);
         let mean: Tau = parts().map(|(it, share)| it.tau() * share).sum();
         let mut covariance = TauMatrix::zeros();
         for (it, share) in parts() {
@@ -349,17 +338,17 @@ impl Bank {
         Some(Gaussian { mean, covariance })
     }
 
-    /// All hypotheses.
-    pub fn each(&self) -> impl Iterator<Item = &Filter> + Clone {
-        self.order.iter().map(|k| &self.all[*k])
+    /// All hypotheses, in no order.
+    pub fn each(&self) -> impl Iterator<Item = &Filter> {
+        self.all.iter()
     }
 
     /// Probability of all hypotheses for which `is` holds.
     pub fn probability(&self, is: impl Fn(&Filter) -> bool) -> f64 {
         let Some(top) = self.best().map(Filter::log_joint) else { return 0.0 };
         let of = |it: &Filter| exp(it.log_joint() - top);
-        let all: f64 = self.each().map(of).sum();
-        self.each().filter(|it| is(it)).map(of).sum::<f64>() / all
+        let all: f64 = self.all.iter().map(of).sum();
+        self.all.iter().filter(|it| is(it)).map(of).sum::<f64>() / all
     }
 }
 

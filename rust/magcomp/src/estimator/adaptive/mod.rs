@@ -219,7 +219,7 @@ impl Adaptive {
         }
         let mut frame = Frame { time_ns, u, up, count, seconds, moved_s, stay, ..Frame::default() };
         frame.believe(&self.bank.noise);
-        if self.bank.best().is_none() {
+        if self.bank.all.is_empty() {
             let given = self.given.map(|given| bank::given(&given, self.unit_ut, self.tuning.place));
             let given = given.filter(|_| self.bank.frames.next == 0);
             if let Some(known) = given {

@@ -26,7 +26,6 @@ fn a_surprise_brings_changes_of_every_kind() {
         let former = cold(&Vector3::new(1.0, 2.0, -3.0), &Tuning::USED);
         bank.former = Some(former);
         bank.all.truncate(1);
-        bank.order.truncate(1);
         bank.spawn(0, &frame, surprised, 0.1, &Tuning::USED);
         let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && !it.moves);
         assert_eq!((of(Kind::Device).count(), of(Kind::Place).count()), (devices, 2));
