@@ -101,7 +101,8 @@ fn push_takes_no_memory() {
             // the gyroscope goes and comes back
             let gone = (4000..5000).contains(&k);
             let turned = if gone { Ok(()) } else { compensator.push_rotation_rate(rate) };
-            let up = compensator.push_up(UpSample { time_ns, up_m_s2: Vector3::new(0.0, 1.0, 9.7) });
+            let up_m_s2 = Vector3::new(0.0, 1.0, 9.7 + 1e-3 * f64::from(k as u32 % 2));
+            let up = compensator.push_up(UpSample { time_ns, up_m_s2 });
             let reading = compensator.push(MagneticSample { time_ns, field_ut });
             std::hint::black_box(compensator.explain());
             assert_eq!(taken() - start, 0, "{method:?}, sample {k}: {}", reading.status);

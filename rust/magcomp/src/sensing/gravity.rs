@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn a_device_that_is_turned_about_shows_its_bias_and_what_is_told_is_all_of_it() {
         let mut gravity = Gravity::default();
-        let (told, attitude) = turned(&mut gravity, 60.0, 0.03, by_hand);
+        let (told, attitude) = turned(&mut gravity, 120.0, 0.03, by_hand);
         let (off, p) = (gravity.known.part(BIAS) - TRUE_BIAS, gravity.known.own(BIAS));
         let z2 = off.dot(&(p.try_inverse().unwrap() * off));
         // chi-squared of three: 99.9 % are below 16
@@ -359,11 +359,11 @@ mod tests {
     #[test]
     fn the_filter_is_as_good_as_a_fit_of_all_samples() {
         let mut gravity = Gravity::default();
-        turned(&mut gravity, 10.0, 0.02, by_hand);
+        turned(&mut gravity, 90.0, 0.02, by_hand);
         let (mut noise, mut attitude, mut turn) = (Noise(7), UnitQuaternion::identity(), Rotation3::identity());
         let mut by_bias = Matrix3::zeros();
         let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), nalgebra::SVector::<f64, 6>::zeros());
-        for k in 0..1000 {
+        for k in 0..9000 {
             let rate = by_hand(k as f64 * DT_S);
             attitude *= UnitQuaternion::from_scaled_axis(rate * DT_S);
             let read = rate + TRUE_BIAS + noise.vector() * (ANGLE_WALK_RAD / DT_S.sqrt());
@@ -387,7 +387,7 @@ mod tests {
     #[test]
     fn turns_about_the_vertical_show_nothing_of_a_bias_about_it() {
         let mut gravity = Gravity::default();
-        let (told, _) = turned(&mut gravity, 30.0, 0.01, |t| Vector3::z() * (0.5 * t).sin());
+        let (told, _) = turned(&mut gravity, 90.0, 0.01, |t| Vector3::z() * (0.5 * t).sin());
         let sd = |axis: usize| gravity.known.own(BIAS)[(axis, axis)].sqrt();
         assert!(sd(2) > 0.9 * BIAS_SD_RAD_S && sd(0) < 0.2 * BIAS_SD_RAD_S, "{} {}", sd(2), sd(0));
         assert!(told.precision[(2, 2)] < 0.05 * told.precision[(0, 0)]);
@@ -422,7 +422,7 @@ mod tests {
         for _ in 0..11 {
             gravity.see(&still, DT_S, Some(&(Vector3::new(0.5, 0.0, 0.85) * GRAVITY_M_S2)));
         }
-        turned(&mut gravity, 30.0, 0.02, by_hand);
+        turned(&mut gravity, 90.0, 0.02, by_hand);
         let off = gravity.known.part(BIAS) - TRUE_BIAS;
         assert!(off.norm() < 0.015, "{off}");
     }

@@ -16,6 +16,7 @@ use crate::math::elementary::{exp, ln};
 use crate::math::symmetric::{basis, six};
 use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE, ROOM_UT};
 use crate::strength::EARTH_SD;
+use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
@@ -23,10 +24,14 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 const MOST: usize = 18;
 /// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, a former one, a fork and a twin.
 const BROUGHT: usize = 23;
+/// Places of hypotheses, which are large and stay where they are.
+type Places = ArrayVec<usize, { MOST + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
 const BUDGET: i64 = 3 * FRAMES as i64;
 /// Choice: frames between looks for a change that nothing announces.
 const LOOK: u64 = 3;
+/// Choice: expected direction error, deg, beyond which nothing is known of which a change could be seen.
+const UNKNOWN_DEG: f64 = 8.0;
 /// Choice: frames that tell how fast the device turns, to a fifth: 1 / sqrt(3 axes of 8).
 pub(super) const LATELY: u64 = 8;
 /// Choice: a window of so many frames that is known is cut to half.
@@ -82,8 +87,28 @@ impl Bank {
         }
     }
 
+    fn best_place(&self) -> Option<usize> {
+        (0..self.all.len()).max_by(|a, b| self.all[*a].log_joint().total_cmp(&self.all[*b].log_joint()))
+    }
+
     pub fn best(&self) -> Option<&Filter> {
-        self.all.iter().max_by(|a, b| a.log_joint().total_cmp(&b.log_joint()))
+        self.best_place().map(|k| &self.all[k])
+    }
+
+    /// The likeliest first.
+    fn order(&self) -> Places {
+        let mut order: Places = (0..self.all.len()).collect();
+        order.sort_unstable_by(|a, b| self.all[*b].log_joint().total_cmp(&self.all[*a].log_joint()));
+        order
+    }
+
+    /// Those of which this does not hold go.
+    fn keep(&mut self, is_kept: impl Fn(usize, &Filter) -> bool) {
+        for k in (0..self.all.len()).rev() {
+            if !is_kept(k, &self.all[k]) {
+                self.all.swap_remove(k);
+            }
+        }
     }
 
     fn new_id(&mut self) -> u32 {
@@ -96,7 +121,11 @@ impl Bank {
         let prior = cold(&frame.u, tuning);
         let id = self.new_id();
         // a vertical that contradicts the field is one that tells nothing
-        let heeds: &[bool] = if frame.up.is_some() { &[true, false] } else { &[false] };
+        let heeds: &[bool] = match frame.up {
+            Some(_) if tuning.unheeded => &[true, false],
+            Some(_) => &[true],
+            None => &[false],
+        };
         let sides = heeds.iter().flat_map(|heeds| (0..6).map(move |side| (*heeds, side)));
         for (heeds_vertical, side) in sides {
             let mut base = State::new(&prior, frame.uneven.variance, frame.tilt.variance);
@@ -120,28 +149,26 @@ impl Bank {
 
     /// A frame; whether it surprised the best hypothesis.
     pub fn push(&mut self, frame: Frame, strength_known: bool, tuning: &Tuning) {
-        let best = self.best().cloned();
-        let unknown = 8.0_f64.to_radians().powi(2);
-        if let Some(best) = best.as_ref() {
-            let look = self.frames.next - self.looked >= LOOK;
+        if let Some(place) = self.best_place() {
+            let best = &self.all[place];
+            let unknown = best.error > UNKNOWN_DEG.to_radians().powi(2);
+            let doubtful = !best.is_known() && best.length(&self.frames) > LATELY;
+            let surprised = best.is_surprised(&frame, tuning, self.unit_ut);
+            let looks = tuning.looks && self.frames.next - self.looked >= LOOK;
             // a cold start is always in the race
-            if best.error > unknown && self.frames.next - self.looked >= YOUNG {
+            if tuning.cold_again && unknown && self.frames.next - self.looked >= YOUNG {
                 self.looked = self.frames.next;
                 self.begin_cold(&frame, best.log_joint() + ln(RARE), strength_known, tuning);
             }
-            let mut tried = best.clone();
-            tried.add(&frame, tuning, self.unit_ut);
-            let surprised = tried.now.odd > 0 || tried.now.place_ns == Some(frame.time_ns);
-            if surprised || look && best.error <= unknown {
+            if surprised || looks && !unknown {
                 let seconds = frame.seconds * (self.frames.next - self.looked).max(1) as f64;
                 self.looked = self.frames.next;
-                self.spawn(best, &frame, surprised, seconds.min(1.0), tuning);
+                self.spawn(place, &frame, surprised, seconds.min(1.0), tuning);
             }
-        }
-        let doubtful = best.is_some_and(|best| !best.is_known() && best.length(&self.frames) > LATELY);
-        if doubtful && self.frames.next - self.mirrored >= LATELY {
-            self.mirrored = self.frames.next;
-            self.twins(tuning);
+            if tuning.twins && doubtful && self.frames.next - self.mirrored >= LATELY {
+                self.mirrored = self.frames.next;
+                self.twins(tuning);
+            }
         }
         self.frames.push(frame);
         for filter in &mut self.all {
@@ -152,24 +179,26 @@ impl Bank {
     }
 
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
-    fn spawn(&mut self, parent: &Filter, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
+    fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
+        let parent = &self.all[place];
+        let (id, heeds_vertical, moves, likely) = (parent.id, parent.heeds_vertical, parent.moves, parent.log_joint());
         let known = parent.known();
-        let log = |per_h: f64| parent.log_joint() + ln(per_h * seconds / 3600.0);
+        let log = |per_h: f64| likely + ln(per_h * seconds / 3600.0);
         let mut state = parent.now.clone();
         state.odd = 0;
         let number = self.frames.next;
-        let child = |kind: Kind, base: State, lin: Tau, id: u32, size: u8| {
+        let child = |kind: Kind, base: State, lin: Tau, of: u32, size: u8| {
             let mut child = Filter::new(kind, base, lin, number, frame.time_ns);
-            (child.id, child.size, child.parent, child.heeds_vertical) = (id, size, parent.id, parent.heeds_vertical);
+            (child.id, child.size, child.parent, child.heeds_vertical) = (of, size, id, heeds_vertical);
             child.former = (kind != Kind::Place).then_some(known);
             child
         };
-        let (device, place) = (self.new_id(), self.new_id());
+        let (of_device, of_place) = (self.new_id(), self.new_id());
         let honest = state.honest();
         let scale = shape(&known.mean).trace() / 3.0;
         let sizes =
             [(0, LEAST_TOLD_UT), (1, tuning.step_ut), (9, LARGEST_UT)].into_iter().take(if surprised { 3 } else { 2 });
-        let ways: &[bool] = if surprised { &[false, true] } else { &[false] };
+        let ways: &[bool] = if surprised && tuning.gradual { &[false, true] } else { &[false] };
         for ((size, step), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
             let mut base = state.clone();
             base.take_for_known(&honest);
@@ -177,9 +206,9 @@ impl Bank {
             base.begin_spread();
             base.log = log(tuning.devices_per_h) - LN_2;
             let lin = known.mean;
-            let mut child = child(Kind::Device, base, lin, device, size);
+            let mut child = child(Kind::Device, base, lin, of_device, size);
             child.takes_time = takes_time;
-            child.leap = (size == 9 && number > LATELY).then(|| Leap {
+            child.leap = (tuning.leap && size == 9 && number > LATELY).then(|| Leap {
                 known: honest,
                 from: self.frames.at(number - 1).u,
                 from_ns: self.frames.at(number - 1).time_ns,
@@ -192,19 +221,20 @@ impl Bank {
             let mut base = state.clone();
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
-            self.all.push(child(Kind::Place, base, known.mean, place, size));
+            self.all.push(child(Kind::Place, base, known.mean, of_place, size));
         }
-        if let Some(former) = self.former.filter(|_| surprised) {
+        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
             let mut base = state.with(&former);
             base.log = log(tuning.devices_per_h) - LN_2;
-            self.all.push(child(Kind::Former, base, former.mean, device, 2));
+            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
         }
         // b may move, or rest
-        let moves = !parent.moves;
-        if !self.all.iter().any(|it| it.moves == moves && it.log_joint() > parent.log_joint() - 9.0) {
-            self.all.retain(|it| it.moves != moves);
-            let rates = moves.then(|| tuning.rates(self.unit_ut));
-            self.all.push(parent.fork(rates, number, log(tuning.devices_per_h)));
+        let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
+        if tuning.moves && !self.all.iter().any(is_rival) {
+            let rates = (!moves).then(|| tuning.rates(self.unit_ut));
+            let fork = self.all[place].fork(rates, number, log(tuning.devices_per_h));
+            self.keep(|_, it| it.moves == moves);
+            self.all.push(fork);
         }
     }
 
@@ -239,11 +269,11 @@ impl Bank {
     /// The best first, the others in turn: those that have moved run again, within a budget.
     fn settle(&mut self, tuning: &Tuning) {
         let mut left = BUDGET;
-        self.all.sort_unstable_by(|a, b| b.log_joint().total_cmp(&a.log_joint()));
+        let order = self.order();
         self.turn += 1;
         let n = self.all.len();
         for place in 0..n {
-            let k = if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) };
+            let k = order[if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) }];
             let filter = &mut self.all[k];
             let length = filter.length(&self.frames);
             if length + 2 >= FRAMES {
@@ -258,28 +288,34 @@ impl Bank {
                 left -= filter.run(&self.frames, tuning, self.unit_ut) as i64;
                 tries -= 1;
             }
+            if length + 1 >= KNOWN_FRAMES {
+                filter.look();
+            }
             filter.judge(tuning, self.unit_ut);
         }
     }
 
     fn prune(&mut self) {
-        self.all.sort_unstable_by(|a, b| b.log_joint().total_cmp(&a.log_joint()));
-        let Some(top) = self.all.first().map(Filter::log_joint) else { return };
+        let order = self.order();
+        let Some(top) = order.first().map(|k| self.all[*k].log_joint()) else { return };
         let latest = self.frames.next;
-        let mut kept = 0;
-        for k in 0..self.all.len() {
+        let mut kept = Places::new();
+        for k in order {
             let filter = &self.all[k];
-            let is_beaten = self.all[..kept].iter().any(|better| better.makes_needless(filter, latest));
             let is_young = filter.kind == Kind::Cold && latest - filter.first < LATELY;
             let is_likely = filter.log_joint().is_finite() && (filter.log_joint() > top - HOPELESS || is_young);
-            if is_likely && !is_beaten {
-                self.all.swap(kept, k);
-                kept += 1;
+            if kept.len() < MOST
+                && is_likely
+                && !kept.iter().any(|better| self.all[*better].makes_needless(filter, latest))
+            {
+                kept.push(k);
             }
         }
-        self.all.truncate(kept.min(MOST));
-        if let Some(best) = self.all.first_mut()
-            && best.is_known()
+        self.keep(|k, _| kept.contains(&k));
+        let Some(place) = self.best_place() else { return };
+        let best = &mut self.all[place];
+        best.look();
+        if best.is_known()
             && let Some(former) = best.former.take()
         {
             self.former = Some(former);
@@ -291,11 +327,11 @@ impl Bank {
         let top = self.best()?.log_joint();
         let weight = |it: &Filter| exp(it.log_joint() - top);
         let sum: f64 = self.all.iter().map(weight).sum();
-        let parts =
-            || self.all.iter().map(|it| (it.now.honest(), weight(it) / sum)).filter(|(_, share)| *share > NOTHING);
-        let mean: Tau = parts().map(|(known, share)| known.mean * share).sum();
+        let parts = || self.all.iter().map(|it| (&it.now, weight(it) / sum)).filter(|(_, share)| *share > NOTHING);
+        let mean: Tau = parts().map(|(it, share)| it.tau() * share).sum();
         let mut covariance = TauMatrix::zeros();
-        for (known, share) in parts() {
+        for (it, share) in parts() {
+            let known = it.honest();
             let off = known.mean - mean;
             covariance += (known.covariance + off * off.transpose()) * share;
         }

@@ -6,9 +6,9 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{Gaussian, Numbers, Tau, beyond_earth, is_bounded, see};
+use super::parameters::{BESIDE, Gaussian, Numbers, Tau, beyond_earth, is_bounded, see};
 use super::rate::Rate;
-use super::state::{State, Way, innovation, update};
+use super::state::{State, Way};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
@@ -66,7 +66,7 @@ pub(super) struct Filter {
     pub former: Option<Gaussian>,
     /// Until the first frame after a large change.
     pub leap: Option<Leap>,
-    /// Expected direction error, rad^2.
+    /// Expected direction error when it was last asked for, rad^2.
     pub error: f64,
     /// The strength of the field before anything is known, as a standard deviation of its logarithm about the unit.
     pub scale_sd: Option<f64>,
@@ -75,15 +75,15 @@ pub(super) struct Filter {
     seen: Vector3<f64>,
     frames: f64,
     /// The state that takes `lin` for the truth.
-    pub fixed: State,
+    pub fixed: State<BESIDE>,
     pub gain: f64,
 }
 
 impl Filter {
     pub fn new(kind: Kind, mut base: State, lin: Tau, first: u64, onset_ns: i64) -> Self {
         base.rate = Rate::default();
-        let (now, fixed) = (base.clone(), base.fixed_at(&lin));
-        let mut filter = Self {
+        let (now, fixed) = (base.clone(), base.fixed());
+        Self {
             kind,
             id: 0,
             parent: 0,
@@ -107,9 +107,7 @@ impl Filter {
             seen: Vector3::zeros(),
             frames: 0.0,
             fixed,
-        };
-        filter.error = filter.known().error();
-        filter
+        }
     }
 
     /// The same from this frame on, but b moves as these rates do, or rests.
@@ -151,7 +149,6 @@ impl Filter {
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
             heeds_vertical: self.heeds_vertical,
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
-            is_fixed: false,
         }
     }
 
@@ -173,10 +170,19 @@ impl Filter {
         {
             self.leap_to(frame, &leap, unit_ut);
         }
-        let fits = |state: &mut State, way| state.step(&self.lin, frame, way, tuning);
-        if !fits(&mut self.now, way) || !self.moves && !fits(&mut self.fixed, way.fixed()) {
+        if !self.now.step(&self.lin, frame, way, tuning)
+            || !self.moves && !self.fixed.step(&self.lin, frame, way, tuning)
+        {
             self.kill();
         }
+    }
+
+    /// Whether a frame is none that it expects.
+    pub fn is_surprised(&self, frame: &Frame, tuning: &Tuning, unit_ut: f64) -> bool {
+        let mut tried = self.now.clone();
+        self.leap.is_none()
+            && tried.step(&self.lin, frame, self.way(tuning, unit_ut), tuning)
+            && (tried.odd > 0 || tried.place_ns == Some(frame.time_ns))
     }
 
     /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.
@@ -198,7 +204,7 @@ impl Filter {
         self.base.log = log;
         self.base.begin_spread();
         self.lin = known.mean;
-        (self.now, self.fixed) = (self.base.clone(), self.base.fixed_at(&self.lin));
+        (self.now, self.fixed) = (self.base.clone(), self.base.fixed());
     }
 
     fn off(&self) -> Tau {
@@ -218,8 +224,8 @@ impl Filter {
             let scale = (self.lin[0] + self.lin[1] + self.lin[2]) / 3.0;
             let mut g = Numbers::zeros();
             (0..3).for_each(|i| g[i] = 1.0 / (3.0 * scale));
-            let (nu, s, pg) = innovation(&state, &self.lin, ln(scale), &g, sd * sd);
-            update(&mut state, nu, s, &pg);
+            let (nu, s, pg) = state.innovation(&self.lin, ln(scale), &g, sd * sd);
+            state.update(nu, s, &pg);
             state.begin_spread();
         }
         state
@@ -260,9 +266,9 @@ impl Filter {
         for _ in 0..4 {
             let lin = self.lin + (full - self.lin) * part;
             if is_bounded(&lin) {
-                let mut fixed = self.base.fixed_at(&lin);
+                let mut fixed = self.base.fixed();
                 cost += length;
-                let fits = fixed.follow(&lin, frames, self.first..frames.next, way.fixed(), tuning);
+                let fits = fixed.follow(&lin, frames, self.first..frames.next, way, tuning);
                 if fits && self.log_prior(&lin) + fixed.log > own {
                     self.lin = lin;
                     self.fixed = fixed;
@@ -279,15 +285,18 @@ impl Filter {
         cost
     }
 
+    /// How well it is known.
+    pub fn look(&mut self) {
+        self.error = self.known().error();
+    }
+
     pub fn judge(&mut self, tuning: &Tuning, unit_ut: f64) {
-        let known = self.known();
-        self.error = known.error();
         let off = self.off();
         self.gain = 0.0;
         if off.norm() > 2.0 * NEAR {
-            self.gain = Ldl::new(&known.covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
+            self.gain = Ldl::new(&self.known().covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
         }
-        let beyond = beyond_earth(&known.mean, unit_ut);
+        let beyond = beyond_earth(&self.now.tau(), unit_ut);
         self.gain += 0.5 * (beyond / tuning.soft_iron).powi(2);
     }
 
@@ -299,8 +308,8 @@ impl Filter {
         let absorbed = self.base.follow(&self.lin, frames, self.first..until, way, tuning);
         self.first = until;
         // what the point says of the frames that are left
-        self.fixed = self.base.fixed_at(&self.lin);
-        if !absorbed || !self.fixed.follow(&self.lin, frames, until..frames.next, way.fixed(), tuning) {
+        self.fixed = self.base.fixed();
+        if !absorbed || !self.fixed.follow(&self.lin, frames, until..frames.next, way, tuning) {
             self.kill();
         }
     }
@@ -352,14 +361,15 @@ impl Filter {
 
     /// The frames again, about the same point.
     pub fn again(&mut self, frames: &Frames, tuning: &Tuning, unit_ut: f64) {
-        (self.now, self.fixed) = (self.start(), self.base.fixed_at(&self.lin));
+        (self.now, self.fixed) = (self.start(), self.base.fixed());
         let way = self.way(tuning, unit_ut);
         let numbers = self.first..frames.next;
         if !self.now.follow(&self.lin, frames, numbers.clone(), way, tuning)
-            || !self.fixed.follow(&self.lin, frames, numbers, way.fixed(), tuning)
+            || !self.fixed.follow(&self.lin, frames, numbers, way, tuning)
         {
             self.kill();
         }
         self.judge(tuning, unit_ut);
+        self.look();
     }
 }

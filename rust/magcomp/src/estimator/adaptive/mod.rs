@@ -15,6 +15,8 @@ mod published;
 mod rate;
 mod spread;
 mod state;
+#[cfg(test)]
+mod tests;
 mod tuning;
 
 use crate::calibration::{Calibration, Given, typical_field_ut};
@@ -31,7 +33,7 @@ use filter::Kind;
 use frame::{Frame, Noise};
 use grouping::{Group, Grouping};
 use nalgebra::{SMatrix, Vector3};
-use parameters::{Gaussian, Tau, is_bounded};
+use parameters::{Gaussian, NOTHING, Tau, is_bounded};
 use published::Published;
 pub(crate) use tuning::Tuning;
 
@@ -124,7 +126,7 @@ impl Adaptive {
             raw: [Vector3::zeros(); 2],
             period_s: 0.0,
             grouping: Grouping::default(),
-            stay: Stay { at: Vector3::zeros(), latest_ns: 0, length: 0, frames: 0, pooled: Pooled::default() },
+            stay: Stay { at: Vector3::zeros(), latest_ns: i64::MAX, length: 0, frames: 0, pooled: Pooled::default() },
             latest_ns: None,
             frame_ns: None,
             published: None,
@@ -152,7 +154,9 @@ impl Adaptive {
         }
         self.latest_ns = Some(time_ns);
         if self.count >= 2 {
-            self.second.add((u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / (3.0 * 6.0));
+            let square = (u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / (3.0 * 6.0);
+            // values that repeat for ever leave nothing, and no number so small that it is slow
+            self.second.add(square.max(NOTHING * NOTHING));
         }
         self.raw = [self.raw[1], u];
         self.count += 1;
@@ -249,7 +253,7 @@ impl Adaptive {
             < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * self.tuning.grouped).sqrt();
         let mut moved_s = 0.0;
         if !stays {
-            moved_s = (time_ns.saturating_sub(self.stay.latest_ns) as f64 * 1e-9).min(0.5);
+            moved_s = (time_ns.saturating_sub(self.stay.latest_ns) as f64 * 1e-9).clamp(0.0, 0.5);
             self.stay = Stay { at: u, latest_ns: time_ns, length: 0, frames: 0, pooled: Pooled::default() };
             self.stays.end();
         }
@@ -266,7 +270,7 @@ impl Adaptive {
         }
         let variance = self.stays.variance(stay.length)?;
         stay.frames += 1;
-        if stay.frames > 1 {
+        if stay.frames > 1 && self.tuning.stays {
             stay.length += 1;
         }
         Some((std::mem::take(&mut stay.pooled), variance, moved_s))
@@ -300,8 +304,10 @@ impl Adaptive {
             }
         }
         self.missed = Some((miss, vertical.map(|v| v.0)));
-        self.uneven.add(miss, frame.white + rho, frame.moved_s);
-        if let Some((v, rho)) = vertical {
+        if tuning.unevenness {
+            self.uneven.add(miss, frame.white + rho, frame.moved_s);
+        }
+        if let Some((v, rho)) = vertical.filter(|_| tuning.tilting) {
             self.tilt.add(v, frame.tilt_white + rho, frame.seconds);
         }
     }

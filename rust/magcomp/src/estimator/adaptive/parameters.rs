@@ -15,10 +15,11 @@ pub(super) const COUNT: usize = 10;
 pub(super) type Tau = SVector<f64, COUNT>;
 pub(super) type TauMatrix = SMatrix<f64, COUNT, COUNT>;
 
+/// Format: numbers of a state beside tau.
+pub(super) const BESIDE: usize = 7;
 /// Format: numbers of a state, tau among them.
-pub(super) const STATES: usize = 17;
-pub(super) type Numbers = SVector<f64, STATES>;
-pub(super) type Covariance = SMatrix<f64, STATES, STATES>;
+pub(super) const STATES: usize = COUNT + BESIDE;
+pub(super) type Numbers<const N: usize = STATES> = SVector<f64, N>;
 /// Choice: half axes (in units) and their inverses that any phone stays within. Without bounds a fit can stick in a cylinder,
 /// where T is singular and the cost stationary.
 const BOUNDS: (f64, f64) = (0.25, 3.5);

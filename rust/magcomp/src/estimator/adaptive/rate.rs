@@ -16,27 +16,27 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Units a second; zero and sure where b rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Rate {
+pub(super) struct Rate<const N: usize = STATES> {
     pub mean: Vector3<f64>,
     /// Covariance with the state.
-    pub with: SMatrix<f64, STATES, 3>,
+    pub with: SMatrix<f64, N, 3>,
     pub own: Matrix3<f64>,
 }
 
-impl Default for Rate {
+impl<const N: usize> Default for Rate<N> {
     fn default() -> Self {
         Self { mean: Vector3::zeros(), with: SMatrix::zeros(), own: Matrix3::zeros() }
     }
 }
 
-impl Rate {
+impl<const N: usize> Rate<N> {
     /// Nothing is known of it but what is usual.
     pub fn new(rates: Process) -> Self {
         Self { own: Matrix3::from_diagonal_element(rates.size * rates.size), ..Self::default() }
     }
 
     /// After a miss of the state with derivative g, nu with variance s; pg: the state's covariance times g.
-    pub fn update(&mut self, nu: f64, s: f64, g: &Numbers, pg: &Numbers) {
+    pub fn update(&mut self, nu: f64, s: f64, g: &Numbers<N>, pg: &Numbers<N>) {
         let by = self.with.transpose() * g;
         self.mean -= by * (nu / s);
         self.with -= pg * (by / s).transpose();

@@ -57,6 +57,35 @@ choices! {
         ramp_s: RAMP_S, "s", "priors";
         /// Time after which another place is what is usual
         new_place_s: ROOM_S, "s", "priors";
+    } mechanisms {
+        /// Cold starts again while nothing is known well
+        cold_again;
+        /// Looks for a change that nothing announces
+        looks;
+        /// The first frame after a large change tells b
+        leap;
+        /// Starts on the other side of the samples
+        twins;
+        /// What only noise tells is not believed
+        spread;
+        /// A b that moves
+        moves;
+        /// Longer and longer means of a stay
+        stays;
+        /// Bias of the accelerometer
+        accelerometer_bias;
+        /// Changes of the device that take time
+        gradual;
+        /// A vertical that contradicts the field is not heeded
+        unheeded;
+        /// Recall of the calibration from before the last step
+        recall;
+        /// A rough way to another place
+        rough;
+        /// Learning of a place's unevenness
+        unevenness;
+        /// Learning of a hand's tilt
+        tilting;
     }
 }
 

@@ -23,10 +23,10 @@ fn a_surprise_brings_changes_of_every_kind() {
     for (surprised, devices, formers) in [(false, 2, 0), (true, 6, 1)] {
         let mut bank = Bank::new(45.0);
         bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
-        let parent = bank.all[0].clone();
         let former = cold(&Vector3::new(1.0, 2.0, -3.0), &Tuning::USED);
-        (bank.former, bank.all) = (Some(former), Vec::new());
-        bank.spawn(&parent, &frame, surprised, 0.1, &Tuning::USED);
+        bank.former = Some(former);
+        bank.all.truncate(1);
+        bank.spawn(0, &frame, surprised, 0.1, &Tuning::USED);
         let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && !it.moves);
         assert_eq!((of(Kind::Device).count(), of(Kind::Place).count()), (devices, 2));
         assert_eq!(of(Kind::Device).filter(|it| it.takes_time).count(), devices / 2 * formers);

@@ -2,8 +2,7 @@ use super::super::parameters::TauMatrix;
 use super::*;
 use nalgebra::{SMatrix, SVector};
 
-const STILL: Way =
-    Way { walk: 0.0, rates: None, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true, is_fixed: false };
+const STILL: Way = Way { walk: 0.0, rates: None, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true };
 
 const TRUE: [f64; 10] = [1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2];
 
@@ -41,7 +40,7 @@ fn the_filter_is_the_least_squares_fit_of_all_frames_at_once() {
     let (prior, tuning) = (prior(), Tuning::USED);
     let lin = Tau::from_column_slice(&TRUE);
     let mut state = State::new(&prior, 0.0, 0.0);
-    (state.p[(LEVEL, LEVEL)], state.p[(TILTED, TILTED)]) = (0.0, 0.0);
+    [LEVEL, TILTED].iter().for_each(|at| state.p[(COUNT + at, COUNT + at)] = 0.0);
     let mut information = prior.covariance.try_inverse().unwrap();
     let mut score = information * (prior.mean - lin);
     for frame in frames() {
@@ -112,7 +111,7 @@ fn a_rate_beside_the_state_is_one_filter_of_both() {
 
         let g = Numbers::from_fn(|i, _| (f64::from(k) * 0.9 + i as f64 * 1.7).sin());
         let (miss, noise) = (0.1 * f64::from(k).cos(), 0.02);
-        let (nu, s, pg) = innovation(&state, &Tau::zeros(), miss, &g, noise);
+        let (nu, s, pg) = state.innovation(&Tau::zeros(), miss, &g, noise);
         state.learn(nu, s, &g, &pg, &way);
         let mut by_all = SVector::<f64, 20>::zeros();
         by_all.fixed_rows_mut::<STATES>(0).copy_from(&g);
