@@ -19,6 +19,9 @@ struct Phone {
     moving: bool,
     gyroscope: bool,
     accelerometer: bool,
+    /// The gyroscope repeats its latest reading.
+    hangs: bool,
+    rate_rad_s: Vector3<f64>,
 }
 
 impl Phone {
@@ -31,6 +34,8 @@ impl Phone {
             moving: true,
             gyroscope: true,
             accelerometer: true,
+            hangs: false,
+            rate_rad_s: Vector3::zeros(),
         }
     }
 
@@ -47,7 +52,11 @@ impl Phone {
         self.k += 1;
         let time_ns = self.k as i64 * 10_000_000;
         if self.gyroscope {
-            let rate_rad_s = rate + self.random.normal3() * 0.003 + Vector3::new(0.01, -0.02, 0.015);
+            let reads = rate + self.random.normal3() * 0.003 + Vector3::new(0.01, -0.02, 0.015);
+            if !self.hangs {
+                self.rate_rad_s = reads;
+            }
+            let rate_rad_s = self.rate_rad_s;
             compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }).expect("in order");
         }
         if self.accelerometer {
