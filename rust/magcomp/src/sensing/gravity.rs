@@ -3,21 +3,20 @@
 //! ```text
 //! ten times a second:   u <- exp([G b]x) R u,   R: turn as read,   G <- R' G + dt I: what b adds to the turn;   u walks as the gyroscope does
 //! a = u + n,   a: mean of the accelerometer meanwhile, turned to the latest sample, in g,   n ~ r / (0.1 s)
-//! r = 2 max(mean, latest) of T (|change across u|^2 / 4 - P_bb T^2 / 2)     change: of the mean over T to the next, turned likewise; T: 2.5 and 10 s
-//! before the second change: r = (0.1 s) mean |a - its mean|^2 / 3
+//! r = 2 max(mean, latest) of T (|change across u|^2 / 4 - P_bb T^2 / 2)     change: of the mean over T to the next, turned likewise
 //! ```
 //! What motion adds to gravity has no mean in the world for long, since speeds are bounded: it counts as white, with the density that it has at 1 / T. Changes
 //! of the mean tell that, not what it differs from u by: a wrong u would have r grow until it stays wrong. Gravity shows nothing of a bias about the vertical;
 //! the device turns, and so all axes are shown in time.
 //!
-//! The estimator is told what is new: the gain in information of b, once a second. Scale and axes of the gyroscope are not estimated here: what they
+//! Beforehand the device may be in a vehicle, whose accelerations last: that counts as a first change. The estimator is told the gain in information of b. Scale and axes of the gyroscope are not estimated here: what they
 //! add goes one way for ten seconds, and counts as noise of the turn.
 
-use super::pairing::Rotation;
+use super::pairing::{BiasInformation, Rotation};
 use super::tilt::GRAVITY_M_S2;
 use crate::math::gaussian::{Gaussian, Part};
 use crate::math::turn::Turn;
-use crate::priors::{BIAS_SD_RAD_S, GYROSCOPE_AXES, OUTLYING, SETTLED_S, STEP_S};
+use crate::priors::{BIAS_SD_RAD_S, GYROSCOPE_AXES, OUTLYING, SETTLED_S};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Data sheet: angle random walk of a gyroscope, rad/s^0.5: 1e-4 to 3e-4.
@@ -28,14 +27,13 @@ pub(crate) const BIAS_WALK_RAD_S: f64 = 5e-5;
 pub(crate) const LEAST_PULL: f64 = 0.5;
 /// Choice: the accelerometer is gathered for so long, s.
 const GATHERED_S: f64 = 0.1;
-/// Choice: T, s, and that so many changes of the mean are remembered.
-const WINDOW_S: f64 = 5.0 * STEP_S;
-/// Choice: T of what lasts longer, s: a car speeds up and brakes for so long.
-const LONG_WINDOW_S: f64 = 2.0 * SETTLED_S;
+/// Choice: T, s; the estimator is told as often.
+const WINDOW_S: f64 = 0.5 * SETTLED_S;
+/// Choice: so many changes of the mean are remembered: 20 s.
 const WINDOWS: f64 = 8.0;
 /// Choice: for so long the device turns one way, and what scale and axes of the gyroscope add does, too, s.
 const LASTS_S: f64 = 2.0 * SETTLED_S;
-/// Choice: half of r in a vehicle, g^2 s: 0.1 g for some seconds.
+/// Choice: half of r before anything is seen, g^2 s: a vehicle, which speeds up and brakes by 0.1 g for some seconds.
 const VEHICLE_G2_S: f64 = 0.06;
 /// Data sheet: least r, g^2 s: an accelerometer that drifts by 1e-2 g over a second.
 const LEAST_G2_S: f64 = 1e-4;
@@ -43,18 +41,12 @@ const LEAST_G2_S: f64 = 1e-4;
 const FIRST_G2: f64 = 0.25;
 /// Mathematics: variance of u where nothing is known of it, g^2.
 const UNKNOWN_G2: f64 = 1.0;
-/// Choice: the estimator is told each so many seconds.
-const TOLD_S: f64 = 2.0 * STEP_S;
 
+// u and the bias
+/// Mathematics: variance that rounding can carry.
 const UP: Part<3> = Part::first(1e-12);
+/// Mathematics: likewise.
 const BIAS: Part<3> = UP.then(1e-14);
-
-/// Information of the bias that is new: its precision, s^2/rad^2, and that times the bias, s/rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct BiasInformation {
-    pub precision: Matrix3<f64>,
-    pub weighted: Vector3<f64>,
-}
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,31 +71,34 @@ struct Gathered {
     up_s: f64,
 }
 
-/// How much of what the accelerometer reads is motion.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// How much of what the accelerometer reads is motion: changes of its mean from window to window.
+#[derive(Clone, Debug, PartialEq)]
 struct Motion {
-    /// Mean of a over five seconds, and mean square about it per axis, over one.
-    mean: Vector3<f64>,
-    mean_s: f64,
-    scatter_g2: f64,
-    /// A hand or a foot moves to and fro within the short windows, a car within the long ones.
-    short: Changes,
-    long: Changes,
-    /// a - u, low-passed over five seconds.
-    off: Vector3<f64>,
-}
-
-/// Changes of the mean from window to window.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Changes {
     /// The window in the making, and the mean of the one before.
     window: Vector3<f64>,
     seconds: f64,
     before: Option<Vector3<f64>>,
+    /// Changes, the one that is believed beforehand among them.
     count: f64,
     /// r / 2: mean, and of the latest change, g^2 s.
     density: f64,
     latest: f64,
+    /// a - u, low-passed over five seconds.
+    off: Vector3<f64>,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            window: Vector3::zeros(),
+            seconds: 0.0,
+            before: None,
+            count: 1.0,
+            density: VEHICLE_G2_S,
+            latest: 0.0,
+            off: Vector3::zeros(),
+        }
+    }
 }
 
 impl Default for Gathered {
@@ -158,7 +153,7 @@ impl Gravity {
             self.measure(gathered.up / gathered.up_s, gathered.up_s);
         }
         self.told_s += gathered.seconds;
-        (self.told_s >= TOLD_S).then(|| {
+        (self.told_s >= WINDOW_S).then(|| {
             self.told_s = 0.0;
             std::mem::take(&mut self.told)
         })
@@ -195,9 +190,9 @@ impl Gravity {
         let density = self.motion.see(&a, seconds, self.known.variances(BIAS).sum() / 3.0);
         let p = self.known.own(UP);
         if p.trace() >= UNKNOWN_G2 {
-            let first = self.motion.scatter_g2.max((a.norm() - 1.0).powi(2));
+            let first = (a.norm() - 1.0).powi(2).max(FIRST_G2);
             self.known.set_part(UP, &a);
-            self.known.isolate(UP, &Matrix3::from_diagonal_element((2.0 * first).max(FIRST_G2)));
+            self.known.isolate(UP, &Matrix3::from_diagonal_element(first));
             return;
         }
         let u = self.known.part(UP);
@@ -222,25 +217,29 @@ impl Gravity {
 
 impl Motion {
     fn turn(&mut self, turn: &Matrix3<f64>) {
-        for vector in [&mut self.mean, &mut self.off] {
+        for vector in [&mut self.window, &mut self.off] {
             *vector = turn * *vector;
         }
-        self.short.turn(turn);
-        self.long.turn(turn);
+        self.before = self.before.map(|it| turn * it);
     }
 
     /// A mean of the accelerometer, in g, over so many seconds, where the bias has this variance: r, g^2 s.
     fn see(&mut self, a: &Vector3<f64>, seconds: f64, bias_variance: f64) -> f64 {
-        self.mean_s = (self.mean_s + seconds).min(SETTLED_S);
-        self.mean += (a - self.mean) * (seconds / self.mean_s).min(1.0);
-        self.scatter_g2 += ((a - self.mean).norm_squared() / 3.0 - self.scatter_g2) * seconds.min(1.0);
-        self.short.see(a, seconds, WINDOW_S, bias_variance);
-        self.long.see(a, seconds, LONG_WINDOW_S, bias_variance);
-        // the first changes are few: until there are some, what is seen at once counts, too
-        let share = self.short.count.powi(2) / (self.short.count.powi(2) + 2.0);
-        // until the long windows are known the device may be in a vehicle
-        let long = if self.long.count < 2.0 { VEHICLE_G2_S } else { self.long.largest() };
-        2.0 * self.short.largest().max(long) * share + GATHERED_S * self.scatter_g2 * (1.0 - share) + LEAST_G2_S
+        self.window += a * seconds;
+        self.seconds += seconds;
+        if self.seconds + 0.5 * seconds >= WINDOW_S {
+            let (mean, length_s) = (self.window / self.seconds, self.seconds);
+            (self.window, self.seconds) = (Vector3::zeros(), 0.0);
+            if let Some(before) = self.before.replace(mean)
+                && let Some(up) = (mean + before).try_normalize(LEAST_PULL)
+            {
+                let drifted = bias_variance * length_s * length_s;
+                self.latest = 0.5 * length_s * (across(&(mean - before), &up) - drifted).max(0.0);
+                self.count += 1.0;
+                self.density += (self.latest - self.density) / self.count.min(WINDOWS);
+            }
+        }
+        2.0 * self.density.max(self.latest) + LEAST_G2_S
     }
 
     /// Whether u has been wrong for long.
@@ -249,34 +248,6 @@ impl Motion {
         let Some(up) = u.try_normalize(0.5) else { return false };
         let expected = 0.5 * (p.trace() - up.dot(&(p * up))) + density / (2.0 * SETTLED_S);
         across(&self.off, &up) > OUTLYING * OUTLYING * expected
-    }
-}
-
-impl Changes {
-    fn turn(&mut self, turn: &Matrix3<f64>) {
-        self.window = turn * self.window;
-        self.before = self.before.map(|it| turn * it);
-    }
-
-    fn see(&mut self, a: &Vector3<f64>, seconds: f64, window_s: f64, bias_variance: f64) {
-        self.window += a * seconds;
-        self.seconds += seconds;
-        if self.seconds + 0.5 * seconds < window_s {
-            return;
-        }
-        let (mean, length_s) = (self.window / self.seconds, self.seconds);
-        (self.window, self.seconds) = (Vector3::zeros(), 0.0);
-        let Some(before) = self.before.replace(mean) else { return };
-        let Some(up) = (mean + before).try_normalize(LEAST_PULL) else { return };
-        let (moved, drifted) = (across(&(mean - before), &up), bias_variance * length_s * length_s);
-        self.latest = 0.5 * length_s * (moved - drifted).max(0.0);
-        self.count += 1.0;
-        self.density += (self.latest - self.density) / self.count.min(WINDOWS);
-    }
-
-    /// r / 2: the mean, or the latest if it is larger.
-    fn largest(&self) -> f64 {
-        self.density.max(self.latest)
     }
 }
 
@@ -409,7 +380,7 @@ mod tests {
         for motion in [0.02, 0.06] {
             let mut gravity = Gravity::default();
             turned(&mut gravity, 60.0, motion, by_hand);
-            let ratio = gravity.motion.short.density / (0.5 * motion * motion);
+            let ratio = gravity.motion.density / (0.5 * motion * motion);
             assert!((0.4..2.5).contains(&ratio), "{motion}: {ratio}");
         }
     }

@@ -14,11 +14,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::gravity::BiasInformation;
 use super::tuning::Tuning;
 use crate::math::elementary::{exp, quaternion, rotation_vector};
 use arrayvec::ArrayVec;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::mem::take;
 
 /// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
@@ -66,6 +65,13 @@ pub(crate) struct PairedInertial {
     pub up_m_s2: Option<Vector3<f64>>,
     /// What gravity says of the gyroscope's bias that is new.
     pub bias: Option<BiasInformation>,
+}
+
+/// Information of the bias that is new: its precision, s^2/rad^2, and that times the bias, s/rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct BiasInformation {
+    pub precision: Matrix3<f64>,
+    pub weighted: Vector3<f64>,
 }
 
 /// Rotation between two magnetometer samples, device frame, the gyroscope's bias not removed.

@@ -18,7 +18,7 @@ use super::tuning::Tuning;
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
-use crate::sensing::gravity::BiasInformation;
+use crate::sensing::pairing::BiasInformation;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! One sample with a rotation, as the parts of the estimator share it.
 
 use crate::math::elementary::exp;
-use crate::sensing::gravity::BiasInformation;
+use crate::sensing::pairing::BiasInformation;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
