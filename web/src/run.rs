@@ -56,22 +56,30 @@ fn plain(finding: Finding) -> Finding {
     Finding { text: without_options(&finding.text), ..finding }
 }
 
-/// A text without the command's options: a page has none. What stands before the option says what is wrong.
+/// A text without the command's options: a page has none. What stands before an option says what is wrong.
 fn without_options(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find("--") {
-        let before = &rest[..at];
-        // back to the mark that leads to the option, and over its value
-        let cut = before.rfind([':', ';', '(', ',']).filter(|cut| at - cut < 30).unwrap_or(at);
-        let closing = if before[cut..].starts_with('(') { ')' } else { ';' };
+        let before = rest[..at].trim_end();
+        let near = |marks: &[char], most: usize| before.rfind(marks).filter(|cut| before.len() - cut < most);
+        // back to the mark that leads to the option; a question stays
+        let asks = before.ends_with('?').then_some(before.len());
+        let cut = asks.or_else(|| near(&[':', ';', '('], 35)).or_else(|| near(&[','], 30)).unwrap_or(before.len());
         kept.push_str(before[..cut].trim_end());
-        rest = &rest[at..];
-        rest = match rest.find(closing) {
-            Some(end) if closing == ')' => &rest[end + 1..],
-            Some(end) => &rest[end..],
-            None => "",
-        };
+        // over its value, to the end of the parenthesis or of the part of the sentence
+        let mut depth = usize::from(before[cut..].starts_with('('));
+        let end = rest[at..].char_indices().find(|(_, mark)| {
+            match mark {
+                '(' => depth += 1,
+                ')' if depth == 0 => return true,
+                ')' => depth -= 1,
+                ';' if depth == 0 => return true,
+                _ => {}
+            }
+            false
+        });
+        rest = end.map_or("", |(end, _)| &rest[at + end..]);
     }
     kept.push_str(rest);
     kept
@@ -165,5 +173,25 @@ impl Run {
     pub fn report(self) -> Result<String, String> {
         let outcome = self.gathering.finish(&name_of(self.source.path()), "auto", self.earth, &self.known);
         Ok(outcome.report().map_err(words)?.alone(&self.command))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_options;
+
+    #[test]
+    fn a_page_names_no_option() {
+        for (text, expected) in [
+            ("the gyroscope is in deg/s, not rad/s: --units g=deg/s and --frame g=y,x,-z", "the gyroscope is in deg/s, not rad/s"),
+            ("the Earth has 22 to 67: milligauss? --units m=mG", "the Earth has 22 to 67: milligauss?"),
+            ("it is of Apple's sign: --units a=-m/s2 (or all axes: --frame m=-x,-y,-z)", "it is of Apple's sign"),
+            ("it holds 2 sessions (1: a; 2: b); name one by --session N", "it holds 2 sessions (1: a; 2: b)"),
+            ("no value (2012-01-01; --date names another day)", "no value (2012-01-01)"),
+            ("stamp both with the sensors' own times, or --shift m=0.03", "stamp both with the sensors' own times"),
+            ("nothing to leave out", "nothing to leave out"),
+        ] {
+            assert_eq!(without_options(text), expected);
+        }
     }
 }

@@ -68,7 +68,7 @@ fn check_kinds(field: &Series, add: &mut Add<'_>) {
         let step_ut = if by_turns { usual } else { median(large.iter().map(|step| step.norm()).collect()) };
         let text = format!(
             "two kinds of samples are in the magnetometer's stream, {step_ut:.0} uT apart: calibrated and uncalibrated ones? record one kind, or \
-             name the columns of one by --columns"
+             take the columns of one: --columns"
         );
         add("two_kinds", Weight::Fault, text);
     }

@@ -20,6 +20,18 @@ pub(super) enum Kind {
     System,
 }
 
+impl Kind {
+    /// In words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::Up => "acceleration",
+            Self::Rate => "rotation rate",
+            Self::System => "the system's field",
+        }
+    }
+}
+
 /// When a row was.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Time {
@@ -371,15 +383,7 @@ pub(super) fn told(document: &Document, layout: &Layout) -> String {
         }
         Time::Rate(hz) => format!("{hz} rows a second"),
     };
-    let sensors = layout.sensors.iter().map(|taken| {
-        let what = match taken.kind {
-            Kind::Field => "field",
-            Kind::Up => "acceleration",
-            Kind::Rate => "rotation rate",
-            Kind::System => "the system's field",
-        };
-        format!("{what} '{}'", name(taken.columns[0]))
-    });
+    let sensors = layout.sensors.iter().map(|taken| format!("{} '{}'", taken.kind.word(), name(taken.columns[0])));
     let told: Vec<String> = std::iter::once(time).chain(sensors).collect();
     format!("{}: taken by its names: {}", document.path.display(), told.join(", "))
 }

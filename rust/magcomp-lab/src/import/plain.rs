@@ -133,7 +133,7 @@ pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Resul
         let told: Vec<String> = documents
             .iter()
             .zip(kinds)
-            .map(|(document, kind)| format!("{}: {kind:?}", document.path.display()))
+            .map(|(document, kind)| format!("{}: {}", document.path.display(), kind.word()))
             .collect();
         session.notes.push(format!(
             "the files' names tell the sensors, because all have the same columns ({})",
