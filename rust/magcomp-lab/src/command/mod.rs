@@ -37,7 +37,7 @@ enum Verb {
     Demo(demo::Demo),
     Import(import::Import),
     Check(check::Check),
-    Replay(replay::Replay),
+    Replay(Box<replay::Replay>),
     Step(step::Step),
     Crb(crb::Crb),
     Compare(compare::Compare),

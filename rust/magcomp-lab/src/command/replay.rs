@@ -8,7 +8,7 @@ use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
 use crate::recording::{Row, files_of, name_of};
 use crate::replay::{
-    Bearing, ExplainOutput, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Output, Player, Verdict,
+    Bearing, ExplainOutput, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Output, Played, Player, Verdict,
     read_waypoints, usual_part, verdicts_table, write_calibration,
 };
 use crate::report::Report;
@@ -363,7 +363,7 @@ struct TableLine<'a> {
 }
 
 impl<'a> TableLine<'a> {
-    fn of((name, played): &'a (String, Result<(Judgement, Verdict), String>)) -> Self {
+    fn of((name, played): &'a Played) -> Self {
         let line = played.as_ref().ok();
         let error = played.as_ref().err().map(String::as_str);
         Self { recording: name, verdict: line.map(|line| &line.1), judgement: line.map(|line| &line.0), error }

@@ -7,6 +7,8 @@ use magcomp::nalgebra::Vector3;
 
 /// Fewer samples tell nothing.
 const FEWEST: usize = 50;
+/// Fewer say nothing of an axis that never changes while the others change by some uT, m/s^2 or rad/s.
+const FEWEST_OF_DEAD: usize = 500;
 /// A magnetometer below this rate, and a gyroscope below the other, Hz.
 const LEAST_FIELD_HZ: f64 = 4.0;
 const LEAST_RATE_HZ: f64 = 10.0;
@@ -17,30 +19,32 @@ const TURNING_RAD_S: f64 = 0.3;
 
 /// The checks of samples.
 pub(super) fn check(field: &Series, up: &Series, rate: &Series, add: &mut Add<'_>) {
-    for (name, option, series) in
-        [("magnetometer", "mx,my,mz", field), ("accelerometer", "ax,ay,az", up), ("gyroscope", "gx,gy,gz", rate)]
-    {
-        check_dead(name, option, series, add);
-    }
+    check_dead("magnetometer", "mx,my,mz", 5.0, field, add);
+    check_dead("accelerometer", "ax,ay,az", 2.0, up, add);
+    check_dead("gyroscope", "gx,gy,gz", 0.5, rate, add);
     check_kinds(field, add);
     check_interpolated(field, rate, add);
     check_rate(field, rate, add);
 }
 
-fn check_dead(name: &str, columns: &str, series: &Series, add: &mut Add<'_>) {
-    let Some((_, first)) = series.first().filter(|_| series.len() >= FEWEST) else { return };
-    let is_dead = |axis: usize| series.iter().all(|(_, value)| value[axis] == first[axis]);
-    let dead: Vec<usize> = (0..3).filter(|axis| is_dead(*axis)).collect();
+fn check_dead(name: &str, columns: &str, least_range: f64, series: &Series, add: &mut Add<'_>) {
+    let Some((_, first)) = series.first().filter(|_| series.len() >= FEWEST_OF_DEAD) else { return };
+    let is_dead = |axis: &usize| series.iter().all(|(_, value)| value[*axis] == first[*axis]);
+    let (dead, alive): (Vec<usize>, Vec<usize>) = (0..3).partition(is_dead);
+    let range = |axis: &usize| {
+        let values = || series.iter().map(|(_, value)| value[*axis]);
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
     let axes: Vec<&str> = dead.iter().map(|axis| ["x", "y", "z"][*axis]).collect();
     let text = match dead.len() {
         0 => return,
         3 => format!("the {name} says the same throughout: is its sensor off? leave {columns} out"),
+        _ if alive.iter().map(range).fold(0.0, f64::max) < least_range => return,
         _ => format!(
             "the {name}'s {} never changes: is it in the file under another name ({columns})?",
             axes.join(" and ")
         ),
     };
-    // a simulated device at rest may have rates of zero
     let weight = if name == "magnetometer" && dead.len() < 3 { Weight::Fault } else { Weight::Doubt };
     add("dead_axis", weight, text);
 }
@@ -140,7 +144,9 @@ pub(super) fn check_clocks(streams: [&[(i64, Vector3<f64>)]; 3], add: &mut Add<'
     let Some((first_ns, last_ns)) = span(field) else { return false };
     let mut all = true;
     for (events, name, option) in [(others[0], "accelerometer", "a"), (others[1], "gyroscope", "g")] {
-        let Some((begin_ns, end_ns)) = span(events) else { continue };
+        let Some((begin_ns, end_ns)) = span(events).filter(|_| events.len().min(field.len()) >= FEWEST) else {
+            continue;
+        };
         let common_ns = last_ns.min(end_ns) - first_ns.max(begin_ns);
         let shorter_ns = (last_ns - first_ns).min(end_ns - begin_ns);
         if common_ns < shorter_ns / 2 {

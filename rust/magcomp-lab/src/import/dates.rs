@@ -32,13 +32,13 @@ fn zone(time: &str) -> Option<(&str, i64)> {
     }
     let Some(at) = time.rfind(['+', '-']) else { return Some((time, 0)) };
     let (time, zone) = time.split_at(at);
-    let digits: String = zone[1..].chars().filter(|c| *c != ':').collect();
-    let whole: i64 = digits.parse().ok()?;
-    let east_s = match digits.len() {
-        2 => whole * 3600,
-        4 => (whole / 100) * 3600 + (whole % 100) * 60,
+    let (hours, minutes) = match (zone.len(), zone.as_bytes().get(3)) {
+        (3, None) => (&zone[1..], "0"),
+        (5, Some(_)) => (zone.get(1..3)?, zone.get(3..)?),
+        (6, Some(b':')) => (zone.get(1..3)?, zone.get(4..)?),
         _ => return None,
     };
+    let east_s = hours.parse::<i64>().ok()? * 3600 + minutes.parse::<i64>().ok()? * 60;
     Some((time, if zone.starts_with('-') { -east_s } else { east_s }))
 }
 

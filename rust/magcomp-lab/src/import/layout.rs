@@ -168,6 +168,9 @@ fn split_sum(text: &str) -> Vec<&str> {
     parts
 }
 
+/// Ends of a sensor's word, behind which its axis may stand without a mark.
+const SENSOR_ENDS: [&str; 9] = ["mag", "magn", "meter", "field", "acc", "accel", "gyr", "gyro", "scope"];
+
 /// What a column's name says: a sensor and its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Named {
@@ -198,10 +201,11 @@ fn named(name: &str) -> Option<Named> {
     }
     let last = text.chars().last()?;
     let axis = ['x', 'y', 'z'].iter().position(|axis| *axis == last)?;
-    // "x" alone after the sensor's word, or the capital of "magnetometerX", but not the end of "max"
-    let before = text.chars().rev().nth(1)?;
+    // "x" alone, the capital of "magnetometerX", or right behind the sensor's word, but not the end of "mag_max"
+    let before = &text[..text.len() - 1];
     let capital = name.trim().split(['(', '[']).next()?.trim().ends_with(['X', 'Y', 'Z']);
-    if before.is_alphabetic() && !capital && sensor_in(&text[..text.len() - 1]).is_none() {
+    let is_behind_word = SENSOR_ENDS.iter().any(|end| before.ends_with(end));
+    if before.ends_with(char::is_alphabetic) && !capital && !is_behind_word {
         return None;
     }
     let unit = unit.unwrap_or_default();

@@ -152,15 +152,23 @@ fn spread<T>(events: &mut [(i64, T)]) -> usize {
     let groups: Vec<(i64, usize)> = events.chunk_by(|a, b| a.0 == b.0).map(|group| (group[0].0, group.len())).collect();
     let (mut begin, mut moved) = (0, 0);
     for (k, (time_ns, count)) in groups.iter().enumerate() {
-        let half_ns = |other: Option<&(i64, usize)>| other.map(|(other_ns, _)| (other_ns - time_ns).abs() / 2);
-        let before = half_ns(k.checked_sub(1).and_then(|before| groups.get(before)));
-        let after = half_ns(groups.get(k + 1));
-        let (before, after) = (before.or(after).unwrap_or(0), after.or(before).unwrap_or(0));
+        let other = |k: Option<usize>| k.and_then(|k| groups.get(k));
+        let (before, after) = (other(k.checked_sub(1)), other(Some(k + 1)));
+        let half_ns = |other: &(i64, usize)| (other.0 - time_ns).abs() as f64 / 2.0;
+        // at an end, as dense as the group beside it
+        let (start_ns, step_ns) = match (before.map(half_ns), after.map(half_ns)) {
+            (Some(half_before), Some(half_after)) => (-half_before, (half_before + half_after) / *count as f64),
+            (Some(half), None) => (-half, 2.0 * half / before.map_or(1, |it| it.1).max(*count) as f64),
+            (None, Some(half)) => {
+                let step = 2.0 * half / after.map_or(1, |it| it.1).max(*count) as f64;
+                (half - step * *count as f64, step)
+            }
+            (None, None) => (0.0, 0.0),
+        };
         if *count > 1 {
             moved += count;
             for (i, event) in events[begin..begin + count].iter_mut().enumerate() {
-                let share = (i as f64 + 0.5) / *count as f64;
-                event.0 = time_ns - before + (share * (before + after) as f64) as i64;
+                event.0 = time_ns + (start_ns + (i as f64 + 0.5) * step_ns) as i64;
             }
         }
         begin += count;
@@ -185,14 +193,17 @@ mod tests {
 
     #[test]
     fn time_that_runs_back_ends_a_session_and_a_late_event_does_not() {
-        let found = |times: Vec<i64>| sessions(&stream(times.into_iter().map(|k| 100 * k)).events);
-        assert_eq!(found((0..100).collect()), [0..100]);
+        let found = |times: Vec<i64>| {
+            let parts = sessions(&stream(times.into_iter().map(|k| 100 * k)).events);
+            parts.iter().map(|part| (part.start, part.end)).collect::<Vec<_>>()
+        };
+        assert_eq!(found((0..100).collect()), [(0, 100)]);
         // back by four seconds, for good; by half a second; one event alone; a memory that is written round, whole and with a gap
-        assert_eq!(found((0..60).chain(20..90).collect()), [0..60, 60..130]);
-        assert_eq!(found((0..60).chain(55..90).collect()), [0..95]);
-        assert_eq!(found((0..60).chain([20]).chain(60..90).collect()), [0..91]);
-        assert_eq!(found((60..90).chain(0..60).collect()), [0..90]);
-        assert_eq!(found((75..95).chain(0..50).collect()), [0..20, 20..70]);
+        assert_eq!(found((0..60).chain(20..90).collect()), [(0, 60), (60, 130)]);
+        assert_eq!(found((0..60).chain(55..90).collect()), [(0, 95)]);
+        assert_eq!(found((0..60).chain([20]).chain(60..90).collect()), [(0, 91)]);
+        assert_eq!(found((60..90).chain(0..60).collect()), [(0, 90)]);
+        assert_eq!(found((75..95).chain(0..50).collect()), [(0, 20), (20, 70)]);
         assert!(found(Vec::new()).is_empty());
     }
 

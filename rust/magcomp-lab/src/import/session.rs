@@ -223,7 +223,7 @@ impl Session {
         self.notes.push(format!("session {which} of {count} in {place}"));
         let mut left_out = Vec::new();
         let mut part = |name: &str, parts: Vec<Range<usize>>| {
-            if parts.len() > 0 && parts.len() != count {
+            if !parts.is_empty() && parts.len() != count {
                 let times = |parts: usize| parts - 1;
                 left_out.push(format!(
                     "{name} was left out: its time runs back {} times, the magnetometer's {}",

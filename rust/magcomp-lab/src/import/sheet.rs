@@ -194,7 +194,11 @@ impl<'a> Sheet<'a> {
 fn delimiter(line: &[u8]) -> Delimiter {
     let mark = [b'\t', b';', b','].into_iter().find(|mark| line.contains(mark));
     let blanks = line.trim_ascii().iter().any(u8::is_ascii_whitespace);
+    // numbers with tabs and blanks between them
+    let is_number = |cell: &[u8]| str::from_utf8(cell).is_ok_and(|cell| is_number(cell, false));
+    let mut numbers = line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
     match mark {
+        Some(b'\t') if line.trim_ascii().contains(&b' ') && numbers.all(is_number) => Delimiter::Blanks,
         Some(mark) => Delimiter::Mark(mark),
         None if blanks => Delimiter::Blanks,
         None => Delimiter::Mark(b','),

@@ -161,7 +161,7 @@ impl FromStr for Shifts {
         for part in text.split(',') {
             let (sensor, seconds) = part.trim().split_once('=').ok_or("expected such as m=-0.03")?;
             let seconds: f64 = seconds.parse().map_err(|_| format!("'{seconds}' is no number of seconds"))?;
-            if !(seconds.abs() < 4e9) {
+            if seconds.is_nan() || seconds.abs() >= 4e9 {
                 return Err(format!("'{seconds}' is no number of seconds"));
             }
             let shift = match sensor {

@@ -48,5 +48,5 @@ pub use spread::MeanSpread;
 pub use told::{Bearing, BearingTold, Bearings, Mark, MarkTold};
 pub use turns::TurnJudgement;
 pub use vectors::{Vectors, VectorsJudge};
-pub use verdict::{Grade, Verdict, verdicts_table};
+pub use verdict::{Grade, Played, Verdict, verdicts_table};
 pub use view::table;

@@ -184,9 +184,12 @@ impl Found {
     }
 }
 
+/// A recording of several: its name, and what it came to or why it could not be read.
+pub type Played = (String, Result<(Judgement, Verdict), String>);
+
 /// The recordings of one call, a line each.
 #[must_use]
-pub fn verdicts_table(title: &str, lines: &[(String, Result<(Judgement, Verdict), String>)]) -> Table {
+pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
     let columns = ["recording", "verdict", "s", "answered, %", "field, uT", "dip, deg", "why"];
     let mut table = Table::new(title, &columns);
     for (name, outcome) in lines {

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 #[test]
 fn a_cut_last_line_costs_itself_in_every_format() {
     let gnss = |count: usize| {
-        let row =
-            |k: usize| format!("UncalMag,1663164669{k:03},6597205{k:03}5160,221.5,89.5,-21.25,213.5,180.25,5.5\n");
+        let row = |k: usize| {
+            format!("UncalMag,1663164669{k:03},65972{:03}055160,221.5,89.5,-21.25,213.5,180.25,5.5\n", 20 * k)
+        };
         (0..count).map(row).collect::<String>()
     };
     let ipin = |count: usize| (0..count).map(|k| format!("MAGN;{k}.1;{k}.2;20.5;30;-40.25;3\n")).collect::<String>();
@@ -63,7 +64,7 @@ fn a_quotation_mark_costs_no_other_row() {
             "\"a, b\""
         };
         writeln!(own, "{},20,30,-40,{note}", f64::from(k) / 50.0).unwrap();
-        writeln!(gnss, "UncalMag,1663164669{k:03},6597205{k:03}5160,221.5,89.5,-21.25,213.5,180.25,5.5").unwrap();
+        writeln!(gnss, "UncalMag,1663164669{k:03},65972{:04}05516,221.5,89.5,-21.25,213.5,180.25,5.5", 20 * k).unwrap();
         if k == 20 || k == 60 {
             gnss.push_str("NAV,1,2,\"3,0\n");
         }

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 /// A phone of a minute, and what is wrong with its file.
 pub struct Phone {
-    simulation: Simulation,
+    pub simulation: Simulation,
     /// Changes of a field, an acceleration, a rate, by the number of the sample.
     pub field: fn(usize, Vector3<f64>) -> Vector3<f64>,
     pub up: fn(Vector3<f64>) -> Vector3<f64>,
