@@ -54,7 +54,7 @@ fn every_wrong_axis_of_the_magnetometer_is_found_and_mended() {
 fn every_wrong_unit_and_sign_is_found_and_mended() {
     let phone = || Phone::of("phone-steady", 32);
     let spoilt = [
-        (Phone { rate: |g| g * 57.295_779_5, ..Phone::of("phone-walk-steady", 32) }, "gyroscope_unit", "g=deg/s"),
+        (Phone { rate: |g| g * 57.295_779_5, slower: 4, ..phone() }, "gyroscope_unit", "g=deg/s"),
         (Phone { field: |_, m| m * 10.0, ..phone() }, "field_unit", "m=mG"),
         (Phone { up: |a| -a, ..phone() }, "accelerometer_sign", "a=-m/s2"),
     ];

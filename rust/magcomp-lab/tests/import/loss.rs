@@ -11,7 +11,9 @@ fn a_cut_last_line_costs_itself_in_every_format() {
         };
         (0..count).map(row).collect::<String>()
     };
-    let ipin = |count: usize| (0..count).map(|k| format!("MAGN;{k}.1;{k}.2;20.5;30;-40.25;3\n")).collect::<String>();
+    let ipin = |count: usize| {
+        (0..count).map(|k| format!("MAGN;0.{:03};5.{:03};20.5;30;-40.25;3\n", 20 * k, 20 * k)).collect::<String>()
+    };
     let table = |header: &'static str| {
         move |count: usize| {
             let rows = (0..count).map(|k| format!("0.{k:02},20.5,30,-40.25\n")).collect::<String>();
