@@ -121,6 +121,13 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
     let [field, up, rate] = [streams.field, streams.up, streams.rate].map(|events| series(events, start_ns));
     let mut found = Conventions::default();
     let mut add = |kind, weight, text: String| found.findings.push(Finding { kind, weight, text });
+    for (name, numbers, events) in [
+        ("magnetometer", field.len(), streams.field),
+        ("accelerometer", up.len(), streams.up),
+        ("gyroscope", rate.len(), streams.rate),
+    ] {
+        samples::check_numbers(name, numbers, events.len().min(MOST), &mut add);
+    }
     samples::check(&field, &up, &rate, &mut add);
     let has_clock = samples::check_clocks([streams.field, streams.up, streams.rate], &mut add);
     let turns = Turns::of(&rate);

@@ -49,6 +49,19 @@ fn check_dead(name: &str, columns: &str, least_range: f64, series: &Series, add:
     add("dead_axis", weight, text);
 }
 
+/// Samples that are no numbers, of so many of a sensor.
+pub(super) fn check_numbers(name: &str, numbers: usize, all: usize, add: &mut Add<'_>) {
+    let share = 1.0 - numbers as f64 / all.max(1) as f64;
+    if all >= FEWEST && share > 0.05 {
+        let weight = if share > 0.5 { Weight::Fault } else { Weight::Doubt };
+        let text = format!(
+            "{:.0} % of the {name}'s samples are no numbers: was it switched off, or are its cells cut?",
+            100.0 * share
+        );
+        add("no_numbers", weight, text);
+    }
+}
+
 /// Two kinds of samples in one stream, such as calibrated and raw ones: steps from one to the other are all the same.
 fn check_kinds(field: &Series, add: &mut Add<'_>) {
     if field.len() < FEWEST {

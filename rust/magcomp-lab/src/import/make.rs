@@ -8,7 +8,7 @@ use super::ros::read_bags;
 use super::session::Session;
 use super::sheet::Sheet;
 use super::summary::Summary;
-use super::{gnss_logger, ipin, layout, matlab, phyphox, plain, plausible, sensor_logger};
+use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger};
 use crate::error::{LabError, Place};
 use crate::place::Day;
 use std::collections::BTreeMap;
@@ -185,19 +185,19 @@ fn plain_session(documents: &mut [Document], options: &ImportOptions) -> Result<
     for document in documents.iter_mut() {
         // titles before a table whose header is in words
         document.begin_at(|header| {
-            layout::likeness(header) >= 3 || plain::is_header(header, &names, options.rate.is_some())
+            names::likeness(header) >= 3 || plain::is_header(header, &names, options.rate.is_some())
         });
     }
     let known = |document: &Document| {
         let header = Sheet::new(document).header;
         plain::is_header(&header, &names, options.rate.is_some())
-            || layout::guess(document, &units, options.rate).is_some()
+            || names::guess(document, &units, options.rate).is_some()
     };
     if options.columns.is_none() && !documents.iter().any(known) {
         // the file that comes nearest
         let nearest = documents.iter().rev().max_by_key(|document| {
             let header = Sheet::new(document).header;
-            (layout::likeness(&header), layout::sensor_of_stem(&document.stem()).is_some(), !header.is_empty())
+            (names::likeness(&header), names::sensor_of_stem(&document.stem()).is_some(), !header.is_empty())
         });
         let nearest = nearest.unwrap_or(&documents[0]);
         let sheet = Sheet::new(nearest);

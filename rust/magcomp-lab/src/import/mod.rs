@@ -21,6 +21,7 @@ mod make;
 mod matlab;
 #[cfg(feature = "mcap")]
 mod mcap_records;
+mod names;
 mod open;
 mod options;
 mod order;

@@ -66,7 +66,8 @@ fn open_found(found: &[Input], options: &ImportOptions) -> Result<Opened, LabErr
         Err(why @ LabError::Recording { .. }) => match open_session(found, options) {
             Ok(opened) => Ok(opened),
             Err(several @ LabError::Several { .. }) => Err(several),
-            Err(loss @ LabError::Usage(_)) => Err(loss),
+            // what was lost, and how to take it all the same
+            Err(LabError::Usage(loss)) if loss.contains("--force") => Err(LabError::Usage(loss)),
             Err(_) => Err(why),
         },
         opened => opened,

@@ -2,7 +2,8 @@
 //! one session, but no two of them the same sensor.
 
 use super::document::Document;
-use super::layout::{self, Kind, Layout, SECOND_NS, Taken, Time, guess, sensor_of_stem};
+use super::layout::{self, Kind, Layout, SECOND_NS, Taken, Time};
+use super::names::{guess, sensor_of_stem};
 use super::options::ImportOptions;
 use super::session::Session;
 use super::sheet::Sheet;

@@ -150,6 +150,12 @@ impl<'a> Sheet<'a> {
         Some(Cells { sheet: self, record })
     }
 
+    /// Whether all cells are there and are numbers: such a row was not cut off.
+    fn is_whole(&self, cells: &Cells<'_>) -> bool {
+        let texts = cells.record.texts();
+        texts.len() >= self.header.len() && texts.iter().all(|cell| is_number(cell, self.has_decimal_commas()))
+    }
+
     fn each(
         &'a self,
         skipped: usize,
@@ -162,7 +168,7 @@ impl<'a> Sheet<'a> {
             cells.record.line = line;
             cells.record.split(text, self.delimiter);
             if let Err(why) = read(&cells) {
-                let is_last = lines.peek().is_none() && before > 0;
+                let is_last = lines.peek().is_none() && before > 0 && !self.is_whole(&cells);
                 return if is_last { Ok(Some(why)) } else { Err(why) };
             }
             before += 1;

@@ -4,6 +4,7 @@ use super::judgement::Judgement;
 use super::sentences::short;
 use super::spread::MeanSpread;
 use crate::conventions::{Conventions, Weight};
+use crate::error::shorten;
 use crate::table::Table;
 use serde::Serialize;
 
@@ -208,12 +209,12 @@ pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
                     format!("{:.0}", 100.0 * judgement.answered),
                     mean(judgement.total_field_ut.compensated),
                     mean(judgement.dip_deg.compensated),
-                    verdict.reason(),
+                    shorten(&verdict.reason()),
                 ]
             }
             Err(why) => {
                 let dash = || "-".to_owned();
-                vec![name.clone(), "not read".to_owned(), dash(), dash(), dash(), dash(), why.clone()]
+                vec![name.clone(), "not read".to_owned(), dash(), dash(), dash(), dash(), shorten(why)]
             }
         };
         table.row(cells);

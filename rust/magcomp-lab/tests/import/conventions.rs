@@ -98,4 +98,13 @@ fn other_clocks_delays_and_samples_are_told() {
             && text.contains("the magnetometer's z never changes"),
         "{text}"
     );
+    let broken = Phone {
+        field: |k, m| if k % 10 == 0 { Vector3::repeat(f64::NAN) } else { m },
+        ..Phone::of("phone-steady", 33)
+    };
+    let (code, kinds, text) = checked(&rows(&broken), &[]);
+    assert!(
+        code == 0 && kinds == ["no_numbers"] && text.contains("10 % of the magnetometer's samples are no numbers"),
+        "{text}"
+    );
 }
