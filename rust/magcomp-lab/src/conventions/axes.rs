@@ -1,5 +1,6 @@
-//! The 24 ways in which a right-handed frame lies along another, and units of the gyroscope: which of them explains a vector's turn.
-//! A vector that points the other way turns alike, so a mirror is told from a turn by the dip alone.
+//! The 24 ways in which a frame lies along another, their mirrors, and units of the gyroscope: which of them explains a vector's turn.
+//! A vector that points the other way turns alike, so its own mirror is told from a turn by the dip alone. A mirror of the rates is another
+//! matter: no change of the vector's axes explains it.
 
 use super::windows::{Fit, Window, fit, unexplained};
 use magcomp::nalgebra::Matrix3;
@@ -65,13 +66,18 @@ impl Fits {
         self.is_steady && self.best < 0.7 && self.best < 0.7 * self.as_is
     }
 
+    /// Whether the best way mirrors the rates: the gyroscope's axes are wrong then, and none of the vector's.
+    pub fn is_mirror(&self) -> bool {
+        self.axes.determinant() < 0.0
+    }
+
     /// Whether the axes of the best way are others.
     pub fn is_turned(&self) -> bool {
         self.axes != Matrix3::identity()
     }
 }
 
-/// All right-handed frames along the axes.
+/// All frames along the axes, the right-handed ones first.
 fn turns() -> Vec<Matrix3<f64>> {
     let mut found = Vec::new();
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
@@ -80,11 +86,10 @@ fn turns() -> Vec<Matrix3<f64>> {
             for (row, column) in order.into_iter().enumerate() {
                 turn[(row, column)] = if signs >> row & 1 == 0 { 1.0 } else { -1.0 };
             }
-            if turn.determinant() > 0.0 {
-                found.push(turn);
-            }
+            found.push(turn);
         }
     }
+    found.sort_by(|a: &Matrix3<f64>, b| b.determinant().total_cmp(&a.determinant()));
     found
 }
 
@@ -102,10 +107,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_24_right_handed_frames() {
+    fn there_are_24_right_handed_frames_and_their_mirrors() {
         let turns = turns();
-        assert_eq!(turns.len(), 24);
-        assert!(turns.iter().enumerate().all(|(k, turn)| !turns[..k].contains(turn) && turn.determinant() > 0.5));
+        assert_eq!(turns.len(), 48);
+        assert!(
+            turns
+                .iter()
+                .enumerate()
+                .all(|(k, turn)| !turns[..k].contains(turn) && (turn.determinant() > 0.5) == (k < 24))
+        );
         assert_eq!(typed(&Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0)), "y,-x,z");
     }
 }

@@ -177,6 +177,15 @@ fn check_axes(field: Option<&Fits>, gravity: Option<&Fits>, events: &Series, up:
         add("gyroscope_unit", Weight::Fault, text);
         return;
     }
+    let mirrored = field.filter(|fits| field_differs && fits.is_mirror());
+    if let Some(fits) = mirrored {
+        let axes = typed(&fits.axes);
+        let text = format!(
+            "the field turns as if an axis of the gyroscope were swapped or flipped; it fits as {axes}: --frame g={axes}"
+        );
+        add("gyroscope_axes", Weight::Fault, text);
+        return;
+    }
     match (field, gravity) {
         // both say the same of the gyroscope
         (Some(one), Some(other)) if field_differs && gravity_differs && one.axes == other.axes => {

@@ -1,7 +1,7 @@
 //! What `magcomp check` finds in a recording that was spoilt, and that it finds nothing in others.
 
 use crate::folder;
-use crate::simulated::{Phone, rows};
+use crate::simulated::{Change, FieldChange, Phone, rows};
 use magcomp::nalgebra::Vector3;
 
 /// Runs `check`; exit code, kinds of findings and their texts.
@@ -35,7 +35,7 @@ fn nothing_is_amiss_where_nothing_was_spoilt() {
 
 #[test]
 fn every_wrong_axis_of_the_magnetometer_is_found_and_mended() {
-    let turns: [(fn(usize, Vector3<f64>) -> Vector3<f64>, &str); 4] = [
+    let turns: [(FieldChange, &str); 4] = [
         (|_, m| Vector3::new(m.y, -m.x, m.z), "m=-y,x,z"),
         (|_, m| Vector3::new(-m.x, m.y, m.z), "m=-x,y,z"),
         (|_, m| Vector3::new(m.y, m.x, m.z), "m=y,x,z"),
@@ -67,9 +67,17 @@ fn every_wrong_unit_and_sign_is_found_and_mended() {
         let (code, kinds, told) = checked(&text, &[&["--units", units], place].concat());
         assert!(code == 0 && kinds.is_empty(), "{kind}: {told}");
     }
-    // the gyroscope's own axes: the field and gravity say the same of it
-    let flipped = Phone { rate: |g| Vector3::new(g.y, -g.x, g.z), ..phone() };
-    let (code, kinds, told) = checked(&rows(&flipped), &[]);
+    // the gyroscope's own axes: swapped, flipped; and turned, which the field's could be as well
+    let spoilt: [(Change, &str); 2] =
+        [(|g| Vector3::new(g.y, g.x, g.z), "g=y,x,z"), (|g| Vector3::new(g.x, g.y, -g.z), "g=x,y,-z")];
+    for (rate, axes) in spoilt {
+        let text = rows(&Phone { rate, ..phone() });
+        let (code, kinds, told) = checked(&text, &[]);
+        assert!(code == 3 && kinds == ["gyroscope_axes"] && told.contains(&format!("--frame {axes}")), "{told}");
+        assert!(checked(&text, &["--frame", axes]).1.is_empty());
+    }
+    let turned = Phone { rate: |g| Vector3::new(g.y, -g.x, g.z), ..phone() };
+    let (code, kinds, told) = checked(&rows(&turned), &[]);
     assert!(code == 3 && kinds.iter().any(|kind| kind == "gyroscope_axes" || kind == "field_axes"), "{told}");
 }
 

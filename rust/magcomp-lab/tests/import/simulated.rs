@@ -5,13 +5,17 @@ use magcomp_lab::catalogue::{Variant, find};
 use magcomp_lab::simulate::Simulation;
 use std::fmt::Write as _;
 
+/// A change of a value, and one of the field by the number of its sample.
+pub type Change = fn(Vector3<f64>) -> Vector3<f64>;
+pub type FieldChange = fn(usize, Vector3<f64>) -> Vector3<f64>;
+
 /// A phone of a minute, and what is wrong with its file.
 pub struct Phone {
     pub simulation: Simulation,
-    /// Changes of a field, an acceleration, a rate, by the number of the sample.
-    pub field: fn(usize, Vector3<f64>) -> Vector3<f64>,
-    pub up: fn(Vector3<f64>) -> Vector3<f64>,
-    pub rate: fn(Vector3<f64>) -> Vector3<f64>,
+    /// Changes of the field, the acceleration, the rate.
+    pub field: FieldChange,
+    pub up: Change,
+    pub rate: Change,
     /// How much later the field's stamps are, s.
     pub late_s: f64,
     /// So many times slower than it was simulated.
