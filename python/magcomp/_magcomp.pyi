@@ -193,7 +193,8 @@ def fit_ellipsoid(points_ut: ArrayLike, *, field_strength_ut: float | None = Non
 
 def read_session(*paths: str | os.PathLike[str]) -> Session:
     """A recording of the command `magcomp`, or a phone logger's session (zip, folder, CSV, JSON, Parquet, Arrow, MCAP), or its files. Axes and
-    units are made the phone's and SI; what was left out or may be wrong is a warning. Raises `SessionError`."""
+    units are made the phone's and SI; what was lost, left out or may be wrong (units, axes, signs, clocks) is a warning. Several recordings, or a
+    file that holds several, are none: raises `SessionError`, as for what cannot be read."""
 
 def earth_field(
     latitude_deg: float, longitude_deg: float, date: datetime.date | str, *, height_m: float = 0.0

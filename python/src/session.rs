@@ -2,6 +2,7 @@
 
 use crate::arrays::to_rows;
 use crate::{PlaceError, SessionError};
+use magcomp_lab::conventions::Weight;
 use magcomp_lab::import::{ImportOptions, open};
 use magcomp_lab::place::{self, GeoPoint};
 use numpy::{PyArray1, PyArray2};
@@ -44,7 +45,9 @@ pub(crate) fn read_session<'py>(python: Python<'py>, paths: Vec<PathBuf>) -> PyR
             }
             magnetic.add(row.time_ns, Some(row.field_ut));
         }
-        Ok((magnetic, rates, ups, opened.warnings))
+        let grave = opened.conventions.findings.into_iter().filter(|finding| finding.weight > Weight::Note);
+        let warnings: Vec<String> = opened.warnings.into_iter().chain(grave.map(|finding| finding.text)).collect();
+        Ok((magnetic, rates, ups, warnings))
     });
     let (magnetic, rates, ups, warnings) =
         read.map_err(|error: magcomp_lab::error::LabError| SessionError::new_err(error.to_string()))?;

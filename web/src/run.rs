@@ -1,13 +1,13 @@
 //! One replay, a chunk of rows at a time, so that the page can show how far it is.
 
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
+use magcomp_lab::conventions::{Conventions, Finding};
 use magcomp_lab::error::LabError;
 use magcomp_lab::import::{ImportOptions, Opened, open_bytes};
 use magcomp_lab::place::{Day, EarthField, GeoPoint, earth_field};
 use magcomp_lab::recording::{Rows, Source, name_of};
-use magcomp_lab::replay::{Gathering, Ignore, Player, calibration_json, usual_part, write_header, write_row};
+use magcomp_lab::replay::{Gathering, Ignore, Known, Player, calibration_json, usual_part, write_header, write_row};
 use magcomp_lab::report::quoted;
-use magcomp_lab::table::Table;
 use serde::{Deserialize, Serialize};
 
 /// Rows of a chunk: some tens of milliseconds.
@@ -37,8 +37,7 @@ struct Told<'a> {
 pub struct Run {
     source: Source,
     rows: Rows,
-    session: Option<Table>,
-    warnings: Vec<String>,
+    known: Known,
     earth: Option<EarthField>,
     player: Player,
     gathering: Gathering,
@@ -47,8 +46,43 @@ pub struct Run {
     has_begun: bool,
 }
 
+/// An error in words that fit a page.
 fn words(error: LabError) -> String {
-    error.to_string()
+    without_options(&error.to_string())
+}
+
+/// A finding in words that fit a page.
+fn plain(finding: Finding) -> Finding {
+    Finding { text: without_options(&finding.text), ..finding }
+}
+
+/// A text without the command's options: a page has none. What stands before an option says what is wrong.
+fn without_options(text: &str) -> String {
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find("--") {
+        let before = rest[..at].trim_end();
+        let near = |marks: &[char], most: usize| before.rfind(marks).filter(|cut| before.len() - cut < most);
+        // back to the mark that leads to the option; a question stays
+        let asks = before.ends_with('?').then_some(before.len());
+        let cut = asks.or_else(|| near(&[':', ';', '('], 35)).or_else(|| near(&[','], 30)).unwrap_or(before.len());
+        kept.push_str(before[..cut].trim_end());
+        // over its value, to the end of the parenthesis or of the part of the sentence
+        let mut depth = usize::from(before[cut..].starts_with('('));
+        let end = rest[at..].char_indices().find(|(_, mark)| {
+            match mark {
+                '(' => depth += 1,
+                ')' if depth == 0 => return true,
+                ')' => depth -= 1,
+                ';' if depth == 0 => return true,
+                _ => {}
+            }
+            false
+        });
+        rest = end.map_or("", |(end, _)| &rest[at + end..]);
+    }
+    kept.push_str(rest);
+    kept
 }
 
 impl Run {
@@ -79,14 +113,15 @@ impl Run {
             .transpose()
             .map_err(|why| format!("date: {why}"))?;
 
-        let Opened { mut source, session, warnings, day } =
+        let Opened { mut source, session, warnings, conventions, day, position } =
             open_bytes(files, &ImportOptions::default()).map_err(words)?;
         let earth = match (place, date.or(day)) {
             (Some(place), Some(day)) => Some(earth_field(place, day).map_err(words)?),
             (Some(_), None) => {
                 return Err("the recording's times do not say the date that the place needs; give the date".to_owned());
             }
-            (None, _) => None,
+            // a log's own position; it may be older than the model
+            (None, day) => position.zip(day).and_then(|(place, day)| earth_field(place, day).ok()),
         };
         let declination_deg = earth.map(|earth| earth.declination_deg);
         let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
@@ -95,15 +130,17 @@ impl Run {
         let extent = *source.extent();
         let gathering = Gathering::new(&extent, usual_part(&extent), axis, &[], true);
         let rows = source.rows().map_err(words)?;
-        let session = session.as_ref().map(|session| session.table());
+        let conventions = Conventions { findings: conventions.findings.into_iter().map(plain).collect(), ..conventions };
+        let warnings = warnings.iter().map(|warning| without_options(warning)).collect();
+        let known = Known { session: session.as_ref().map(|session| session.table()), conventions, warnings };
         let command = quoted(command.into_iter());
-        Ok(Self { source, rows, session, warnings, earth, player, gathering, command, has_begun: false })
+        Ok(Self { source, rows, known, earth, player, gathering, command, has_begun: false })
     }
 
     /// What was opened, as JSON.
     pub fn opened(&self) -> Vec<u8> {
         let extent = self.source.extent();
-        let told = Told { rows: extent.rows, duration_s: extent.duration_s(), warnings: &self.warnings };
+        let told = Told { rows: extent.rows, duration_s: extent.duration_s(), warnings: &self.known.warnings };
         serde_json::to_vec(&told).expect("numbers and texts")
     }
 
@@ -134,7 +171,27 @@ impl Run {
 
     /// The report as one page.
     pub fn report(self) -> Result<String, String> {
-        let outcome = self.gathering.finish(&name_of(self.source.path()), "auto", self.earth, self.session);
+        let outcome = self.gathering.finish(&name_of(self.source.path()), "auto", self.earth, &self.known);
         Ok(outcome.report().map_err(words)?.alone(&self.command))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_options;
+
+    #[test]
+    fn a_page_names_no_option() {
+        for (text, expected) in [
+            ("the gyroscope is in deg/s, not rad/s: --units g=deg/s and --frame g=y,x,-z", "the gyroscope is in deg/s, not rad/s"),
+            ("the Earth has 22 to 67: milligauss? --units m=mG", "the Earth has 22 to 67: milligauss?"),
+            ("it is of Apple's sign: --units a=-m/s2 (or all axes: --frame m=-x,-y,-z)", "it is of Apple's sign"),
+            ("it holds 2 sessions (1: a; 2: b); name one by --session N", "it holds 2 sessions (1: a; 2: b)"),
+            ("no value (2012-01-01; --date names another day)", "no value (2012-01-01)"),
+            ("stamp both with the sensors' own times, or --shift m=0.03", "stamp both with the sensors' own times"),
+            ("nothing to leave out", "nothing to leave out"),
+        ] {
+            assert_eq!(without_options(text), expected);
+        }
     }
 }

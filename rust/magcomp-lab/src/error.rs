@@ -94,6 +94,17 @@ pub enum LabError {
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),
+    /// The input holds several recordings.
+    #[error("{why}")]
+    Several {
+        /// How many follow one another in one file; 0 where they are several files.
+        sessions: usize,
+        /// The sentence about it, with what to do.
+        why: String,
+    },
+    /// A recording was read, and is bad: all was printed and written.
+    #[error("{0}")]
+    Bad(String),
     /// An experiment had nothing to average.
     #[error("{0}")]
     Experiment(String),
@@ -118,6 +129,14 @@ impl LabError {
     pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Write { path, source }
+    }
+
+    /// Of two files with the same sensor.
+    pub(crate) fn several(first: &Path, second: &Path) -> Self {
+        let (first, second) = (first.display(), second.display());
+        let why =
+            format!("{first} and {second} are of the same sensor: these are several recordings; give one at a time");
+        Self::Several { sessions: 0, why }
     }
 
     /// Whether the reader of our output has closed it, which is no failure.

@@ -3,13 +3,14 @@
 //!
 //! The arrows point one way: `random`, `parameters`, `course`, `motion`, `surroundings`, `inertial` make up `simulate`, whose
 //! streams `catalogue` names and `score` judges; these and `crb` feed `experiment`; `import` makes loggers' sessions into a `recording`,
-//! which feeds `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results. In a browser (`web/`) only what
+//! whose `conventions` are checked and which feeds `replay`, which `trials` does for folders; `table`, `plot` and `report` show the results. In a browser (`web/`) only what
 //! `import` and `replay` need is there.
 
 pub mod baseline;
 pub mod catalogue;
 #[cfg(not(target_family = "wasm"))]
 pub mod command;
+pub mod conventions;
 pub mod course;
 pub mod crb;
 pub mod error;

@@ -10,6 +10,8 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 /// Wrong usage, or a recording without rows.
 const USAGE: u8 = 2;
+/// A recording is bad.
+const BAD: u8 = 3;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -28,7 +30,10 @@ fn main() -> ExitCode {
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("magcomp: {error}");
-            let usage = matches!(error, LabError::Usage(_) | LabError::Empty { .. });
+            if matches!(error, LabError::Bad(_)) {
+                return ExitCode::from(BAD);
+            }
+            let usage = matches!(error, LabError::Usage(_) | LabError::Empty { .. } | LabError::Several { .. });
             ExitCode::from(if usage { USAGE } else { FAILED })
         }
     }

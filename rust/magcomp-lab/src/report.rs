@@ -91,6 +91,21 @@ impl Report {
         self.html(format!("<h2 id=\"section{number}\">{heading}</h2>\n<p>{text}</p>\n"));
     }
 
+    /// Adds a card: a word, why, and what to do next.
+    pub fn card(&mut self, word: &str, why: &[String], next: &[String]) {
+        let list = |texts: &[String]| texts.iter().map(|text| format!("<li>{}</li>", escape(text))).collect::<String>();
+        let why = if why.is_empty() { String::new() } else { format!("<ul>{}</ul>", list(why)) };
+        let next = if next.is_empty() { String::new() } else { format!("<p>Next:</p><ul>{}</ul>", list(next)) };
+        let word = escape(word);
+        self.html(format!("<section class=\"card {word}\" aria-label=\"Verdict\"><p class=\"verdict\">{word}</p>{why}{next}</section>\n"));
+    }
+
+    /// Adds links to pages, each with a text.
+    pub fn links(&mut self, links: &[(String, String)]) {
+        let link = |(to, text): &(String, String)| format!("<li><a href=\"{}\">{}</a></li>", escape(to), escape(text));
+        self.html(format!("<ul>{}</ul>\n", links.iter().map(link).collect::<String>()));
+    }
+
     /// Adds a paragraph.
     pub fn text(&mut self, text: &str) {
         self.html(format!("<p>{}</p>\n", escape(text)));

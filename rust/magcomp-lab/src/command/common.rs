@@ -1,5 +1,6 @@
 //! Shared by all verbs: options, reading of numbers, printing of tables.
 
+use crate::conventions::{Conventions, Weight};
 use crate::error::LabError;
 use crate::report::Report;
 use crate::table::Table;
@@ -117,6 +118,12 @@ pub(super) fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
 /// Prints warnings, one line each, on standard error.
 pub(super) fn warn(warnings: &[String]) {
     warnings.iter().for_each(|warning| eprintln!("magcomp: warning: {warning}"));
+}
+
+/// Prints what is wrong with a recording's conventions, one line each, on standard error.
+pub(super) fn warn_of(conventions: &Conventions) {
+    let grave = conventions.findings.iter().filter(|finding| finding.weight > Weight::Note);
+    grave.for_each(|finding| eprintln!("magcomp: warning: {}", finding.text));
 }
 
 /// Refuses, before anything is written, an output that is an input, lies in a folder that is one, or is another output, by

@@ -1,6 +1,6 @@
 //! `magcomp import`.
 
-use super::common::{Common, refuse_outputs, warn};
+use super::common::{Common, refuse_outputs, warn, warn_of};
 use crate::error::LabError;
 use crate::import::{ImportOptions, import};
 use crate::recording::write_atomically;
@@ -33,11 +33,14 @@ impl Import {
         refuse_outputs(&inputs, &[("--output", &self.output)], self.common.report.as_deref())?;
         let summary = import(&self.inputs, &self.options, |write| write_atomically(&self.output, |out| write(out)))?;
         warn(&summary.warnings);
+        warn_of(&summary.conventions);
         let table = summary.table();
         self.common.finish(std::slice::from_ref(&table), &summary, || {
             let mut report = Report::new("A session imported", "What the logger recorded.");
             report.table(&table);
             summary.warnings.iter().for_each(|warning| report.section("Warning", warning));
+            let findings = &summary.conventions.findings;
+            findings.iter().for_each(|finding| report.section("Conventions", &finding.text));
             Ok(report)
         })
     }

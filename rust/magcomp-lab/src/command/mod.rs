@@ -1,5 +1,6 @@
 //! The verbs of the command.
 
+mod check;
 mod common;
 mod compare;
 mod compare_folder;
@@ -22,7 +23,8 @@ use clap::{Parser, Subcommand};
     name = "magcomp",
     version,
     after_help = "Exit codes: 0 all went well; 1 the input or the run failed (one line on standard error says where and \
-                  why; no output file is left half written); 2 wrong usage, or a recording without rows."
+                  why; no output file is left half written); 2 wrong usage, or a recording without rows; \
+                  3 the recording is bad, and the first line of the summary says why."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -34,7 +36,8 @@ pub struct Cli {
 enum Verb {
     Demo(demo::Demo),
     Import(import::Import),
-    Replay(replay::Replay),
+    Check(check::Check),
+    Replay(Box<replay::Replay>),
     Step(step::Step),
     Crb(crb::Crb),
     Compare(compare::Compare),
@@ -52,6 +55,7 @@ impl Cli {
         match self.verb {
             Verb::Demo(verb) => verb.run(),
             Verb::Import(verb) => verb.run(),
+            Verb::Check(verb) => verb.run(),
             Verb::Replay(verb) => verb.run(),
             Verb::Step(verb) => verb.run(),
             Verb::Crb(verb) => verb.run(),

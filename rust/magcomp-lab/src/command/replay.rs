@@ -1,18 +1,21 @@
 //! `magcomp replay`.
 
-use super::common::{Common, MethodChoice, between, refuse_outputs, warn};
+use super::common::{Common, MethodChoice, between, refuse_outputs, warn, warn_of};
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::import::{ImportOptions, Opened, Summary, open};
 use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
-use crate::recording::{Row, name_of};
+use crate::recording::{Row, files_of, name_of};
 use crate::replay::{
-    Bearing, ExplainOutput, Gathering, Ignore, Mark, Output, Player, read_waypoints, usual_part, write_calibration,
+    Bearing, ExplainOutput, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Output, Played, Player, Verdict,
+    read_waypoints, usual_part, verdicts_table, write_calibration,
 };
+use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
@@ -148,21 +151,111 @@ impl From<CourseOf> for HeadedAxis {
 
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
+        match self.play(&self.inputs, &self.import) {
+            Ok(played) => self.finish(played),
+            Err(LabError::Several { sessions, why }) => self.replay_each(sessions, why),
+            Err(why) => Err(why),
+        }
+    }
+
+    /// Prints what one recording came to.
+    fn finish(&self, outcome: Outcome) -> Result<(), LabError> {
+        let (tables, verdict) = (outcome.tables.clone(), outcome.verdict.clone());
+        let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
+        let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
+        self.common.finish(&tables, &told, || outcome.report())?;
+        if verdict.grade == Grade::Bad {
+            return Err(LabError::Bad(format!("{name} is bad: {}", verdict.reason())));
+        }
+        Ok(())
+    }
+
+    /// Several recordings: a line each, and a page each where a report is wanted.
+    fn replay_each(&self, sessions: usize, why: String) -> Result<(), LabError> {
+        let one_alone = self.output.is_some()
+            || self.explain.is_some()
+            || self.calibration.is_some()
+            || self.waypoints.is_some()
+            || !self.mark.is_empty()
+            || !self.bearing.is_empty();
+        if one_alone {
+            return Err(LabError::Several { sessions, why });
+        }
+        let parts: Vec<(String, PathBuf, ImportOptions)> = if sessions > 0 {
+            let part = |number: usize| {
+                let options = ImportOptions { session: Some(number), ..self.import.clone() };
+                (format!("{}, session {number}", name_of(&self.inputs[0])), self.inputs[0].clone(), options)
+            };
+            (1..=sessions).map(part).collect()
+        } else {
+            let paths = match self.inputs.as_slice() {
+                [folder] if folder.is_dir() => recordings_of(folder)?,
+                inputs => inputs.to_vec(),
+            };
+            paths.into_iter().map(|path| (name_of(&path), path, self.import.clone())).collect()
+        };
+        if parts.len() < 2 {
+            return Err(LabError::Several { sessions, why });
+        }
+        let (mut lines, mut links) = (Vec::new(), Vec::new());
+        for (name, path, options) in parts {
+            let played = match self.play(std::slice::from_ref(&path), &options) {
+                Ok(outcome) => {
+                    let line = (outcome.judgement.clone(), outcome.verdict.clone());
+                    if let Some(folder) = &self.common.report {
+                        let place = format!("{:02}_{}", lines.len() + 1, name.replace([' ', ','], "_"));
+                        outcome.report()?.write(&folder.join(&place))?;
+                        links.push((format!("{place}/index.html"), format!("{name}: {}", line.1.grade.word())));
+                    }
+                    Ok(line)
+                }
+                Err(why) => Err(why.to_string()),
+            };
+            lines.push((name, played));
+        }
+        let table = verdicts_table(&format!("{} recordings, a line each", lines.len()), &lines);
+        let told: Vec<TableLine<'_>> = lines.iter().map(TableLine::of).collect();
+        self.common.finish(std::slice::from_ref(&table), &told, || {
+            let mut report = Report::new("Recordings replayed", "Each by itself: they are of different sessions.");
+            report.links(&links);
+            report.table(&table);
+            Ok(report)
+        })?;
+        let bad = lines
+            .iter()
+            .filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.grade == Grade::Bad))
+            .count();
+        let unread = lines.iter().filter(|(_, played)| played.is_err()).count();
+        if unread == lines.len() {
+            return Err(LabError::Usage(format!("none of the {unread} recordings could be read")));
+        }
+        if bad > 0 {
+            return Err(LabError::Bad(format!("{bad} of {} recordings are bad", lines.len())));
+        }
+        Ok(())
+    }
+
+    /// One recording from the first row to the last.
+    fn play(&self, sources: &[PathBuf], import: &ImportOptions) -> Result<Outcome, LabError> {
         let method = self.method.method();
         let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
         let outputs = [("--output", &self.output), ("--explain", &self.explain), ("--calibration", &self.calibration)];
         let outputs: Vec<_> = outputs.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?))).collect();
         refuse_outputs(&inputs, &outputs, self.common.report.as_deref())?;
 
-        let Opened { mut source, session, warnings, day } = open(&self.inputs, &self.import)?;
+        let Opened { mut source, session, warnings, conventions, day, position } = open(sources, import)?;
         warn(&warnings);
+        warn_of(&conventions);
+        // a log's own position needs no option; it may be older than the model
+        let own = position.filter(|_| self.place.is_none() && self.declination.is_none());
+        let own = own.zip(self.date.or(day)).and_then(|(place, day)| earth_field(place, day).ok());
         let earth = match (self.place, self.date.or(day)) {
             (Some(place), Some(day)) => Some(earth_field(place, day)?),
             (Some(_), None) => {
                 let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
                 return Err(LabError::Usage(format!("{}: {why}", source.path().display())));
             }
-            (None, _) => None,
+            (None, _) => own,
         };
         let declination_deg = self.declination.or(earth.map(|earth| earth.declination_deg));
         let axis = match self.axis {
@@ -244,9 +337,46 @@ impl Replay {
         }
 
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let session = session.as_ref().map(Summary::table);
-        let outcome = gathering.finish(&name_of(source.path()), &name, earth, session);
-        let (tables, judgement) = (outcome.tables.clone(), outcome.judgement.clone());
-        self.common.finish(&tables, &judgement, || outcome.report())
+        let known = Known { session: session.as_ref().map(Summary::table), conventions, warnings };
+        Ok(gathering.finish(&name_of(source.path()), &name, earth, &known))
     }
+}
+
+/// What is printed as JSON: the verdict first.
+#[derive(Serialize)]
+struct Told<'a> {
+    verdict: &'a Verdict,
+    #[serde(flatten)]
+    judgement: &'a Judgement,
+}
+
+/// One of several recordings as JSON.
+#[derive(Serialize)]
+struct TableLine<'a> {
+    recording: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<&'a Verdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    judgement: Option<&'a Judgement>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<&'a str>,
+}
+
+impl<'a> TableLine<'a> {
+    fn of((name, played): &'a Played) -> Self {
+        let line = played.as_ref().ok();
+        let error = played.as_ref().err().map(String::as_str);
+        Self { recording: name, verdict: line.map(|line| &line.1), judgement: line.map(|line| &line.0), error }
+    }
+}
+
+/// The files of a folder that may be recordings: tables, zips and bags.
+fn recordings_of(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
+    let endings = [".csv", ".csv.gz", ".txt", ".zip", ".mcap", ".parquet", ".arrow", ".feather"];
+    let mut paths = files_of(folder)?;
+    paths.retain(|path| {
+        let name = name_of(path).to_lowercase();
+        !name.starts_with('.') && endings.iter().any(|ending| name.ends_with(ending))
+    });
+    Ok(paths)
 }

@@ -18,7 +18,8 @@ const UNIX_MS: usize = 1;
 const TIME: usize = 2;
 const VALUE: [usize; 3] = [3, 4, 5];
 const BIAS: [usize; 3] = [6, 7, 8];
-/// Columns of a fix: m/s, degrees, degrees, the time of the sensors' clock.
+/// Columns of a fix: latitude and longitude, degrees, and height, m; m/s, degrees, degrees, the time of the sensors' clock.
+const FIX_PLACE: [usize; 3] = [2, 3, 4];
 const FIX_SPEED: usize = 5;
 const FIX_BEARING: usize = 7;
 const FIX_ACCURACY: usize = 10;
@@ -37,26 +38,28 @@ pub(super) fn is_log(document: &Document) -> bool {
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
     let [mut session, mut calibrated] = [Session::default(), Session::default()];
+    let mut first: Option<&Document> = None;
     for document in documents {
         let sheet = Sheet::new(document);
-        for cells in sheet.lines() {
-            let cells = cells?;
+        let before = session.raw.events.len() + calibrated.raw.events.len();
+        let cut = sheet.lines(|cells| {
             let kind = cells.text(0);
             if kind == "Fix" {
                 let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
                 let found = course(known(FIX_BEARING), known(FIX_ACCURACY), known(FIX_SPEED));
+                session.stand_at(known(FIX_PLACE[0]), known(FIX_PLACE[1]), known(FIX_PLACE[2]));
                 // an older log has no time of the sensors' clock in its fixes
                 if let (Some(course), Ok(time_ns)) = (found, cells.time_ns(FIX_TIME, 1)) {
                     session.course.add(time_ns, course, || [cells.place(FIX_TIME), cells.place(FIX_BEARING)])?;
                 }
-                continue;
+                return Ok(());
             }
             if !KINDS.contains(&kind.as_str()) {
-                continue;
+                return Ok(());
             }
             let time_ns = cells.time_ns(TIME, 1)?;
             session.start_unix_ns = session.start_unix_ns.or_else(|| cells.time_ns(UNIX_MS, 1_000_000).ok());
-            let Some(value) = cells.vector(VALUE)? else { continue };
+            let Some(value) = cells.vector(VALUE)? else { return Ok(()) };
             let of = if kind.starts_with("Uncal") { &mut session } else { &mut calibrated };
             let stream = match kind.as_str() {
                 "UncalMag" | "Mag" => &mut of.raw,
@@ -69,6 +72,14 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
             {
                 session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])])?;
             }
+            Ok(())
+        })?;
+        cut.iter().for_each(|why| session.cut_off(why));
+        if session.raw.events.len() + calibrated.raw.events.len() > before {
+            if let Some(first) = first {
+                return Err(LabError::several(&first.path, &document.path));
+            }
+            first = Some(document);
         }
     }
     if session.raw.events.is_empty() && !calibrated.raw.events.is_empty() {

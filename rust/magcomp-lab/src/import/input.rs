@@ -1,5 +1,6 @@
 //! One input that the user named, and how much of it is taken into memory.
 
+use super::forms::ZIP;
 use crate::error::LabError;
 use crate::recording::Content;
 use std::fs::File;
@@ -41,6 +42,13 @@ impl Input {
     /// Whether its content is in memory.
     pub fn is_in_memory(&self) -> bool {
         matches!(self.copy, Some(Content::Memory(_)))
+    }
+
+    /// Whether it begins as a zip does.
+    pub fn is_zip(&self) -> bool {
+        let mut start = Vec::new();
+        let read = self.open().map(|content| content.take(ZIP.len() as u64).read_to_end(&mut start));
+        matches!(read, Ok(Ok(_))) && start == ZIP
     }
 
     pub fn all(paths: &[PathBuf]) -> Result<Vec<Self>, LabError> {

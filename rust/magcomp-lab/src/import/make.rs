@@ -8,15 +8,15 @@ use super::ros::read_bags;
 use super::session::Session;
 use super::sheet::Sheet;
 use super::summary::Summary;
-use super::units::Units;
-use super::{gnss_logger, matlab, phyphox, plain, plausible, sensor_logger};
+use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger};
 use crate::error::{LabError, Place};
 use crate::place::Day;
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// The loggers that are accepted, for messages.
-const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, MATLAB Mobile";
+const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, GetSensorData, MATLAB Mobile";
 
 /// Where a recording goes.
 type Out<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
@@ -26,6 +26,7 @@ pub(super) enum App {
     SensorLogger,
     Phyphox,
     GnssLogger,
+    Ipin,
     Matlab,
 }
 
@@ -33,6 +34,8 @@ pub(super) fn logger(documents: &[Document]) -> Option<App> {
     let any = |is: fn(&[String]) -> bool| documents.iter().any(|document| is(&Sheet::new(document).header));
     if documents.iter().any(gnss_logger::is_log) {
         Some(App::GnssLogger)
+    } else if documents.iter().any(ipin::is_log) {
+        Some(App::Ipin)
     } else if any(sensor_logger::is_header) {
         Some(App::SensorLogger)
     } else if any(phyphox::is_header) {
@@ -68,21 +71,29 @@ pub(super) fn import_found(
         let session = read_bags(bags, &options.topics, &units)?;
         return finish("ROS 2", session, &paths, options, write);
     }
-    let Documents { read: documents, unreadable } = documents(inputs)?;
-    let found = if options.columns.is_some() { None } else { logger(&documents) };
+    // a folder and a zip hold a whole session each
+    if let [first, second, ..] = inputs
+        && inputs.iter().any(|input| input.is_dir || input.is_zip())
+    {
+        return Err(LabError::several(&first.path, &second.path));
+    }
+    let Documents { read: mut documents, unreadable } = documents(inputs)?;
+    documents.iter_mut().for_each(|document| document.skip_lines(options.skip));
+    let found = if options.columns.is_some() || options.rate.is_some() { None } else { logger(&documents) };
     if found.is_some() && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
         let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
         return Err(LabError::Usage(format!("--units: {why}")));
     }
-    if matches!(found, Some(App::SensorLogger | App::Phyphox | App::Matlab)) {
-        refuse_twice(&documents)?;
+    if let Some(app) = found {
+        refuse_twice(&documents, app)?;
     }
     let (name, mut session) = match found {
         Some(App::SensorLogger) => ("Sensor Logger", sensor_logger::read(&documents, &units)?),
         Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
         Some(App::GnssLogger) => ("GnssLogger", gnss_logger::read(&documents)?),
+        Some(App::Ipin) => ("GetSensorData", ipin::read(&documents)?),
         Some(App::Matlab) => ("MATLAB Mobile", matlab::read(&documents)?),
-        None => ("plain CSV", plain_session(&documents, options, &units)?),
+        None => (plain_name(&documents), plain_session(&mut documents, options)?),
     };
     for why in unreadable {
         if session.raw.events.is_empty() {
@@ -91,6 +102,19 @@ pub(super) fn import_found(
         session.leave_out("unreadable", why);
     }
     finish(name, session, &paths, options, write)
+}
+
+/// The logger that a table's header tells.
+fn plain_name(documents: &[Document]) -> &'static str {
+    let any =
+        |is: &dyn Fn(&String) -> bool| documents.iter().any(|document| Sheet::new(document).header.iter().any(is));
+    if any(&|name| name.starts_with("magnetometerTimestamp_sinceReboot")) {
+        "SensorLog"
+    } else if any(&|name| name.starts_with("MAGNETIC FIELD X")) {
+        "AndroSensor"
+    } else {
+        "plain CSV"
+    }
 }
 
 /// Puts a session in order and writes it.
@@ -102,9 +126,11 @@ fn finish(
     write: impl FnOnce(Out<'_>) -> Result<(), LabError>,
 ) -> Result<Summary, LabError> {
     session.require_magnetometer(name, inputs)?;
-    session.sort(&options.frame.unwrap_or_default());
+    session.shift(&options.shift.unwrap_or_default());
+    session.order(&options.frame.unwrap_or_default(), options.session, options.force)?;
     let more = plausible::check(&session)?;
     session.warnings.extend(more);
+    let conventions = session.conventions();
     let day = session.begun_unix_ns().and_then(Day::of_unix_ns);
     let mut counted = false;
     write(&mut |out| {
@@ -115,34 +141,76 @@ fn finish(
         session.notes.push("times count from the first event".to_owned());
     }
     let sensors = session.sensors();
-    Ok(Summary { logger: name, sensors, notes: session.notes, warnings: session.warnings, day })
+    Ok(Summary {
+        logger: name,
+        sensors,
+        notes: session.notes,
+        warnings: session.warnings,
+        conventions,
+        day,
+        position: session.position,
+    })
 }
 
-/// Refuses two files of one sensor: they are of two sessions, or one file named twice.
-fn refuse_twice(documents: &[Document]) -> Result<(), LabError> {
-    let twice = documents.iter().enumerate().find_map(|(k, document)| {
-        let same = |before: &&Document| before.stem() == document.stem() && !before.text.is_empty();
-        let before = documents[..k].iter().find(same).filter(|_| !document.text.is_empty())?;
-        Some((before.path.display(), document.path.display()))
-    });
-    let Some((first, second)) = twice else { return Ok(()) };
-    Err(LabError::Usage(format!("{first} and {second} are of the same sensor; import one session at a time")))
+/// Refuses two files of one sensor: they are of two sessions, or one file named twice. Tables that are no sensor's do not count, but a whole
+/// recording beside a logger's files does.
+fn refuse_twice(documents: &[Document], app: App) -> Result<(), LabError> {
+    let mut seen: BTreeMap<String, &Document> = BTreeMap::new();
+    for document in documents.iter().filter(|document| !document.text.is_empty()) {
+        let header = Sheet::new(document).header;
+        let name = match app {
+            App::SensorLogger if sensor_logger::is_header(&header) => document.stem(),
+            App::Matlab if matlab::is_header(&header) => document.stem(),
+            _ if plain::is_recording(&header) => "a recording".to_owned(),
+            _ => continue,
+        };
+        if name == "a recording"
+            && let Some(other) = documents.iter().find(|other| other.path != document.path)
+        {
+            return Err(LabError::several(&other.path, &document.path));
+        }
+        if let Some(before) = seen.insert(name, document) {
+            return Err(LabError::several(&before.path, &document.path));
+        }
+    }
+    Ok(())
 }
 
-fn plain_session(documents: &[Document], options: &ImportOptions, units: &Units) -> Result<Session, LabError> {
-    let names = options.columns.clone().unwrap_or_default();
-    let Some(first) = documents.iter().find(|document| !Sheet::new(document).header.is_empty()) else {
+fn plain_session(documents: &mut [Document], options: &ImportOptions) -> Result<Session, LabError> {
+    if documents.iter().all(|document| Sheet::new(document).header.is_empty()) {
         return Err(LabError::Empty { path: documents[0].path.clone(), what: "nothing in it" });
-    };
-    let known = |document: &Document| plain::is_header(&Sheet::new(document).header, &names);
-    if options.columns.is_none() && !documents.iter().any(known) {
-        return Err(LabError::Recording {
-            place: Place { path: first.path.clone(), line: 1, column: None },
-            expected: format!(
-                "a header of {LOGGERS}, or a recording's t_s,mx,my,mz; other names by --columns t=NAME,mx=NAME,my=NAME,mz=NAME"
-            ),
-            found: Sheet::new(first).shown(),
+    }
+    let names = options.columns.clone().unwrap_or_default();
+    let units = options.units.unwrap_or_default();
+    for document in documents.iter_mut() {
+        // titles before a table whose header is in words
+        document.begin_at(|header| {
+            names::likeness(header) >= 3 || plain::is_header(header, &names, options.rate.is_some())
         });
     }
-    plain::read(documents, &names, units)
+    let known = |document: &Document| {
+        let header = Sheet::new(document).header;
+        plain::is_header(&header, &names, options.rate.is_some())
+            || names::guess(document, &units, options.rate).is_some()
+    };
+    if options.columns.is_none() && !documents.iter().any(known) {
+        // the file that comes nearest
+        let nearest = documents.iter().rev().max_by_key(|document| {
+            let header = Sheet::new(document).header;
+            (names::likeness(&header), names::sensor_of_stem(&document.stem()).is_some(), !header.is_empty())
+        });
+        let nearest = nearest.unwrap_or(&documents[0]);
+        let sheet = Sheet::new(nearest);
+        let how = if sheet.has_header() {
+            "other names by --columns t=NAME,mx=NAME,my=NAME,mz=NAME"
+        } else {
+            "columns without names by --columns t=#1,mx=#2,my=#3,mz=#4 (and --rate HZ where there is no time)"
+        };
+        return Err(LabError::Recording {
+            place: Place { path: nearest.path.clone(), line: nearest.first_line_number(), column: None },
+            expected: format!("a header of {LOGGERS}, or a recording's t_s,mx,my,mz; {how}"),
+            found: sheet.shown(),
+        });
+    }
+    plain::read(documents, options)
 }

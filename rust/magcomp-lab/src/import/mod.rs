@@ -8,18 +8,23 @@
 mod arrow_lengths;
 #[cfg_attr(not(feature = "columnar"), path = "columnar_missing.rs")]
 mod columnar;
+mod dates;
 mod document;
 mod fix;
 mod forms;
 mod gnss_logger;
 mod guard;
 mod input;
+mod ipin;
+mod layout;
 mod make;
 mod matlab;
 #[cfg(feature = "mcap")]
 mod mcap_records;
+mod names;
 mod open;
 mod options;
+mod order;
 #[cfg(feature = "columnar")]
 mod parquet_lengths;
 mod phyphox;
@@ -39,4 +44,4 @@ pub use options::ImportOptions;
 pub use plain::ColumnNames;
 pub use session::Sensor;
 pub use summary::Summary;
-pub use units::{Frame, Units};
+pub use units::{Frame, Frames, Shifts, Units};

@@ -9,8 +9,9 @@ use super::plausible;
 use super::session::Session;
 use super::sheet::Sheet;
 use super::summary::Summary;
+use crate::conventions::Conventions;
 use crate::error::LabError;
-use crate::place::Day;
+use crate::place::{Day, GeoPoint};
 use crate::recording::{Content, Source, unzipped};
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 const START: u64 = 4096;
 /// Rows of a recording that tell its units: at least, and at most.
 const FEWEST: usize = 20;
-const LOOKED_AT: usize = 5000;
+const LOOKED_AT: usize = 60_000;
 
 /// A recording to replay.
 #[derive(Debug)]
@@ -30,8 +31,12 @@ pub struct Opened {
     pub session: Option<Summary>,
     /// Parts that were left out, or may be wrong.
     pub warnings: Vec<String>,
+    /// Whether units, signs, axes and clocks are what they are taken for.
+    pub conventions: Conventions,
     /// The day of its first row (UTC), where its times say so.
     pub day: Option<Day>,
+    /// Where it was recorded, where the session says so.
+    pub position: Option<GeoPoint>,
 }
 
 /// Opens a recording, or makes a session into one.
@@ -52,14 +57,35 @@ pub fn open_bytes(files: Vec<(String, Vec<u8>)>, options: &ImportOptions) -> Res
 }
 
 fn open_found(found: &[Input], options: &ImportOptions) -> Result<Opened, LabError> {
-    if let [input] = found
-        && !is_session(input, options)?
-    {
-        let mut source = Source::of(&input.path, input.open()?)?;
-        let warnings = plausible::check(&beginning(&mut source)?)?;
-        let day = Day::of_unix_ns(source.extent().start_ns);
-        return Ok(Opened { source, session: None, warnings, day });
+    let [input] = found else { return open_session(found, options) };
+    if is_session(input, options)? {
+        return open_session(found, options);
     }
+    match open_recording(input) {
+        // rows out of order, rounded times, a last row that is cut: the importer tells what it mends
+        Err(why @ LabError::Recording { .. }) => match open_session(found, options) {
+            Ok(opened) => Ok(opened),
+            Err(several @ LabError::Several { .. }) => Err(several),
+            // what was lost, and how to take it all the same
+            Err(LabError::Usage(loss)) if loss.contains("--force") => Err(LabError::Usage(loss)),
+            Err(_) => Err(why),
+        },
+        opened => opened,
+    }
+}
+
+/// A recording as it is.
+fn open_recording(input: &Input) -> Result<Opened, LabError> {
+    let mut source = Source::of(&input.path, input.open()?)?;
+    let beginning = beginning(&mut source)?;
+    let warnings = plausible::check(&beginning)?;
+    let conventions = beginning.conventions();
+    let day = Day::of_unix_ns(source.extent().start_ns);
+    Ok(Opened { source, session: None, warnings, conventions, day, position: None })
+}
+
+/// A session as a recording, in memory where it was given so, else in a temporary file.
+fn open_session(found: &[Input], options: &ImportOptions) -> Result<Opened, LabError> {
     let failed = || LabError::write(Path::new("a temporary file"));
     let (summary, content) = if found.iter().all(Input::is_in_memory) {
         let mut out = Vec::new();
@@ -73,8 +99,16 @@ fn open_found(found: &[Input], options: &ImportOptions) -> Result<Opened, LabErr
         out.flush().map_err(failed())?;
         (summary, Content::from(copy))
     };
-    let (warnings, day) = (summary.warnings.clone(), summary.day);
-    Ok(Opened { source: Source::of(&found[0].path, content)?, session: Some(summary), warnings, day })
+    let (warnings, day, position) = (summary.warnings.clone(), summary.day, summary.position);
+    let conventions = summary.conventions.clone();
+    Ok(Opened {
+        source: Source::of(&found[0].path, content)?,
+        session: Some(summary),
+        warnings,
+        conventions,
+        day,
+        position,
+    })
 }
 
 /// The first rows of a recording, to look at its units; none of a recording that is too short to tell.
@@ -96,6 +130,9 @@ fn beginning(source: &mut Source) -> Result<Session, LabError> {
                 session.rate.add(event.time_ns, value, || [time.clone(), rate.clone()])?;
             }
         }
+        if let Some(attitude) = row.attitude {
+            session.attitude.add(row.time_ns, attitude, || [time.clone(), raw.clone()])?;
+        }
         if let Some(value) = row.system_ut {
             session.system.add(row.time_ns, value, || [time.clone(), system.clone()])?;
         }
@@ -111,7 +148,10 @@ fn is_session(input: &Input, options: &ImportOptions) -> Result<bool, LabError> 
     let mut text = Vec::new();
     // a cut gzip shows itself when it is read whole
     let _ = unzipped(input.open()?).map_err(LabError::read(&input.path))?.take(START).read_to_end(&mut text);
-    let document = Document { path: input.path.clone(), text };
+    if !text.contains(&b'\n') && text.contains(&b'\r') {
+        return Ok(true);
+    }
+    let document = Document::of_text(input.path.clone(), text);
     let sheet = Sheet::new(&document);
     let header = &sheet.header;
     Ok(is_packed(&document.text)

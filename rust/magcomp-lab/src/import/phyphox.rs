@@ -4,9 +4,11 @@
 //! Android's sign on both platforms. phyphox does not say whether the system calibrated the field.
 
 use super::document::Document;
+use super::fix::course;
 use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::LabError;
+use std::path::Path;
 
 /// Nanoseconds of a second.
 const SECOND_NS: i64 = 1_000_000_000;
@@ -41,6 +43,46 @@ fn is_linear(name: &str) -> bool {
     name.to_lowercase().contains("linear")
 }
 
+/// The columns of fixes, by their units in any language: `Latitude (°)`, `Longitude (°)`, `Height (m)`, `Velocity (m/s)`, `Direction (°)`.
+struct Location {
+    angles: [usize; 3],
+    height: Option<usize>,
+    speed: usize,
+}
+
+impl Location {
+    fn of(header: &[String]) -> Option<Self> {
+        let unit = |name: &String| Some(name.strip_suffix(')')?.rsplit_once('(')?.1.to_owned());
+        let of = |wanted: &[&str]| {
+            let is = move |name: &String| unit(name).is_some_and(|unit| wanted.contains(&unit.as_str()));
+            header.iter().enumerate().filter(|(_, name)| is(name)).map(|(column, _)| column).collect::<Vec<_>>()
+        };
+        // a degree sign in another encoding is one character that is no letter
+        let degrees: Vec<usize> = (header.iter().enumerate())
+            .filter(|(_, name)| unit(name).is_some_and(|unit| unit.chars().count() == 1 && !unit.is_ascii()))
+            .map(|(column, _)| column)
+            .collect();
+        let [latitude, longitude, direction, ..] = degrees[..] else { return None };
+        header.first().filter(|name| name.ends_with("(s)"))?;
+        let speed = *of(&["m/s"]).first()?;
+        Some(Self { angles: [latitude, longitude, direction], height: of(&["m"]).first().copied(), speed })
+    }
+
+    fn read(&self, sheet: &Sheet<'_>, session: &mut Session) -> Result<(), LabError> {
+        let [latitude, longitude, direction] = self.angles;
+        sheet.rows(|cells| {
+            let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
+            session.stand_at(known(latitude), known(longitude), self.height.map_or(f64::NAN, known));
+            if let Some(course) = course(known(direction), f64::NAN, known(self.speed)) {
+                let time_ns = cells.time_ns(0, SECOND_NS)?;
+                session.course.add(time_ns, course, || [cells.place(0), cells.place(direction)])?;
+            }
+            Ok(())
+        })?;
+        Ok(())
+    }
+}
+
 pub(super) fn is_header(header: &[String]) -> bool {
     header.first().is_some_and(|name| name.ends_with("(s)")) && header.iter().any(|name| column(name).is_some())
 }
@@ -52,9 +94,12 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
         let sheet = Sheet::new(document);
         if !is_header(&sheet.header) {
             if let Some(began) = sheet.column("system time") {
-                let began =
-                    sheet.rows().next().and_then(Result::ok).and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
+                let began = sheet.first_row().and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
                 session.start_unix_ns = session.start_unix_ns.or(began);
+            } else if let Some(location) = Location::of(&sheet.header) {
+                if let Err(why) = location.read(&sheet, &mut session) {
+                    session.leave_out(&document.stem(), why);
+                }
             } else if SENSORS.iter().any(|name| document.stem().contains(name)) {
                 session.leave_out(
                     &document.stem(),
@@ -82,10 +127,8 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, LabError> {
                 Sensor::Acceleration => &mut session.up,
             };
             if !stream.events.is_empty() {
-                let path = document.path.display();
-                return Err(LabError::Usage(format!(
-                    "{path}: another file has this sensor too; import one session at a time"
-                )));
+                let before = stream.first.as_ref().map_or(Path::new("another file"), |[place, _]| &place.path);
+                return Err(LabError::several(before, &document.path));
             }
             match sheet.stream(0, axes, |cells| cells.time_ns(0, SECOND_NS)) {
                 Err(why) if sensor != Sensor::Field => session.leave_out(&document.stem(), why),

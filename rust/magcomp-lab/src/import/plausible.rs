@@ -18,10 +18,6 @@ const RATES_RAD_S: [f64; 3] = [0.0, 20.0, 1.0];
 pub(super) const BETWEEN_G_AND_M_S2: f64 = 2.8;
 /// The share of accelerations that are less than the low size. Shocks raise the median, hardly this; free fall lowers the smallest.
 const LOW: f64 = 0.2;
-/// The share of accelerations out of the back of the phone from which on a wrong sign is likely.
-const DOWN: f64 = 0.9;
-/// Fewer accelerations say nothing of how a phone is held.
-const FEWEST_DOWN: u32 = 50;
 /// A median acceleration beyond these, m/s^2, is lively.
 const LIVELY_M_S2: (f64, f64) = (5.0, 20.0);
 
@@ -34,8 +30,7 @@ pub(super) fn check(session: &Session) -> Result<Vec<String>, LabError> {
     for stream in [&session.raw, &session.system] {
         check_size(stream, "a field of 5 to 5000 uT", FIELDS_UT, "m", &fields)?;
     }
-    let mut warnings = check_acceleration(&session.up)?;
-    warnings.extend(check_sign(&session.up));
+    let warnings = check_acceleration(&session.up)?;
     check_size(&session.rate, "a rotation rate below 20 rad/s", RATES_RAD_S, "g", &[("deg/s", 0.01745)])?;
     Ok(warnings)
 }
@@ -82,21 +77,6 @@ fn sizes(stream: &Stream<Vector3<f64>>) -> Vec<f64> {
 /// The value below which this share of sorted values is.
 fn at(sorted: &[f64], share: f64) -> Option<f64> {
     sorted.get((sorted.len() as f64 * share) as usize).copied()
-}
-
-/// A phone is seldom held with its screen down; an accelerometer of the other sign says so all the time.
-fn check_sign(stream: &Stream<Vector3<f64>>) -> Option<String> {
-    let [_, place] = stream.first.as_ref()?;
-    let looked_at = stream.events.iter().step_by(stream.events.len().div_ceil(LOOKED_AT).max(1));
-    let (mut down, mut all) = (0_u32, 0_u32);
-    for (_, up) in looked_at {
-        all += 1;
-        down += u32::from(up.z < -BETWEEN_G_AND_M_S2);
-    }
-    (all >= FEWEST_DOWN && f64::from(down) > DOWN * f64::from(all)).then(|| {
-        let why = "the screen faced down nearly all the time; if it did not, the acceleration is of Apple's sign: --units a=-m/s2";
-        format!("{}: {why}", place.path.display())
-    })
 }
 
 fn check_time(stream: &Stream<Vector3<f64>>) -> Result<(), LabError> {

@@ -66,6 +66,9 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Lab
         None => {}
     }
     if let Some(location) = find("location") {
+        if let Some([latitude, longitude, altitude]) = first_fix(location) {
+            session.stand_at(latitude, longitude, altitude);
+        }
         match courses(location) {
             Ok(course) => session.course = course,
             Err(why) => session.leave_out("location", why),
@@ -83,14 +86,22 @@ fn courses(document: &Document) -> Result<Stream<Course>, LabError> {
         return Ok(courses);
     };
     let accuracy = sheet.column("bearingAccuracy");
-    for cells in sheet.rows() {
-        let cells = cells?;
+    sheet.rows(|cells| {
         let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
         if let Some(course) = course(known(bearing), accuracy.map_or(f64::NAN, known), known(speed)) {
             courses.add(cells.time_ns(time, 1)?, course, || [cells.place(time), cells.place(bearing)])?;
         }
-    }
+        Ok(())
+    })?;
     Ok(courses)
+}
+
+/// Latitude and longitude, degrees, and height, m, of the first fix; not a number where it is not known.
+fn first_fix(document: &Document) -> Option<[f64; 3]> {
+    let sheet = Sheet::new(document);
+    let cells = sheet.first_row()?;
+    let known = |name: &str| sheet.column(name).and_then(|column| cells.number(column).ok()).unwrap_or(f64::NAN);
+    Some([known("latitude"), known("longitude"), known("altitude")])
 }
 
 fn stream(document: &Document) -> Result<Stream<Vector3<f64>>, LabError> {
@@ -105,7 +116,7 @@ fn platform_sign(metadata: Option<&Document>, gravity: &Stream<Vector3<f64>>) ->
     let cell = |name: &str| {
         let sheet = Sheet::new(metadata?);
         let column = sheet.column(name)?;
-        sheet.rows().next()?.ok().map(|cells| cells.text(column).to_lowercase())
+        Some(sheet.first_row()?.text(column).to_lowercase())
     };
     let standardised = cell("standardisation").is_some_and(|text| text == "true");
     match cell("platform").as_deref() {

@@ -1,13 +1,18 @@
 //! A logger's session: each sensor's events with their own times. It is written as a recording, one row for each time.
 
 use super::document::Document;
-use super::units::Frame;
+use super::order::{Order, sessions};
+use super::units::{Frames, Shifts};
+use crate::conventions::{self, Conventions, Streams};
 use crate::error::{LabError, Place};
+use crate::place::GeoPoint;
 use crate::recording::Course;
+use crate::time::MOST_NS;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Times below this (ns) keep their nanoseconds when they are read as seconds; others are counted from the first event.
@@ -16,6 +21,9 @@ const EXACT_NS: i64 = 4_000_000_000_000_000;
 /// Events of one sensor, at most: they wait in memory until all sensors are merged. At 100 Hz they are 23 hours.
 const MOST_EVENTS: usize = 1 << 23;
 
+/// Sessions that a message tells, at most.
+const MOST_TOLD: usize = 5;
+
 /// One sensor's events.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stream<T> {
@@ -23,12 +31,14 @@ pub(super) struct Stream<T> {
     pub events: Vec<(i64, T)>,
     /// The cells of time and value of its first event.
     pub first: Option<[Place; 2]>,
+    /// Why the last row of its file was left out.
+    pub cut: Option<String>,
 }
 
 // not derived, which would ask for a default of the values
 impl<T> Default for Stream<T> {
     fn default() -> Self {
-        Self { events: Vec::new(), first: None }
+        Self { events: Vec::new(), first: None, cut: None }
     }
 }
 
@@ -44,19 +54,10 @@ impl<T> Stream<T> {
         Ok(())
     }
 
-    /// The events of another file of this sensor too.
-    pub fn append(&mut self, mut more: Self) {
-        self.events.append(&mut more.events);
-        self.first = self.first.take().or(more.first);
-    }
-
-    /// In the order of time, one event for each; how many came late, and how many were left out for a time that was there.
-    fn sort(&mut self) -> (usize, usize) {
-        let late = self.events.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
-        self.events.sort_by_key(|(time_ns, _)| *time_ns);
-        let before = self.events.len();
-        self.events.dedup_by_key(|(time_ns, _)| *time_ns);
-        (late, before - self.events.len())
+    /// These events alone.
+    fn keep(&mut self, part: &Range<usize>) {
+        self.events.truncate(part.end);
+        self.events.drain(..part.start.min(self.events.len()));
     }
 
     /// The value at this time, if the event at `next` has it; then `next` moves on.
@@ -87,6 +88,8 @@ pub(super) struct Session {
     pub warnings: Vec<String>,
     /// When it began, ns since 1970, where the events' own times do not say so.
     pub start_unix_ns: Option<i64>,
+    /// Where it was recorded.
+    pub position: Option<GeoPoint>,
 }
 
 /// The number, rate and longest pause of one sensor's events.
@@ -127,14 +130,33 @@ impl Session {
         self.warnings.push(format!("a file was left out ({sensor}): {why}"));
     }
 
-    /// All of another part of the same session.
-    pub fn append(&mut self, more: Self) {
-        self.raw.append(more.raw);
-        self.up.append(more.up);
-        self.rate.append(more.rate);
-        self.system.append(more.system);
-        self.attitude.append(more.attitude);
-        self.course.append(more.course);
+    /// Takes the sensors of another file, which are others than those that are there.
+    pub fn take(&mut self, part: Self) {
+        let pairs = [
+            (&mut self.raw, part.raw),
+            (&mut self.up, part.up),
+            (&mut self.rate, part.rate),
+            (&mut self.system, part.system),
+        ];
+        pairs.into_iter().filter(|(_, more)| !more.events.is_empty()).for_each(|(stream, more)| *stream = more);
+        self.attitude.events.extend(part.attitude.events);
+        self.course.events.extend(part.course.events);
+        self.warnings.extend(part.warnings);
+        self.position = self.position.or(part.position);
+    }
+
+    /// Warns that the last row of a file was left out.
+    pub fn cut_off(&mut self, why: impl Display) {
+        self.warnings.push(cut_words(why));
+    }
+
+    /// Where the first fix was: degrees, north and east positive; m. What is not a number is not known.
+    pub fn stand_at(&mut self, latitude_deg: f64, longitude_deg: f64, height_m: f64) {
+        let known =
+            latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0 && (latitude_deg, longitude_deg) != (0.0, 0.0);
+        let height_m = if height_m.is_finite() { height_m } else { 0.0 };
+        let place = known.then_some(GeoPoint { latitude_deg, longitude_deg, height_m });
+        self.position = self.position.or(place);
     }
 
     /// When it began, ns since 1970, if that is known.
@@ -142,25 +164,97 @@ impl Session {
         self.start_unix_ns.or_else(|| self.raw.events.first().map(|(time_ns, _)| *time_ns))
     }
 
-    /// Sorts every sensor's events and turns them into the device's axes.
-    pub fn sort(&mut self, frame: &Frame) {
-        for (name, stream) in [
-            ("magnetometer", &mut self.raw),
-            ("accelerometer", &mut self.up),
-            ("gyroscope", &mut self.rate),
-            ("system's field", &mut self.system),
-        ] {
-            stream.events.iter_mut().for_each(|(_, value)| *value = frame.turn(value));
-            let (late, repeated) = stream.sort();
-            if late > 0 {
-                self.notes.push(format!("{name}: {late} events were older than the one before; all were put in order"));
-            }
-            if repeated > 0 {
-                self.notes.push(format!("{name}: {repeated} events repeated the time of another and were left out"));
-            }
+    /// Whether its units, signs, axes and clocks are what they are taken for.
+    pub fn conventions(&self) -> Conventions {
+        conventions::check(&Streams {
+            field: &self.raw.events,
+            up: &self.up.events,
+            rate: &self.rate.events,
+            attitude: &self.attitude.events,
+        })
+    }
+
+    /// Adds to the times of each sensor.
+    pub fn shift(&mut self, shifts: &Shifts) {
+        let Shifts { field_ns, up_ns, rate_ns } = *shifts;
+        let pairs =
+            [(&mut self.raw, field_ns), (&mut self.system, field_ns), (&mut self.up, up_ns), (&mut self.rate, rate_ns)];
+        for (stream, shift_ns) in pairs {
+            let shifted = |time_ns: i64| time_ns.saturating_add(shift_ns).clamp(1 - MOST_NS, MOST_NS - 1);
+            stream.events.iter_mut().for_each(|(time_ns, _)| *time_ns = shifted(*time_ns));
         }
-        self.attitude.sort();
-        self.course.sort();
+    }
+
+    /// Sorts every sensor's events and turns them into the device's axes. Of several sessions in one file it keeps the one that `which`
+    /// says, counted from 1. Loss is told, and refused where it is most of a sensor, unless it is wanted all the same.
+    ///
+    /// # Errors
+    /// [`LabError::Several`] and [`LabError::Usage`].
+    pub fn order(&mut self, frames: &Frames, which: Option<usize>, force: bool) -> Result<(), LabError> {
+        for stream in [&mut self.raw, &mut self.up, &mut self.rate, &mut self.system] {
+            let cut = stream.cut.take();
+            self.warnings.extend(cut.as_deref().map(cut_words));
+        }
+        self.pick(which)?;
+        let mut order = |name: &str, lost: Order| lost.tell(name, force, &mut self.notes, &mut self.warnings);
+        order("magnetometer", self.raw.order(|v| *v = frames.field.turn(v)))?;
+        order("accelerometer", self.up.order(|v| *v = frames.up.turn(v)))?;
+        order("gyroscope", self.rate.order(|v| *v = frames.rate.turn(v)))?;
+        order("system's field", self.system.order(|v| *v = frames.field.turn(v)))?;
+        order("reference", self.attitude.order(|_| ()))?;
+        order("course", self.course.order(|_| ()))
+    }
+
+    /// Keeps one of several sessions that follow one another in one file.
+    fn pick(&mut self, which: Option<usize>) -> Result<(), LabError> {
+        let parts = sessions(&self.raw.events);
+        let place = self.raw.first.as_ref().map_or_else(String::new, |[place, _]| place.path.display().to_string());
+        let count = parts.len().max(1);
+        if let Some(which) = which.filter(|which| *which > count) {
+            let has = if count == 1 { "it holds one session".to_owned() } else { format!("it holds {count} sessions") };
+            return Err(LabError::Usage(format!("{place}: --session {which}: {has}")));
+        }
+        if count == 1 {
+            return Ok(());
+        }
+        let Some(which) = which else {
+            return Err(LabError::Several { sessions: count, why: self.told(&place, &parts) });
+        };
+        self.notes.push(format!("session {which} of {count} in {place}"));
+        let mut left_out = Vec::new();
+        let mut part = |name: &str, parts: Vec<Range<usize>>| {
+            if !parts.is_empty() && parts.len() != count {
+                let times = |parts: usize| parts - 1;
+                left_out.push(format!(
+                    "{name} was left out: its time runs back {} times, the magnetometer's {}",
+                    times(parts.len()),
+                    times(count)
+                ));
+            }
+            parts.get(which - 1).filter(|_| parts.len() == count).cloned().unwrap_or(0..0)
+        };
+        self.raw.keep(&parts[which - 1]);
+        self.up.keep(&part("accelerometer", sessions(&self.up.events)));
+        self.rate.keep(&part("gyroscope", sessions(&self.rate.events)));
+        self.system.keep(&part("system's field", sessions(&self.system.events)));
+        self.attitude.keep(&part("reference", sessions(&self.attitude.events)));
+        self.course.keep(&part("course", sessions(&self.course.events)));
+        self.warnings.append(&mut left_out);
+        Ok(())
+    }
+
+    /// The sessions of one file in words.
+    fn told(&self, place: &str, parts: &[Range<usize>]) -> String {
+        let told = parts.iter().take(MOST_TOLD).enumerate().map(|(k, part)| {
+            let events = &self.raw.events[part.clone()];
+            let times = || events.iter().map(|(time_ns, _)| *time_ns);
+            let [from_s, to_s] = [times().min(), times().max()].map(|time_ns| time_ns.unwrap_or(0) as f64 / 1e9);
+            format!("{}: {from_s:.1} to {to_s:.1} s, {} magnetometer events", k + 1, events.len())
+        });
+        let told: Vec<String> = told.collect();
+        let (count, more) = (parts.len(), if parts.len() > MOST_TOLD { "; ..." } else { "" });
+        let told = told.join("; ");
+        format!("{place}: its time runs back, so it holds {count} sessions ({told}{more}); name one by --session N")
     }
 
     /// Number, rate and longest pause of each sensor's events.
@@ -237,6 +331,10 @@ impl Session {
         let left_out = self.warnings.first().map_or_else(String::new, |warning| format!("; {warning}"));
         Err(LabError::Usage(format!("{logger} session {}: {why}{named}{left_out}", names.join(", "))))
     }
+}
+
+fn cut_words(why: impl Display) -> String {
+    format!("the last row was left out, as one of an app that was ended while it wrote: {why}")
 }
 
 fn sensor<T>(name: &'static str, events: &[(i64, T)]) -> Sensor {

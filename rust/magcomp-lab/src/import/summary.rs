@@ -1,7 +1,8 @@
 //! What a session had, for the user.
 
 use super::session::Sensor;
-use crate::place::Day;
+use crate::conventions::Conventions;
+use crate::place::{Day, GeoPoint};
 use crate::table::{Table, number};
 use serde::Serialize;
 
@@ -16,9 +17,14 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// Parts that were left out, or may be wrong.
     pub warnings: Vec<String>,
+    /// Whether units, signs, axes and clocks are what they are taken for.
+    pub conventions: Conventions,
     /// The day of the first event (UTC), where the session says so.
     #[serde(skip)]
     pub day: Option<Day>,
+    /// Where it was recorded, where the session says so.
+    #[serde(skip)]
+    pub position: Option<GeoPoint>,
 }
 
 impl Summary {

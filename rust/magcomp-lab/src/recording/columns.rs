@@ -1,10 +1,10 @@
 //! The columns of a recording, found by name, and the values of a line, with an error that names file, line, column and what was
 //! expected there.
 
+use super::record::Record;
 use super::rows::Course;
 use crate::error::{LabError, Place, shorten};
 use crate::time::{is_time, time_ns};
-use csv::ByteRecord;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::path::Path;
 
@@ -36,8 +36,8 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Those of a header.
-    pub fn from_header(path: &Path, header: &ByteRecord) -> Result<Self, LabError> {
-        let names: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
+    pub fn from_header(path: &Path, header: &Record) -> Result<Self, LabError> {
+        let names: Vec<String> = header.texts();
         let wrong = |expected: String| LabError::Recording {
             place: Place { path: path.to_owned(), line: 1, column: None },
             expected,
@@ -67,8 +67,8 @@ impl Columns {
     }
 
     /// The values of a line; `before` is the time of the line before, s and ns.
-    pub fn line(&self, path: &Path, record: &ByteRecord, before: Option<(f64, i64)>) -> Result<Line, LabError> {
-        let line = record.position().map_or(0, csv::Position::line);
+    pub fn line(&self, path: &Path, record: &Record, before: Option<(f64, i64)>) -> Result<Line, LabError> {
+        let line = record.line;
         let wrong = |column: Option<usize>, expected: String, found: String| LabError::Recording {
             place: Place {
                 path: path.to_owned(),
@@ -83,14 +83,15 @@ impl Columns {
             let column = record.len().min(self.names.len());
             return Err(wrong(Some(column), format!("{} cells", self.names.len()), record.len().to_string()));
         }
+        let cell = |i: usize| record.get(i).unwrap_or_default();
         let number = |i: usize| -> Result<f64, LabError> {
-            let text = String::from_utf8_lossy(&record[i]);
+            let text = String::from_utf8_lossy(cell(i));
             let found =
                 if text.trim().is_empty() { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
             text.trim().parse().map_err(|_| wrong(Some(i), "a number".to_owned(), found))
         };
         // a sensor that said nothing at this time leaves all its cells empty
-        let silent = |cells: &[usize]| cells.iter().all(|i| record[*i].trim_ascii().is_empty());
+        let silent = |cells: &[usize]| cells.iter().all(|i| cell(*i).trim_ascii().is_empty());
         let vector = |cells: [usize; 3]| {
             let [x, y, z] = cells;
             if silent(&cells) {

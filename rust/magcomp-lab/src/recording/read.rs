@@ -1,10 +1,10 @@
 //! Reading a recording row by row.
 
 use super::columns::{Columns, Line};
+use super::record::{Delimiter, Record};
 use super::rows::{Inertial, Row};
 use crate::error::{LabError, Place};
-use csv::{ByteRecord, ReaderBuilder};
-use std::io::{self, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// Bytes of a line, at most: it lies in memory.
@@ -12,30 +12,43 @@ const LONGEST_LINE: usize = 1 << 20;
 /// Events of other sensors that wait for the next magnetometer sample, at most: an hour of two sensors at 140 Hz.
 const MOST_WAITING: usize = 1 << 20;
 
-/// A text, of which no line may be longer than memory allows. The owner sets `read` to 0 after each line.
+/// A text line by line, of which no line may be longer than memory allows.
 struct Lines {
-    source: Box<dyn Read>,
-    read: usize,
+    source: BufReader<Box<dyn Read>>,
+    text: Vec<u8>,
+    record: Record,
 }
 
-impl Read for Lines {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.read > LONGEST_LINE {
-            let why =
-                format!("a line has more than {LONGEST_LINE} bytes; is a quotation mark open, or is this no CSV?");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+impl Lines {
+    /// Whether there is another line that is not empty; it is then in `record`.
+    fn next(&mut self) -> io::Result<bool> {
+        loop {
+            self.text.clear();
+            let mut limited = (&mut self.source).take(LONGEST_LINE as u64 + 1);
+            if limited.read_until(b'\n', &mut self.text)? == 0 {
+                return Ok(false);
+            }
+            self.record.line += 1;
+            if self.text.len() > LONGEST_LINE {
+                let line = self.record.line;
+                let why = format!("line {line} has more than {LONGEST_LINE} bytes; is this no CSV?");
+                return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+            }
+            let end = self.text.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
+            // a byte order mark is none of the first name
+            let start = if self.record.line == 1 && self.text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+            if end > start {
+                self.record.split(&self.text[start..end], Delimiter::Mark(b','));
+                return Ok(true);
+            }
         }
-        let read = self.source.read(buffer)?;
-        self.read += read;
-        Ok(read)
     }
 }
 
 /// The rows of a recording, in order; an error ends them.
 pub struct Rows {
     path: PathBuf,
-    reader: csv::Reader<Lines>,
-    record: ByteRecord,
+    lines: Lines,
     columns: Columns,
     /// Time of the line before.
     before: Option<(f64, i64)>,
@@ -44,13 +57,12 @@ pub struct Rows {
 impl Rows {
     /// Those of a text, under the name it came from.
     pub(super) fn new(path: &Path, source: Box<dyn Read>) -> Result<Self, LabError> {
-        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Lines { source, read: 0 });
-        let mut record = ByteRecord::new();
-        if !reader.read_byte_record(&mut record).map_err(|error| unreadable(path, error))? {
+        let mut lines = Lines { source: BufReader::new(source), text: Vec::new(), record: Record::default() };
+        if !lines.next().map_err(LabError::read(path))? {
             return Err(LabError::Empty { path: path.to_owned(), what: "nothing in it" });
         }
-        let columns = Columns::from_header(path, &record)?;
-        Ok(Self { path: path.to_owned(), reader, record, columns, before: None })
+        let columns = Columns::from_header(path, &lines.record)?;
+        Ok(Self { path: path.to_owned(), lines, columns, before: None })
     }
 
     /// Where the cell of a name is in the first line after the header.
@@ -62,20 +74,15 @@ impl Rows {
     /// The next magnetometer sample, with the events of the lines before it that have none.
     fn read(&mut self) -> Result<Option<Row>, LabError> {
         let (mut before, mut system_ut) = (Vec::new(), None);
-        while self.reader.read_byte_record(&mut self.record).map_err(|error| unreadable(&self.path, error))? {
-            self.reader.get_mut().read = 0;
-            let line = self.columns.line(&self.path, &self.record, self.before)?;
+        while self.lines.next().map_err(LabError::read(&self.path))? {
+            let line = self.columns.line(&self.path, &self.lines.record, self.before)?;
             self.before = Some((line.time_s, line.time_ns));
             system_ut = line.system_ut.or(system_ut);
             let Some(field_ut) = line.field_ut else {
                 if line.rate_rad_s.is_some() || line.up_m_s2.is_some() || line.course.is_some() {
                     if before.len() == MOST_WAITING {
                         return Err(LabError::Recording {
-                            place: Place {
-                                path: self.path.clone(),
-                                line: self.record.position().map_or(0, csv::Position::line),
-                                column: None,
-                            },
+                            place: Place { path: self.path.clone(), line: self.lines.record.line, column: None },
                             expected: "a magnetometer sample".to_owned(),
                             found: format!(
                                 "{MOST_WAITING} rows of other sensors before it; cut the part without magnetometer off"
@@ -110,15 +117,6 @@ impl Iterator for Rows {
     fn next(&mut self) -> Option<Self::Item> {
         self.read().transpose()
     }
-}
-
-fn unreadable(path: &Path, error: csv::Error) -> LabError {
-    let message = error.to_string();
-    let source = match error.into_kind() {
-        csv::ErrorKind::Io(source) => source,
-        _ => io::Error::new(io::ErrorKind::InvalidData, message),
-    };
-    LabError::Read { path: path.to_owned(), source }
 }
 
 #[cfg(test)]

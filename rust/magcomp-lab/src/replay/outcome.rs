@@ -6,7 +6,9 @@ use super::judgement::Judgement;
 use super::legs::{Legs, Waypoint};
 use super::player::Step;
 use super::told::{Bearing, Bearings, Mark};
+use super::verdict::Verdict;
 use super::view::table;
+use crate::conventions::Conventions;
 use crate::error::LabError;
 use crate::place::EarthField;
 use crate::recording::{Extent, Row};
@@ -51,28 +53,43 @@ impl Gathering {
         self.last = Some(step.reading.status);
     }
 
-    /// After the last row, under the recording's and the method's names. `session` is the content of the logger's session that
-    /// the recording was made from.
+    /// After the last row, under the recording's and the method's names. `known` is what was found when
+    /// the recording was opened.
     #[must_use]
-    pub fn finish(self, recording: &str, method: &str, earth: Option<EarthField>, session: Option<Table>) -> Outcome {
+    pub fn finish(self, recording: &str, method: &str, earth: Option<EarthField>, known: &Known) -> Outcome {
         let judged = self.judge.finish();
         let marks = self.marks.iter().map(|mark| mark.told(&judged.events)).collect();
         let judgement =
             Judgement { legs: self.legs.finish(), marks, bearings: self.bearings.finish(), earth, ..judged };
+        let verdict = Verdict::of(&judgement, &known.conventions, &known.warnings);
         let mut summary = table(recording, method, &judgement);
+        summary.lead.splice(0..0, verdict.lines());
         if let Some(last) = self.last.filter(|_| judgement.answered == 0.0) {
             summary.note(&format!("No row was answered. The last one says: {last}."));
         }
         // the summary first: it says what all of it comes to
-        let tables = std::iter::once(summary).chain(session).collect();
-        Outcome { judgement, tables, recording: recording.to_owned(), figures: self.figures }
+        let tables = std::iter::once(summary).chain(known.session.clone()).collect();
+        Outcome { judgement, verdict, tables, recording: recording.to_owned(), figures: self.figures }
     }
+}
+
+/// What was found when a recording was opened.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    /// The content of the logger's session that it was made from.
+    pub session: Option<Table>,
+    /// Whether units, signs, axes and clocks are what they are taken for.
+    pub conventions: Conventions,
+    /// Parts that were lost or left out.
+    pub warnings: Vec<String>,
 }
 
 /// What a replay came to.
 pub struct Outcome {
     /// In numbers.
     pub judgement: Judgement,
+    /// In a word, with reasons.
+    pub verdict: Verdict,
     /// In tables: the summary, and the session's content where there was one.
     pub tables: Vec<Table>,
     recording: String,
@@ -87,8 +104,10 @@ impl Outcome {
     pub fn report(self) -> Result<Report, LabError> {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
-        let lead = self.tables[0].lead.join(" ");
+        let lines = self.verdict.lines().len();
+        let lead = self.tables[0].lead[lines..].join(" ");
         let mut report = Report::new(&format!("{} replayed", self.recording), &format!("{lead} {rule}"));
+        report.card(self.verdict.grade.word(), &self.verdict.why, &self.verdict.next);
         self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
         // the page began with the lead
         report.table(&Table { lead: Vec::new(), ..self.tables[0].clone() });

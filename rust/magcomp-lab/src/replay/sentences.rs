@@ -122,7 +122,7 @@ pub(super) fn counted(count: usize, noun: &str) -> String {
 }
 
 /// One digit after the point below 10, none from there on.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     number(Some(value), if value < 9.95 { 1 } else { 0 })
 }
 

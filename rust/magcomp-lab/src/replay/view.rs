@@ -15,6 +15,7 @@ pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     let mut table = Table::new(&format!("{recording}, method {method}"), columns);
     table.lead = sentences(judgement);
     let mut lines = Lines { table: &mut table, is_system };
+    add_published(&mut lines, judgement);
     add_field(&mut lines, judgement);
     add_heading(&mut lines, judgement);
     if let Some(legs) = judgement.legs {
@@ -59,6 +60,15 @@ impl Lines<'_> {
     }
 }
 
+fn add_published(lines: &mut Lines, judgement: &Judgement) {
+    if let Some(published) = judgement.published_heading {
+        lines.add_ours("published heading, constant angle taken out, deg", signed(published.constant_deg));
+        lines.add_ours("published heading, error rms, deg", number(Some(published.rms_deg), 2));
+        lines.add_ours("published heading, error p95, deg", number(Some(published.p95_deg), 2));
+        lines.add_within(", published,", published.within_sigma);
+    }
+}
+
 fn add_field(lines: &mut Lines, judgement: &Judgement) {
     let spread = |figures: Kinds<MeanSpread>| figures.map(|figure| number(Some(figure.spread), 2));
     let mean = |figures: Kinds<MeanSpread>| figures.map(|figure| number(Some(figure.mean), 1));
@@ -86,12 +96,6 @@ fn add_heading(lines: &mut Lines, judgement: &Judgement) {
         lines.add_ours("heading error p95 of f, deg", number(Some(carried.p95_deg), 2));
         lines.add_within(" of f", carried.within_sigma);
     }
-    if let Some(published) = judgement.published_heading {
-        lines.add_ours("published heading, constant angle taken out, deg", signed(published.constant_deg));
-        lines.add_ours("published heading, error rms, deg", number(Some(published.rms_deg), 2));
-        lines.add_ours("published heading, error p95, deg", number(Some(published.p95_deg), 2));
-        lines.add_within(", published,", published.within_sigma);
-    }
 }
 
 fn add_rest(lines: &mut Lines, judgement: &Judgement) {
@@ -111,12 +115,6 @@ fn add_rest(lines: &mut Lines, judgement: &Judgement) {
     for (status, count) in &judgement.status {
         lines.add_ours(&format!("status {status}, rows"), count.to_string());
     }
-    if judgement.max_push_ns == 0 {
-        return; // there was no clock
-    }
-    lines.add_ours("push, mean ns", number(Some(judgement.mean_push_ns), 0));
-    lines.add_ours("push, 99.9 % below ns", judgement.p999_push_ns.to_string());
-    lines.add_ours("push, longest ns", judgement.max_push_ns.to_string());
 }
 
 fn add_notes(table: &mut Table, judgement: &Judgement) {

@@ -6,6 +6,7 @@ mod refused;
 mod rows;
 mod summary;
 mod usage;
+mod verdict;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};

@@ -3,9 +3,14 @@
 
 #[cfg(feature = "mcap")]
 mod bags;
+mod conventions;
+mod forms;
 mod loggers;
+mod loss;
 mod merged;
 mod plain;
+mod several;
+mod simulated;
 #[cfg(feature = "columnar")]
 mod tables;
 

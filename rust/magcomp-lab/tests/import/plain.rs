@@ -106,7 +106,7 @@ fn what_is_no_text_and_two_sessions_at_once_are_refused() {
     let folder = folder(&[("Magnetometer.csv", RAW)]);
     let again = self::folder(&[("Magnetometer.csv", RAW)]);
     let error = refused(&[folder.path(), again.path()], &[]);
-    assert!(error.contains("are of the same sensor; import one session at a time"), "{error}");
+    assert!(error.contains("are of the same sensor: these are several recordings; give one at a time"), "{error}");
     for (bytes, hint) in [
         (&b"MATLAB 5.0 MAT-file\0\0"[..], "writetimetable"),
         (b"\x89MCAP0\r\n\0\0", "cannot be read: MCAP file ended"),

@@ -1,0 +1,88 @@
+//! `magcomp check`.
+
+use super::common::{Common, warn};
+use crate::conventions::{Conventions, Weight};
+use crate::error::LabError;
+use crate::import::{ImportOptions, open};
+use crate::place::{GeoPoint, earth_field};
+use crate::recording::name_of;
+use crate::report::Report;
+use crate::table::{Table, number};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Check a recording's units, signs, axes and clocks, each sensor by another.
+///
+/// The gyroscope is asked by the turn of the field and of gravity, the field by its size and turn, the accelerometer's sign by the dip. Each
+/// finding is a sentence with the option that mends it; `replay` begins with the same. Exit code 3: something is wrong.
+#[derive(Debug, Args)]
+pub(super) struct Check {
+    /// The recording, or the session of a phone logger as of `magcomp import`
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    import: ImportOptions,
+    /// Where it was recorded (degrees, north and east positive; metres): tells the sign of the dip
+    #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", allow_hyphen_values = true)]
+    place: Option<GeoPoint>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Told {
+    recording: String,
+    warnings: Vec<String>,
+    #[serde(flatten)]
+    conventions: Conventions,
+}
+
+impl Check {
+    pub fn run(self) -> Result<(), LabError> {
+        let opened = open(&self.inputs, &self.import)?;
+        warn(&opened.warnings);
+        let recording = name_of(opened.source.path());
+        let mut conventions = opened.conventions;
+        // the sign of the dip hardly changes with the years: any day of the model will do
+        let day = opened.day.or_else(|| "2025-01-01".parse().ok());
+        let earth = self.place.or(opened.position).zip(day).and_then(|(place, day)| earth_field(place, day).ok());
+        if let Some(earth) = earth {
+            conventions.judge_sign(earth.dip_deg);
+        }
+        let is_wrong = conventions.findings.iter().any(|finding| finding.weight == Weight::Fault);
+        let table = table(&recording, &conventions);
+        let told = Told { recording: recording.clone(), warnings: opened.warnings, conventions };
+        self.common.finish(std::slice::from_ref(&table), &told, || {
+            let mut report =
+                Report::new(&format!("{recording} checked"), "Units, signs, axes and clocks, each sensor by another.");
+            report.table(&table);
+            Ok(report)
+        })?;
+        if is_wrong {
+            return Err(LabError::Bad(format!("{recording}: {}", told.conventions.findings[0].text)));
+        }
+        Ok(())
+    }
+}
+
+fn table(recording: &str, conventions: &Conventions) -> Table {
+    let mut table = Table::new(&format!("{recording}, conventions"), &["found by", ""]);
+    table.lead = conventions.findings.iter().map(|finding| sentence(&finding.text)).collect();
+    if table.lead.is_empty() {
+        table.lead.push("Nothing is amiss.".to_owned());
+    }
+    let delay_ms = conventions.field_delay_s.map(|delay_s| 1000.0 * delay_s);
+    table.row(vec!["field about its centre, uT".to_owned(), number(conventions.radius_ut, 1)]);
+    table.row(vec!["dip about that centre, deg".to_owned(), number(conventions.dip_deg, 1)]);
+    table.row(vec!["field behind the gyroscope, ms".to_owned(), number(delay_ms, 0)]);
+    table
+}
+
+/// With a capital and a point.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
+    format!("{first}{}.", letters.as_str())
+}

@@ -1,0 +1,373 @@
+//! Are a recording's units, signs, axes and clocks what they are taken for? Each sensor is asked by another: the gyroscope by the turn of the
+//! field and of gravity, the field by its size and turn, gravity by the dip.
+//!
+//! Nothing here is tuned to a device: that a vector fixed in the world turns against the gyroscope holds for all of them.
+
+mod axes;
+mod samples;
+mod windows;
+
+use axes::{Fits, typed};
+use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use serde::Serialize;
+use windows::{Event, Series, Turns, fit, median, windows};
+
+/// Seconds of a window of the field, and of gravity, whose ends are averaged over as long.
+const FIELD_S: f64 = 0.5;
+const GRAVITY_S: f64 = 1.0;
+/// Gravity for the dip is averaged over this: a turn blurs it.
+const UP_S: f64 = 0.2;
+/// Events of a sensor that are looked at.
+const MOST: usize = 1 << 17;
+/// Events of the field by which a delay is told: it is tried many times over.
+const MOST_FOR_DELAY: usize = 1 << 14;
+/// The field's radius without any device is 22 to 67 uT on Earth; iron and magnets near by make it 10 to 150.
+const RADII_UT: (f64, f64) = (10.0, 150.0);
+const EARTH_UT: (f64, f64) = (22.0, 67.0);
+/// Delays that are looked at, and their step, s. Late fields are followed up to a tenth of a second, early ones are not.
+const DELAY_S: f64 = 0.2;
+const DELAY_STEP_S: f64 = 0.01;
+const EARLY_S: f64 = 0.02;
+const LATE_S: f64 = 0.115;
+/// Windows by which a delay is told, s: short ones are sharper. Fewer tell nothing.
+const DELAY_WINDOW_S: f64 = 0.3;
+const FEWEST: usize = 16;
+/// What is left over at the best delay, as a share of the worst: where a part of a recording counts, and where one part alone is enough.
+const SHARP: f64 = 0.8;
+const VERY_SHARP: f64 = 0.3;
+/// The parts agree on a delay to this, s.
+const AGREE_S: f64 = 0.015;
+/// A dip of a smaller size has no sign.
+const LEAST_DIP_DEG: f64 = 20.0;
+/// Share of the rows in which a phone faces down or hangs upside down, from which on that is odd.
+const ODD: f64 = 0.6;
+
+/// How much a finding says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weight {
+    /// Worth knowing.
+    Note,
+    /// The result may be worse than it need be.
+    Doubt,
+    /// The result is wrong.
+    Fault,
+}
+
+/// One thing that was found, in a sentence with the option that mends it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its kind: gyroscope_unit, field_axes and so on.
+    pub kind: &'static str,
+    /// How much it says.
+    pub weight: Weight,
+    /// The sentence.
+    pub text: String,
+}
+
+/// What was found, and what it was found by.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Conventions {
+    /// What was found; nothing where all is as it should be.
+    pub findings: Vec<Finding>,
+    /// Size of the field about the centre that the gyroscope tells, uT.
+    pub radius_ut: Option<f64>,
+    /// The field's angle below the horizon about that centre, degrees.
+    pub dip_deg: Option<f64>,
+    /// How late the field is behind the gyroscope, s.
+    pub field_delay_s: Option<f64>,
+}
+
+/// The events of a recording's sensors, time in ns: uT, m/s^2, rad/s, device to east-north-up.
+#[derive(Clone, Copy, Debug)]
+pub struct Streams<'a> {
+    /// The raw field.
+    pub field: &'a [(i64, Vector3<f64>)],
+    /// The accelerometer.
+    pub up: &'a [(i64, Vector3<f64>)],
+    /// The gyroscope.
+    pub rate: &'a [(i64, Vector3<f64>)],
+    /// A reference orientation.
+    pub attitude: &'a [(i64, UnitQuaternion<f64>)],
+}
+
+impl Conventions {
+    /// With the dip that the place's model has, degrees: its sign proves that of the accelerometer.
+    pub fn judge_sign(&mut self, model_deg: f64) {
+        let Some(dip_deg) = self.dip_deg.filter(|dip_deg| dip_deg.abs().min(model_deg.abs()) > LEAST_DIP_DEG) else {
+            return;
+        };
+        self.findings.retain(|finding| finding.kind != "dip_sign" && finding.kind != "accelerometer_sign");
+        if dip_deg * model_deg < 0.0 {
+            let text = format!(
+                "the dip is {dip_deg:.0} deg, and the place has {model_deg:.0}: the acceleration is of Apple's sign: --units a=-m/s2 (or the \
+                 magnetometer's axes are all turned round: --frame m=-x,-y,-z)"
+            );
+            self.findings.insert(0, Finding { kind: "accelerometer_sign", weight: Weight::Fault, text });
+        }
+    }
+}
+
+fn series(events: &[(i64, Vector3<f64>)], start_ns: i64) -> Series {
+    let finite = |(_, value): &&(i64, Vector3<f64>)| value.iter().all(|part| part.is_finite());
+    let seconds = |(time_ns, value): &(i64, Vector3<f64>)| ((time_ns - start_ns) as f64 / 1e9, *value);
+    events.iter().take(MOST).filter(finite).map(seconds).collect()
+}
+
+/// Checks a recording.
+#[must_use]
+pub fn check(streams: &Streams<'_>) -> Conventions {
+    let start_ns = streams.field.first().map_or(0, |(time_ns, _)| *time_ns);
+    let [field, up, rate] = [streams.field, streams.up, streams.rate].map(|events| series(events, start_ns));
+    let mut found = Conventions::default();
+    let mut add = |kind, weight, text: String| found.findings.push(Finding { kind, weight, text });
+    for (name, numbers, events) in [
+        ("magnetometer", field.len(), streams.field),
+        ("accelerometer", up.len(), streams.up),
+        ("gyroscope", rate.len(), streams.rate),
+    ] {
+        samples::check_numbers(name, numbers, events.len().min(MOST), &mut add);
+    }
+    samples::check(&field, &up, &rate, &mut add);
+    let has_clock = samples::check_clocks([streams.field, streams.up, streams.rate], &mut add);
+    let turns = Turns::of(&rate);
+    let of_gravity = Fits::of(&windows(&up, &turns, GRAVITY_S, GRAVITY_S, 0.0), false);
+    let field_windows = windows(&field, &turns, FIELD_S, 0.0, 0.0);
+    let of_field = Fits::of(&field_windows, true).filter(|_| has_clock);
+    let (gravity, field_fits) = (of_gravity.as_ref(), of_field.as_ref());
+    check_axes(field_fits, gravity, &field, &up, &mut add);
+    if let Some(fits) = field_fits.filter(|fits| fits.best < 0.6 && fits.fit.roundness > 0.01) {
+        let sizes = field.iter().map(|(_, value)| (value - fits.fit.offset).norm());
+        let radius_ut = median(sizes.collect());
+        check_radius(radius_ut, &mut add);
+        found.radius_ut = Some(radius_ut);
+        if !fits.differs() {
+            found.dip_deg = dip_deg(&field, &up, fits.fit.offset, &Matrix3::identity());
+        }
+    }
+    if field_fits.is_some_and(Fits::agrees) {
+        found.field_delay_s = delay_s(&field[..field.len().min(MOST_FOR_DELAY)], &turns);
+    }
+    let mut add = |kind, weight, text: String| found.findings.push(Finding { kind, weight, text });
+    if let Some(delay_s) = found.field_delay_s.filter(|delay_s| !(-EARLY_S..LATE_S).contains(delay_s)) {
+        let (size_ms, word) = (1000.0 * delay_s.abs(), if delay_s < 0.0 { "early" } else { "late" });
+        let text = format!(
+            "the field comes {size_ms:.0} ms too {word} for the gyroscope's turns: stamp both with the sensors' own times, or --shift m={:.2}",
+            -delay_s
+        );
+        add("field_delay", Weight::Doubt, text);
+    }
+    check_sign(streams, &up, found.dip_deg, &mut add);
+    samples::check_axis(&up, &mut add);
+    found.findings.sort_by_key(|finding| std::cmp::Reverse(finding.weight));
+    found
+}
+
+type Add<'a> = dyn FnMut(&'static str, Weight, String) + 'a;
+
+/// Units and axes of gyroscope, field and gravity. One that stands alone against the other two is the guilty one.
+fn check_axes(field: Option<&Fits>, gravity: Option<&Fits>, events: &Series, up: &Series, add: &mut Add<'_>) {
+    let field_differs = field.is_some_and(Fits::differs);
+    let gravity_differs = gravity.is_some_and(Fits::differs);
+    let unit = [field, gravity].into_iter().flatten().find(|fits| fits.differs() && fits.unit != "rad/s");
+    if let Some(fits) = unit {
+        let by = if field_differs { "the field's" } else { "gravity's" };
+        let axes = if fits.is_turned() { format!(" and --frame g={}", typed(&fits.axes)) } else { String::new() };
+        let text = format!("{by} turn says that the gyroscope is in deg/s, not rad/s: --units g=deg/s{axes}");
+        add("gyroscope_unit", Weight::Fault, text);
+        return;
+    }
+    let mirrored = field.filter(|fits| field_differs && fits.is_mirror());
+    if let Some(fits) = mirrored {
+        let axes = typed(&fits.axes);
+        let text = format!(
+            "the field turns as if an axis of the gyroscope were swapped or flipped; it fits as {axes}: --frame g={axes}"
+        );
+        add("gyroscope_axes", Weight::Fault, text);
+        return;
+    }
+    match (field, gravity) {
+        // both say the same of the gyroscope
+        (Some(one), Some(other)) if field_differs && gravity_differs && one.axes == other.axes => {
+            let axes = typed(&one.axes);
+            let text = format!(
+                "field and gravity turn as if the gyroscope's axes were others; it fits as {axes}: --frame g={axes}"
+            );
+            add("gyroscope_axes", Weight::Fault, text);
+        }
+        (Some(fits), _) if field_differs => {
+            let axes = fits.axes.transpose();
+            // a mirror turns as its opposite does: the one whose dip is that of the northern half of the Earth, where most people live
+            let dip = dip_deg(events, up, fits.fit.offset, &axes);
+            let axes = if dip.is_some_and(|dip| dip < -LEAST_DIP_DEG) { -axes } else { axes };
+            let (named, other) = (typed(&axes), typed(&-axes));
+            let south = if dip.is_some_and(|dip| dip.abs() > LEAST_DIP_DEG) {
+                format!(" (south of the magnetic equator m={other})")
+            } else {
+                format!(" (or m={other})")
+            };
+            let text = format!(
+                "the field turns as if the magnetometer's axes were others; it fits as {named}: --frame m={named}{south}"
+            );
+            add("field_axes", Weight::Fault, text);
+        }
+        // accelerations in step with the turns look so too: only where they are small, and hardly anything is left over
+        (agreeing, Some(fits)) if gravity_differs && fits.is_turned() => {
+            let sizes: Vec<f64> = up.iter().map(|(_, value)| (value.norm() - 9.81).abs()).collect();
+            let is_calm = median(sizes) < 0.5;
+            let limit = if agreeing.is_some_and(Fits::agrees) { 0.35 } else { 0.6 };
+            if is_calm && fits.best < limit {
+                let (sensor, option, axes) = if agreeing.is_some_and(Fits::agrees) {
+                    ("accelerometer", "a", fits.axes.transpose())
+                } else {
+                    ("gyroscope", "g", fits.axes)
+                };
+                let axes = typed(&axes);
+                let text = format!(
+                    "gravity turns as if the {sensor}'s axes were others; it fits as {axes}: --frame {option}={axes}"
+                );
+                add(if option == "a" { "accelerometer_axes" } else { "gyroscope_axes" }, Weight::Fault, text);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn check_radius(radius_ut: f64, add: &mut Add<'_>) {
+    if (RADII_UT.0..=RADII_UT.1).contains(&radius_ut) {
+        return;
+    }
+    let units = [
+        ("mG", "milligauss", 0.1),
+        ("G", "gauss", 100.0),
+        ("mT", "millitesla", 1e3),
+        ("nT", "nanotesla", 1e-3),
+        ("T", "tesla", 1e6),
+    ];
+    let fitting = units.iter().find(|(_, _, factor)| (EARTH_UT.0..=EARTH_UT.1).contains(&(radius_ut * factor)));
+    let hint = fitting.map_or_else(
+        || "is it another unit? --units m=FACTOR to uT".to_owned(),
+        |(unit, name, _)| format!("{name}? --units m={unit}"),
+    );
+    let text =
+        format!("the field is about {radius_ut:.0} uT wherever it is turned, and the Earth has 22 to 67: {hint}");
+    add("field_unit", Weight::Fault, text);
+}
+
+/// The field's angle below the horizon; none without gravity, or where it is not clear.
+fn dip_deg(field: &Series, up: &Series, offset: Vector3<f64>, axes: &Matrix3<f64>) -> Option<f64> {
+    let mut averaged: Option<Vector3<f64>> = None;
+    let (mut next, mut before_s, mut dips) = (0, 0.0, Vec::new());
+    for (time_s, value) in field {
+        while let Some((up_s, up)) = up.get(next).filter(|event| event.0 <= *time_s) {
+            let mean = averaged.get_or_insert(*up);
+            *mean += (up - *mean) * ((up_s - before_s) / UP_S).clamp(0.0, 1.0);
+            (before_s, next) = (*up_s, next + 1);
+        }
+        let Some(up) = averaged else { continue };
+        let turned = axes * (value - offset);
+        let sine = -turned.dot(&up) / (turned.norm() * up.norm());
+        if sine.is_finite() {
+            dips.push(sine.clamp(-1.0, 1.0).asin().to_degrees());
+        }
+    }
+    (dips.len() > 50).then(|| median(dips))
+}
+
+/// How late the field is behind the gyroscope: the delay at which least is left over, by each quarter of the recording that tells it
+/// sharply; none where they do not agree.
+fn delay_s(field: &[Event], turns: &Turns) -> Option<f64> {
+    let steps = (DELAY_S / DELAY_STEP_S).round() as i32;
+    let shifts: Vec<f64> = (-steps..=steps).map(|step| f64::from(step) * DELAY_STEP_S).collect();
+    let quarter = field.len().div_ceil(4).max(1);
+    let mut found = Vec::new();
+    let mut sharpest: f64 = 1.0;
+    for part in field.chunks(quarter) {
+        let left = |shift: &f64| {
+            let windows = windows(part, turns, DELAY_WINDOW_S, 0.0, *shift);
+            if windows.len() < FEWEST { f64::NAN } else { fit(&windows, &Matrix3::identity(), true).left }
+        };
+        let left: Vec<f64> = shifts.iter().map(left).collect();
+        let most = left.iter().copied().fold(f64::NAN, f64::max);
+        let least = (1..left.len() - 1).min_by(|a, b| left[*a].total_cmp(&left[*b]));
+        let Some(k) = least.filter(|k| left[*k] < SHARP * most && left[*k] <= left[0].min(left[left.len() - 1])) else {
+            continue;
+        };
+        // the lowest point of the parabola through three
+        let (before, at, after) = (left[k - 1], left[k], left[k + 1]);
+        let bend = before - 2.0 * at + after;
+        let part = if bend > 0.0 { (before - after) / bend / 2.0 } else { 0.0 };
+        found.push(-(shifts[k] + part * DELAY_STEP_S));
+        sharpest = sharpest.min(at / most);
+    }
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        let half = values.len() / 2;
+        if values.len().is_multiple_of(2) { (values[half - 1] + values[half]) / 2.0 } else { values[half] }
+    };
+    if found.is_empty() || found.len() == 1 && sharpest > VERY_SHARP {
+        return None;
+    }
+    let delay_s = middle(found.clone());
+    let off = found.iter().map(|found| (found - delay_s).abs()).collect();
+    (middle(off) <= AGREE_S).then_some(delay_s)
+}
+
+/// The sign of the accelerometer: by a reference, by the dip, and by how phones are held.
+fn check_sign(streams: &Streams<'_>, up: &Series, dip_deg: Option<f64>, add: &mut Add<'_>) {
+    let option = "--units a=-m/s2";
+    if let Some(share) = down_by_reference(streams).filter(|share| *share > 0.9) {
+        let percent = 100.0 * share;
+        let text = format!(
+            "gravity points down by the reference in {percent:.0} % of the rows: the acceleration is of Apple's sign: {option}"
+        );
+        add("accelerometer_sign", Weight::Fault, text);
+        return;
+    }
+    if up.len() < 50 || dip_deg.is_some_and(|dip_deg| dip_deg > LEAST_DIP_DEG) {
+        return;
+    }
+    let share =
+        |is: &dyn Fn(&Vector3<f64>) -> bool| up.iter().filter(|(_, up)| is(up)).count() as f64 / up.len() as f64;
+    let faces_down = share(&|up| up.z < -2.8);
+    let is_odd = share(&|up| up.y + up.z < 0.0);
+    match dip_deg.filter(|dip_deg| *dip_deg < -LEAST_DIP_DEG) {
+        Some(dip_deg) if is_odd > ODD => {
+            let text = format!(
+                "the phone faces down or hangs upside down in {:.0} % of the rows, and the dip is {dip_deg:.0} deg, as south of the magnetic \
+                 equator: if neither is so, the acceleration is of Apple's sign: {option}",
+                100.0 * is_odd
+            );
+            add("accelerometer_sign", Weight::Fault, text);
+        }
+        Some(dip_deg) => {
+            let text = format!(
+                "the dip is {dip_deg:.0} deg, as south of the magnetic equator; if you were north of it, the acceleration is of Apple's sign: {option}"
+            );
+            add("dip_sign", Weight::Note, text);
+        }
+        None if faces_down > 0.9 => {
+            let text = format!(
+                "the screen faced down nearly all the time; if it did not, the acceleration is of Apple's sign: {option}"
+            );
+            add("accelerometer_sign", Weight::Doubt, text);
+        }
+        None => {}
+    }
+}
+
+/// The share of rows in which gravity points down by the reference; none without one.
+fn down_by_reference(streams: &Streams<'_>) -> Option<f64> {
+    let (mut next, mut down, mut all) = (0, 0_u32, 0_u32);
+    for (time_ns, attitude) in streams.attitude.iter().take(MOST) {
+        while streams.up.get(next + 1).is_some_and(|event| event.0 <= *time_ns) {
+            next += 1;
+        }
+        let up = streams.up.get(next).filter(|event| (event.0 - time_ns).abs() < 100_000_000);
+        if let Some((_, up)) = up {
+            all += 1;
+            down += u32::from((attitude * up).z < 0.0);
+        }
+    }
+    (all >= 50).then(|| f64::from(down) / f64::from(all))
+}
