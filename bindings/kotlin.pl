@@ -25,6 +25,9 @@ must 'the reader of errors', $text =~ s/^( +)(?=companion object ErrorHandler)/$
 my ($lines) = do { local @ARGV = 'rust/magcomp-ffi/uniffi.toml'; <> } =~ /^\[bindings\.kotlin\.rename\]\n((?:(?!\[).*\n)*)/m;
 my %names = $lines =~ /^(\w+) = "(\w+)"/mg;
 
+# uniffi's own fault: a method of a renamed enum converts it by its old name
+$text =~ s/\bFfiConverterType(\w+)(?=\.lower\(this\))/"FfiConverterType" . ($names{$1} || $1)/ge;
+
 # documents: `field_ut` is fieldUt, but for a path as an error says it; a value that is missing is null
 $text =~ s{(/\*\*.*?\*/)}{
     my $document = $1;

@@ -273,7 +273,7 @@ fileprivate enum UniffiInternalError: LocalizedError {
 
     public var errorDescription: String? {
         switch self {
-        case .bufferOverflow: return "MagneticReading the requested value would read past the end of the buffer"
+        case .bufferOverflow: return "Reading the requested value would read past the end of the buffer"
         case .incompleteData: return "The buffer still has data after lifting its containing value"
         case .unexpectedOptionalTag: return "Unexpected optional tag; should be 0 or 1"
         case .unexpectedEnumCase: return "Raw enum value doesn't match any cases"
@@ -697,7 +697,7 @@ public func add(rawUt: DeviceVector)throws   {try rustCallWithError(FfiConverter
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_add(
             self.uniffiCloneHandle(),
-        FfiConverterTypeVector3_lower(rawUt),uniffiCallStatus
+        FfiConverterTypeDeviceVector_lower(rawUt),uniffiCallStatus
     )
 }
 }
@@ -706,7 +706,7 @@ public func add(rawUt: DeviceVector)throws   {try rustCallWithError(FfiConverter
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
 public func coverage()throws  -> DirectionCoverage  {
-    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterTypeDirectionCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_coverage(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -986,7 +986,7 @@ public convenience init(config: CompensationConfig)throws  {
         try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_constructor_compensator_new(
-        FfiConverterTypeConfig_lower(config),uniffiCallStatus
+        FfiConverterTypeCompensationConfig_lower(config),uniffiCallStatus
     )
 }
     self.init(unsafeFromHandle: handle)
@@ -1014,7 +1014,7 @@ public func adopt(calibration: MagnetometerCalibration, hardIronSigmaUt: Double)
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_adopt(
             self.uniffiCloneHandle(),
-        FfiConverterTypeCalibration_lower(calibration),
+        FfiConverterTypeMagnetometerCalibration_lower(calibration),
         FfiConverterDouble.lower(hardIronSigmaUt),uniffiCallStatus
     )
 }
@@ -1040,7 +1040,7 @@ public func adoptKept(text: String, unixTimeS: Int64?)throws   {try rustCallWith
      * Hard iron, soft iron and field strength in force, if any.
      */
 public func calibration()throws  -> MagnetometerCalibration?  {
-    return try  FfiConverterOptionTypeCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterOptionTypeMagnetometerCalibration.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_calibration(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1065,7 +1065,7 @@ public func covariance()throws  -> [Double]?  {
      * Which directions were seen, for guidance.
      */
 public func coverage()throws  -> DirectionCoverage  {
-    return try  FfiConverterTypeCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterTypeDirectionCoverage_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_coverage(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1130,7 +1130,7 @@ public func keep(unixTimeS: Int64)throws  -> String?  {
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
 public func push(sample: MagneticSample)throws  -> MagneticReading  {
-    return try  FfiConverterTypeReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterTypeMagneticReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push(
             self.uniffiCloneHandle(),
@@ -1314,108 +1314,6 @@ fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensa
 
 
 /**
- * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
- * north, up), north magnetic. w is at least 0.
- */
-public struct DeviceAttitude: Equatable, Hashable, Codable {
-    /**
-     * The real part.
-     */
-    public var w: Double
-    /**
-     * The part of i.
-     */
-    public var x: Double
-    /**
-     * The part of j.
-     */
-    public var y: Double
-    /**
-     * The part of k.
-     */
-    public var z: Double
-    /**
-     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
-     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
-     */
-    public var sigmaDeg: Double?
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * The real part.
-         */w: Double,
-        /**
-         * The part of i.
-         */x: Double,
-        /**
-         * The part of j.
-         */y: Double,
-        /**
-         * The part of k.
-         */z: Double,
-        /**
-         * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
-         * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
-         */sigmaDeg: Double?) {
-        self.w = w
-        self.x = x
-        self.y = y
-        self.z = z
-        self.sigmaDeg = sigmaDeg
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension DeviceAttitude: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeAttitude: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAttitude {
-        return
-            try DeviceAttitude(
-                w: FfiConverterDouble.read(from: &buf),
-                x: FfiConverterDouble.read(from: &buf),
-                y: FfiConverterDouble.read(from: &buf),
-                z: FfiConverterDouble.read(from: &buf),
-                sigmaDeg: FfiConverterOptionDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: DeviceAttitude, into buf: inout [UInt8]) {
-        FfiConverterDouble.write(value.w, into: &buf)
-        FfiConverterDouble.write(value.x, into: &buf)
-        FfiConverterDouble.write(value.y, into: &buf)
-        FfiConverterDouble.write(value.z, into: &buf)
-        FfiConverterOptionDouble.write(value.sigmaDeg, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeAttitude_lift(_ buf: RustBuffer) throws -> DeviceAttitude {
-    return try FfiConverterTypeAttitude.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeAttitude_lower(_ value: DeviceAttitude) -> RustBuffer {
-    return FfiConverterTypeAttitude.lower(value)
-}
-
-
-/**
  * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
  */
 public struct AttitudeSample: Equatable, Hashable, Codable {
@@ -1496,7 +1394,7 @@ fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
                 x: FfiConverterDouble.read(from: &buf),
                 y: FfiConverterDouble.read(from: &buf),
                 z: FfiConverterDouble.read(from: &buf),
-                yaw: FfiConverterTypeYaw.read(from: &buf)
+                yaw: FfiConverterTypeWorldYaw.read(from: &buf)
         )
     }
 
@@ -1506,7 +1404,7 @@ fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
         FfiConverterDouble.write(value.x, into: &buf)
         FfiConverterDouble.write(value.y, into: &buf)
         FfiConverterDouble.write(value.z, into: &buf)
-        FfiConverterTypeYaw.write(value.yaw, into: &buf)
+        FfiConverterTypeWorldYaw.write(value.yaw, into: &buf)
     }
 }
 
@@ -1527,37 +1425,45 @@ fileprivate func FfiConverterTypeAttitudeSample_lower(_ value: AttitudeSample) -
 
 
 /**
- * Raw field = soft iron * field + hard iron.
+ * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
-public struct MagnetometerCalibration: Equatable, Hashable, Codable {
+public struct CompassHeading: Equatable, Hashable, Codable {
     /**
-     * M, dimensionless, no element of it or of its inverse beyond +-1000.
+     * Clockwise from magnetic north, 0 to 360 degrees.
      */
-    public var softIron: SoftIron
+    public var headingDeg: Double
     /**
-     * b, microtesla, each component within +-100 000: subtracted from the raw field.
+     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
      */
-    public var hardIronUt: DeviceVector
+    public var headingSigmaDeg: Double?
     /**
-     * Strength of the field it was found in, microtesla, 1 to 1000.
+     * Clockwise from true north, 0 to 360 degrees. None without a declination.
      */
-    public var fieldStrengthUt: Double
+    public var trueHeadingDeg: Double?
+    /**
+     * Angle of the field below the horizon, -90 to 90 degrees.
+     */
+    public var inclinationDeg: Double
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
     public init(
         /**
-         * M, dimensionless, no element of it or of its inverse beyond +-1000.
-         */softIron: SoftIron,
+         * Clockwise from magnetic north, 0 to 360 degrees.
+         */headingDeg: Double,
         /**
-         * b, microtesla, each component within +-100 000: subtracted from the raw field.
-         */hardIronUt: DeviceVector,
+         * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
+         */headingSigmaDeg: Double?,
         /**
-         * Strength of the field it was found in, microtesla, 1 to 1000.
-         */fieldStrengthUt: Double) {
-        self.softIron = softIron
-        self.hardIronUt = hardIronUt
-        self.fieldStrengthUt = fieldStrengthUt
+         * Clockwise from true north, 0 to 360 degrees. None without a declination.
+         */trueHeadingDeg: Double?,
+        /**
+         * Angle of the field below the horizon, -90 to 90 degrees.
+         */inclinationDeg: Double) {
+        self.headingDeg = headingDeg
+        self.headingSigmaDeg = headingSigmaDeg
+        self.trueHeadingDeg = trueHeadingDeg
+        self.inclinationDeg = inclinationDeg
     }
 
 
@@ -1566,26 +1472,28 @@ public struct MagnetometerCalibration: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension MagnetometerCalibration: Sendable {}
+extension CompassHeading: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagnetometerCalibration {
+fileprivate struct FfiConverterTypeCompassHeading: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompassHeading {
         return
-            try MagnetometerCalibration(
-                softIron: FfiConverterTypeSoftIron.read(from: &buf),
-                hardIronUt: FfiConverterTypeVector3.read(from: &buf),
-                fieldStrengthUt: FfiConverterDouble.read(from: &buf)
+            try CompassHeading(
+                headingDeg: FfiConverterDouble.read(from: &buf),
+                headingSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
+                trueHeadingDeg: FfiConverterOptionDouble.read(from: &buf),
+                inclinationDeg: FfiConverterDouble.read(from: &buf)
         )
     }
 
-    public static func write(_ value: MagnetometerCalibration, into buf: inout [UInt8]) {
-        FfiConverterTypeSoftIron.write(value.softIron, into: &buf)
-        FfiConverterTypeVector3.write(value.hardIronUt, into: &buf)
-        FfiConverterDouble.write(value.fieldStrengthUt, into: &buf)
+    public static func write(_ value: CompassHeading, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.headingDeg, into: &buf)
+        FfiConverterOptionDouble.write(value.headingSigmaDeg, into: &buf)
+        FfiConverterOptionDouble.write(value.trueHeadingDeg, into: &buf)
+        FfiConverterDouble.write(value.inclinationDeg, into: &buf)
     }
 }
 
@@ -1593,15 +1501,15 @@ fileprivate struct FfiConverterTypeCalibration: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCalibration_lift(_ buf: RustBuffer) throws -> MagnetometerCalibration {
-    return try FfiConverterTypeCalibration.lift(buf)
+fileprivate func FfiConverterTypeCompassHeading_lift(_ buf: RustBuffer) throws -> CompassHeading {
+    return try FfiConverterTypeCompassHeading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCalibration_lower(_ value: MagnetometerCalibration) -> RustBuffer {
-    return FfiConverterTypeCalibration.lower(value)
+fileprivate func FfiConverterTypeCompassHeading_lower(_ value: CompassHeading) -> RustBuffer {
+    return FfiConverterTypeCompassHeading.lower(value)
 }
 
 
@@ -1711,12 +1619,12 @@ extension CompensationConfig: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeCompensationConfig: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationConfig {
         return
             try CompensationConfig(
                 method: FfiConverterOptionTypeCompensationMethod.read(from: &buf),
-                initial: FfiConverterOptionTypeCalibration.read(from: &buf),
+                initial: FfiConverterOptionTypeMagnetometerCalibration.read(from: &buf),
                 initialSigmaUt: FfiConverterOptionDouble.read(from: &buf),
                 useReportedHardIron: FfiConverterOptionBool.read(from: &buf),
                 rangeUt: FfiConverterOptionDouble.read(from: &buf),
@@ -1729,7 +1637,7 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
 
     public static func write(_ value: CompensationConfig, into buf: inout [UInt8]) {
         FfiConverterOptionTypeCompensationMethod.write(value.method, into: &buf)
-        FfiConverterOptionTypeCalibration.write(value.initial, into: &buf)
+        FfiConverterOptionTypeMagnetometerCalibration.write(value.initial, into: &buf)
         FfiConverterOptionDouble.write(value.initialSigmaUt, into: &buf)
         FfiConverterOptionBool.write(value.useReportedHardIron, into: &buf)
         FfiConverterOptionDouble.write(value.rangeUt, into: &buf)
@@ -1744,15 +1652,196 @@ fileprivate struct FfiConverterTypeConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeConfig_lift(_ buf: RustBuffer) throws -> CompensationConfig {
-    return try FfiConverterTypeConfig.lift(buf)
+fileprivate func FfiConverterTypeCompensationConfig_lift(_ buf: RustBuffer) throws -> CompensationConfig {
+    return try FfiConverterTypeCompensationConfig.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeConfig_lower(_ value: CompensationConfig) -> RustBuffer {
-    return FfiConverterTypeConfig.lower(value)
+fileprivate func FfiConverterTypeCompensationConfig_lower(_ value: CompensationConfig) -> RustBuffer {
+    return FfiConverterTypeCompensationConfig.lower(value)
+}
+
+
+/**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+public struct DeviceAttitude: Equatable, Hashable, Codable {
+    /**
+     * The real part.
+     */
+    public var w: Double
+    /**
+     * The part of i.
+     */
+    public var x: Double
+    /**
+     * The part of j.
+     */
+    public var y: Double
+    /**
+     * The part of k.
+     */
+    public var z: Double
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    public var sigmaDeg: Double?
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * The real part.
+         */w: Double,
+        /**
+         * The part of i.
+         */x: Double,
+        /**
+         * The part of j.
+         */y: Double,
+        /**
+         * The part of k.
+         */z: Double,
+        /**
+         * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+         * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+         */sigmaDeg: Double?) {
+        self.w = w
+        self.x = x
+        self.y = y
+        self.z = z
+        self.sigmaDeg = sigmaDeg
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension DeviceAttitude: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeDeviceAttitude: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAttitude {
+        return
+            try DeviceAttitude(
+                w: FfiConverterDouble.read(from: &buf),
+                x: FfiConverterDouble.read(from: &buf),
+                y: FfiConverterDouble.read(from: &buf),
+                z: FfiConverterDouble.read(from: &buf),
+                sigmaDeg: FfiConverterOptionDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: DeviceAttitude, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.w, into: &buf)
+        FfiConverterDouble.write(value.x, into: &buf)
+        FfiConverterDouble.write(value.y, into: &buf)
+        FfiConverterDouble.write(value.z, into: &buf)
+        FfiConverterOptionDouble.write(value.sigmaDeg, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceAttitude_lift(_ buf: RustBuffer) throws -> DeviceAttitude {
+    return try FfiConverterTypeDeviceAttitude.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceAttitude_lower(_ value: DeviceAttitude) -> RustBuffer {
+    return FfiConverterTypeDeviceAttitude.lower(value)
+}
+
+
+/**
+ * Three components in the device frame: x right, y up along the screen, z out of the screen.
+ */
+public struct DeviceVector: Equatable, Hashable, Codable {
+    /**
+     * Along the screen, to the right.
+     */
+    public var x: Double
+    /**
+     * Along the screen, up.
+     */
+    public var y: Double
+    /**
+     * Out of the screen.
+     */
+    public var z: Double
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * Along the screen, to the right.
+         */x: Double,
+        /**
+         * Along the screen, up.
+         */y: Double,
+        /**
+         * Out of the screen.
+         */z: Double) {
+        self.x = x
+        self.y = y
+        self.z = z
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension DeviceVector: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeDeviceVector: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceVector {
+        return
+            try DeviceVector(
+                x: FfiConverterDouble.read(from: &buf),
+                y: FfiConverterDouble.read(from: &buf),
+                z: FfiConverterDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: DeviceVector, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.x, into: &buf)
+        FfiConverterDouble.write(value.y, into: &buf)
+        FfiConverterDouble.write(value.z, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceVector_lift(_ buf: RustBuffer) throws -> DeviceVector {
+    return try FfiConverterTypeDeviceVector.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceVector_lower(_ value: DeviceVector) -> RustBuffer {
+    return FfiConverterTypeDeviceVector.lower(value)
 }
 
 
@@ -1794,18 +1883,18 @@ extension DirectionCoverage: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeDirectionCoverage: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DirectionCoverage {
         return
             try DirectionCoverage(
                 share: FfiConverterDouble.read(from: &buf),
-                unseenDirections: FfiConverterSequenceTypeVector3.read(from: &buf)
+                unseenDirections: FfiConverterSequenceTypeDeviceVector.read(from: &buf)
         )
     }
 
     public static func write(_ value: DirectionCoverage, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.share, into: &buf)
-        FfiConverterSequenceTypeVector3.write(value.unseenDirections, into: &buf)
+        FfiConverterSequenceTypeDeviceVector.write(value.unseenDirections, into: &buf)
     }
 }
 
@@ -1813,15 +1902,104 @@ fileprivate struct FfiConverterTypeCoverage: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCoverage_lift(_ buf: RustBuffer) throws -> DirectionCoverage {
-    return try FfiConverterTypeCoverage.lift(buf)
+fileprivate func FfiConverterTypeDirectionCoverage_lift(_ buf: RustBuffer) throws -> DirectionCoverage {
+    return try FfiConverterTypeDirectionCoverage.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCoverage_lower(_ value: DirectionCoverage) -> RustBuffer {
-    return FfiConverterTypeCoverage.lower(value)
+fileprivate func FfiConverterTypeDirectionCoverage_lower(_ value: DirectionCoverage) -> RustBuffer {
+    return FfiConverterTypeDirectionCoverage.lower(value)
+}
+
+
+/**
+ * The Earth's field at a place and date.
+ */
+public struct EarthMagneticField: Equatable, Hashable, Codable {
+    /**
+     * From true to magnetic north, degrees, east positive.
+     */
+    public var declinationDeg: Double
+    /**
+     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
+     */
+    public var declinationSigmaDeg: Double
+    /**
+     * Below the horizon, degrees, positive when the field points down.
+     */
+    public var inclinationDeg: Double
+    /**
+     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
+     */
+    public var totalFieldUt: Double
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * From true to magnetic north, degrees, east positive.
+         */declinationDeg: Double,
+        /**
+         * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
+         */declinationSigmaDeg: Double,
+        /**
+         * Below the horizon, degrees, positive when the field points down.
+         */inclinationDeg: Double,
+        /**
+         * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
+         */totalFieldUt: Double) {
+        self.declinationDeg = declinationDeg
+        self.declinationSigmaDeg = declinationSigmaDeg
+        self.inclinationDeg = inclinationDeg
+        self.totalFieldUt = totalFieldUt
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension EarthMagneticField: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeEarthMagneticField: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EarthMagneticField {
+        return
+            try EarthMagneticField(
+                declinationDeg: FfiConverterDouble.read(from: &buf),
+                declinationSigmaDeg: FfiConverterDouble.read(from: &buf),
+                inclinationDeg: FfiConverterDouble.read(from: &buf),
+                totalFieldUt: FfiConverterDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: EarthMagneticField, into buf: inout [UInt8]) {
+        FfiConverterDouble.write(value.declinationDeg, into: &buf)
+        FfiConverterDouble.write(value.declinationSigmaDeg, into: &buf)
+        FfiConverterDouble.write(value.inclinationDeg, into: &buf)
+        FfiConverterDouble.write(value.totalFieldUt, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeEarthMagneticField_lift(_ buf: RustBuffer) throws -> EarthMagneticField {
+    return try FfiConverterTypeEarthMagneticField.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeEarthMagneticField_lower(_ value: EarthMagneticField) -> RustBuffer {
+    return FfiConverterTypeEarthMagneticField.lower(value)
 }
 
 
@@ -1915,10 +2093,10 @@ fileprivate struct FfiConverterTypeEllipsoidFit: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EllipsoidFit {
         return
             try EllipsoidFit(
-                calibration: FfiConverterTypeCalibration.read(from: &buf),
+                calibration: FfiConverterTypeMagnetometerCalibration.read(from: &buf),
                 covariance: FfiConverterSequenceDouble.read(from: &buf),
                 iterations: FfiConverterInt32.read(from: &buf),
-                termination: FfiConverterTypeTermination.read(from: &buf),
+                termination: FfiConverterTypeFitTermination.read(from: &buf),
                 residualRmsUt: FfiConverterDouble.read(from: &buf),
                 axisRatio: FfiConverterDouble.read(from: &buf),
                 directionSigmaDeg: FfiConverterDouble.read(from: &buf),
@@ -1927,10 +2105,10 @@ fileprivate struct FfiConverterTypeEllipsoidFit: FfiConverterRustBuffer {
     }
 
     public static func write(_ value: EllipsoidFit, into buf: inout [UInt8]) {
-        FfiConverterTypeCalibration.write(value.calibration, into: &buf)
+        FfiConverterTypeMagnetometerCalibration.write(value.calibration, into: &buf)
         FfiConverterSequenceDouble.write(value.covariance, into: &buf)
         FfiConverterInt32.write(value.iterations, into: &buf)
-        FfiConverterTypeTermination.write(value.termination, into: &buf)
+        FfiConverterTypeFitTermination.write(value.termination, into: &buf)
         FfiConverterDouble.write(value.residualRmsUt, into: &buf)
         FfiConverterDouble.write(value.axisRatio, into: &buf)
         FfiConverterDouble.write(value.directionSigmaDeg, into: &buf)
@@ -2135,7 +2313,7 @@ fileprivate struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitOptions {
         return
             try FitOptions(
-                residual: FfiConverterOptionTypeResidual.read(from: &buf),
+                residual: FfiConverterOptionTypeFitResidual.read(from: &buf),
                 fieldStrengthUt: FfiConverterOptionDouble.read(from: &buf),
                 fieldLowUt: FfiConverterOptionDouble.read(from: &buf),
                 fieldHighUt: FfiConverterOptionDouble.read(from: &buf),
@@ -2148,7 +2326,7 @@ fileprivate struct FfiConverterTypeFitOptions: FfiConverterRustBuffer {
     }
 
     public static func write(_ value: FitOptions, into buf: inout [UInt8]) {
-        FfiConverterOptionTypeResidual.write(value.residual, into: &buf)
+        FfiConverterOptionTypeFitResidual.write(value.residual, into: &buf)
         FfiConverterOptionDouble.write(value.fieldStrengthUt, into: &buf)
         FfiConverterOptionDouble.write(value.fieldLowUt, into: &buf)
         FfiConverterOptionDouble.write(value.fieldHighUt, into: &buf)
@@ -2242,184 +2420,6 @@ fileprivate func FfiConverterTypeFoundDeclination_lift(_ buf: RustBuffer) throws
 #endif
 fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclination) -> RustBuffer {
     return FfiConverterTypeFoundDeclination.lower(value)
-}
-
-
-/**
- * The Earth's field at a place and date.
- */
-public struct EarthMagneticField: Equatable, Hashable, Codable {
-    /**
-     * From true to magnetic north, degrees, east positive.
-     */
-    public var declinationDeg: Double
-    /**
-     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
-     */
-    public var declinationSigmaDeg: Double
-    /**
-     * Below the horizon, degrees, positive when the field points down.
-     */
-    public var inclinationDeg: Double
-    /**
-     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
-     */
-    public var totalFieldUt: Double
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * From true to magnetic north, degrees, east positive.
-         */declinationDeg: Double,
-        /**
-         * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
-         */declinationSigmaDeg: Double,
-        /**
-         * Below the horizon, degrees, positive when the field points down.
-         */inclinationDeg: Double,
-        /**
-         * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
-         */totalFieldUt: Double) {
-        self.declinationDeg = declinationDeg
-        self.declinationSigmaDeg = declinationSigmaDeg
-        self.inclinationDeg = inclinationDeg
-        self.totalFieldUt = totalFieldUt
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension EarthMagneticField: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeGeomagneticField: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EarthMagneticField {
-        return
-            try EarthMagneticField(
-                declinationDeg: FfiConverterDouble.read(from: &buf),
-                declinationSigmaDeg: FfiConverterDouble.read(from: &buf),
-                inclinationDeg: FfiConverterDouble.read(from: &buf),
-                totalFieldUt: FfiConverterDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: EarthMagneticField, into buf: inout [UInt8]) {
-        FfiConverterDouble.write(value.declinationDeg, into: &buf)
-        FfiConverterDouble.write(value.declinationSigmaDeg, into: &buf)
-        FfiConverterDouble.write(value.inclinationDeg, into: &buf)
-        FfiConverterDouble.write(value.totalFieldUt, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeGeomagneticField_lift(_ buf: RustBuffer) throws -> EarthMagneticField {
-    return try FfiConverterTypeGeomagneticField.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeGeomagneticField_lower(_ value: EarthMagneticField) -> RustBuffer {
-    return FfiConverterTypeGeomagneticField.lower(value)
-}
-
-
-/**
- * A heading with its sigma and the inclination of the field. All angles are in degrees.
- */
-public struct CompassHeading: Equatable, Hashable, Codable {
-    /**
-     * Clockwise from magnetic north, 0 to 360 degrees.
-     */
-    public var headingDeg: Double
-    /**
-     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
-     */
-    public var headingSigmaDeg: Double?
-    /**
-     * Clockwise from true north, 0 to 360 degrees. None without a declination.
-     */
-    public var trueHeadingDeg: Double?
-    /**
-     * Angle of the field below the horizon, -90 to 90 degrees.
-     */
-    public var inclinationDeg: Double
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * Clockwise from magnetic north, 0 to 360 degrees.
-         */headingDeg: Double,
-        /**
-         * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
-         */headingSigmaDeg: Double?,
-        /**
-         * Clockwise from true north, 0 to 360 degrees. None without a declination.
-         */trueHeadingDeg: Double?,
-        /**
-         * Angle of the field below the horizon, -90 to 90 degrees.
-         */inclinationDeg: Double) {
-        self.headingDeg = headingDeg
-        self.headingSigmaDeg = headingSigmaDeg
-        self.trueHeadingDeg = trueHeadingDeg
-        self.inclinationDeg = inclinationDeg
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension CompassHeading: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeHeading: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompassHeading {
-        return
-            try CompassHeading(
-                headingDeg: FfiConverterDouble.read(from: &buf),
-                headingSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
-                trueHeadingDeg: FfiConverterOptionDouble.read(from: &buf),
-                inclinationDeg: FfiConverterDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: CompassHeading, into buf: inout [UInt8]) {
-        FfiConverterDouble.write(value.headingDeg, into: &buf)
-        FfiConverterOptionDouble.write(value.headingSigmaDeg, into: &buf)
-        FfiConverterOptionDouble.write(value.trueHeadingDeg, into: &buf)
-        FfiConverterDouble.write(value.inclinationDeg, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeHeading_lift(_ buf: RustBuffer) throws -> CompassHeading {
-    return try FfiConverterTypeHeading.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeHeading_lower(_ value: CompassHeading) -> RustBuffer {
-    return FfiConverterTypeHeading.lower(value)
 }
 
 
@@ -2693,89 +2693,6 @@ fileprivate func FfiConverterTypeHeadingSample_lower(_ value: HeadingSample) -> 
 
 
 /**
- * One raw magnetometer event.
- */
-public struct MagneticSample: Equatable, Hashable, Codable {
-    /**
-     * Time of the event, nanoseconds, strictly increasing from one sample to the next.
-     */
-    public var timeNs: Int64
-    /**
-     * Raw (uncalibrated) field, microtesla, device frame.
-     */
-    public var fieldUt: DeviceVector
-    /**
-     * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
-     * the first calibration.
-     */
-    public var reportedHardIronUt: DeviceVector?
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * Time of the event, nanoseconds, strictly increasing from one sample to the next.
-         */timeNs: Int64,
-        /**
-         * Raw (uncalibrated) field, microtesla, device frame.
-         */fieldUt: DeviceVector,
-        /**
-         * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-         * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
-         * the first calibration.
-         */reportedHardIronUt: DeviceVector? = nil) {
-        self.timeNs = timeNs
-        self.fieldUt = fieldUt
-        self.reportedHardIronUt = reportedHardIronUt
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension MagneticSample: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticSample {
-        return
-            try MagneticSample(
-                timeNs: FfiConverterInt64.read(from: &buf),
-                fieldUt: FfiConverterTypeVector3.read(from: &buf),
-                reportedHardIronUt: FfiConverterOptionTypeVector3.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: MagneticSample, into buf: inout [UInt8]) {
-        FfiConverterInt64.write(value.timeNs, into: &buf)
-        FfiConverterTypeVector3.write(value.fieldUt, into: &buf)
-        FfiConverterOptionTypeVector3.write(value.reportedHardIronUt, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> MagneticSample {
-    return try FfiConverterTypeMagneticSample.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
-    return FfiConverterTypeMagneticSample.lower(value)
-}
-
-
-/**
  * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
 public struct MagneticReading: Equatable, Hashable, Codable {
@@ -2943,17 +2860,17 @@ extension MagneticReading: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeMagneticReading: FfiConverterRustBuffer {
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticReading {
         return
             try MagneticReading(
                 timeNs: FfiConverterInt64.read(from: &buf),
-                fieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
+                fieldUt: FfiConverterOptionTypeDeviceVector.read(from: &buf),
                 fieldSigmaUt: FfiConverterOptionDouble.read(from: &buf),
-                filteredFieldUt: FfiConverterOptionTypeVector3.read(from: &buf),
+                filteredFieldUt: FfiConverterOptionTypeDeviceVector.read(from: &buf),
                 totalFieldUt: FfiConverterOptionDouble.read(from: &buf),
-                heading: FfiConverterOptionTypeHeading.read(from: &buf),
-                attitude: FfiConverterOptionTypeAttitude.read(from: &buf),
+                heading: FfiConverterOptionTypeCompassHeading.read(from: &buf),
+                attitude: FfiConverterOptionTypeDeviceAttitude.read(from: &buf),
                 sigmaT: FfiConverterOptionDouble.read(from: &buf),
                 window: FfiConverterInt32.read(from: &buf),
                 coverage: FfiConverterDouble.read(from: &buf),
@@ -2969,12 +2886,12 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
 
     public static func write(_ value: MagneticReading, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
-        FfiConverterOptionTypeVector3.write(value.fieldUt, into: &buf)
+        FfiConverterOptionTypeDeviceVector.write(value.fieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.fieldSigmaUt, into: &buf)
-        FfiConverterOptionTypeVector3.write(value.filteredFieldUt, into: &buf)
+        FfiConverterOptionTypeDeviceVector.write(value.filteredFieldUt, into: &buf)
         FfiConverterOptionDouble.write(value.totalFieldUt, into: &buf)
-        FfiConverterOptionTypeHeading.write(value.heading, into: &buf)
-        FfiConverterOptionTypeAttitude.write(value.attitude, into: &buf)
+        FfiConverterOptionTypeCompassHeading.write(value.heading, into: &buf)
+        FfiConverterOptionTypeDeviceAttitude.write(value.attitude, into: &buf)
         FfiConverterOptionDouble.write(value.sigmaT, into: &buf)
         FfiConverterInt32.write(value.window, into: &buf)
         FfiConverterDouble.write(value.coverage, into: &buf)
@@ -2992,15 +2909,177 @@ fileprivate struct FfiConverterTypeReading: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReading_lift(_ buf: RustBuffer) throws -> MagneticReading {
-    return try FfiConverterTypeReading.lift(buf)
+fileprivate func FfiConverterTypeMagneticReading_lift(_ buf: RustBuffer) throws -> MagneticReading {
+    return try FfiConverterTypeMagneticReading.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReading_lower(_ value: MagneticReading) -> RustBuffer {
-    return FfiConverterTypeReading.lower(value)
+fileprivate func FfiConverterTypeMagneticReading_lower(_ value: MagneticReading) -> RustBuffer {
+    return FfiConverterTypeMagneticReading.lower(value)
+}
+
+
+/**
+ * One raw magnetometer event.
+ */
+public struct MagneticSample: Equatable, Hashable, Codable {
+    /**
+     * Time of the event, nanoseconds, strictly increasing from one sample to the next.
+     */
+    public var timeNs: Int64
+    /**
+     * Raw (uncalibrated) field, microtesla, device frame.
+     */
+    public var fieldUt: DeviceVector
+    /**
+     * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
+     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
+     * the first calibration.
+     */
+    public var reportedHardIronUt: DeviceVector?
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * Time of the event, nanoseconds, strictly increasing from one sample to the next.
+         */timeNs: Int64,
+        /**
+         * Raw (uncalibrated) field, microtesla, device frame.
+         */fieldUt: DeviceVector,
+        /**
+         * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
+         * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
+         * the first calibration.
+         */reportedHardIronUt: DeviceVector? = nil) {
+        self.timeNs = timeNs
+        self.fieldUt = fieldUt
+        self.reportedHardIronUt = reportedHardIronUt
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension MagneticSample: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticSample {
+        return
+            try MagneticSample(
+                timeNs: FfiConverterInt64.read(from: &buf),
+                fieldUt: FfiConverterTypeDeviceVector.read(from: &buf),
+                reportedHardIronUt: FfiConverterOptionTypeDeviceVector.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: MagneticSample, into buf: inout [UInt8]) {
+        FfiConverterInt64.write(value.timeNs, into: &buf)
+        FfiConverterTypeDeviceVector.write(value.fieldUt, into: &buf)
+        FfiConverterOptionTypeDeviceVector.write(value.reportedHardIronUt, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> MagneticSample {
+    return try FfiConverterTypeMagneticSample.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
+    return FfiConverterTypeMagneticSample.lower(value)
+}
+
+
+/**
+ * Raw field = soft iron * field + hard iron.
+ */
+public struct MagnetometerCalibration: Equatable, Hashable, Codable {
+    /**
+     * M, dimensionless, no element of it or of its inverse beyond +-1000.
+     */
+    public var softIron: SoftIron
+    /**
+     * b, microtesla, each component within +-100 000: subtracted from the raw field.
+     */
+    public var hardIronUt: DeviceVector
+    /**
+     * Strength of the field it was found in, microtesla, 1 to 1000.
+     */
+    public var fieldStrengthUt: Double
+
+    // Default memberwise initializers are never public by default, so we
+    // declare one manually.
+    public init(
+        /**
+         * M, dimensionless, no element of it or of its inverse beyond +-1000.
+         */softIron: SoftIron,
+        /**
+         * b, microtesla, each component within +-100 000: subtracted from the raw field.
+         */hardIronUt: DeviceVector,
+        /**
+         * Strength of the field it was found in, microtesla, 1 to 1000.
+         */fieldStrengthUt: Double) {
+        self.softIron = softIron
+        self.hardIronUt = hardIronUt
+        self.fieldStrengthUt = fieldStrengthUt
+    }
+
+
+
+
+}
+
+#if compiler(>=6)
+extension MagnetometerCalibration: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeMagnetometerCalibration: FfiConverterRustBuffer {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagnetometerCalibration {
+        return
+            try MagnetometerCalibration(
+                softIron: FfiConverterTypeSoftIron.read(from: &buf),
+                hardIronUt: FfiConverterTypeDeviceVector.read(from: &buf),
+                fieldStrengthUt: FfiConverterDouble.read(from: &buf)
+        )
+    }
+
+    public static func write(_ value: MagnetometerCalibration, into buf: inout [UInt8]) {
+        FfiConverterTypeSoftIron.write(value.softIron, into: &buf)
+        FfiConverterTypeDeviceVector.write(value.hardIronUt, into: &buf)
+        FfiConverterDouble.write(value.fieldStrengthUt, into: &buf)
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeMagnetometerCalibration_lift(_ buf: RustBuffer) throws -> MagnetometerCalibration {
+    return try FfiConverterTypeMagnetometerCalibration.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeMagnetometerCalibration_lower(_ value: MagnetometerCalibration) -> RustBuffer {
+    return FfiConverterTypeMagnetometerCalibration.lower(value)
 }
 
 
@@ -3047,13 +3126,13 @@ fileprivate struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
         return
             try RotationRateSample(
                 timeNs: FfiConverterInt64.read(from: &buf),
-                rateRadS: FfiConverterTypeVector3.read(from: &buf)
+                rateRadS: FfiConverterTypeDeviceVector.read(from: &buf)
         )
     }
 
     public static func write(_ value: RotationRateSample, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
-        FfiConverterTypeVector3.write(value.rateRadS, into: &buf)
+        FfiConverterTypeDeviceVector.write(value.rateRadS, into: &buf)
     }
 }
 
@@ -3225,13 +3304,13 @@ fileprivate struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
         return
             try UpSample(
                 timeNs: FfiConverterInt64.read(from: &buf),
-                upMS2: FfiConverterTypeVector3.read(from: &buf)
+                upMS2: FfiConverterTypeDeviceVector.read(from: &buf)
         )
     }
 
     public static func write(_ value: UpSample, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
-        FfiConverterTypeVector3.write(value.upMS2, into: &buf)
+        FfiConverterTypeDeviceVector.write(value.upMS2, into: &buf)
     }
 }
 
@@ -3248,85 +3327,6 @@ fileprivate func FfiConverterTypeUpSample_lift(_ buf: RustBuffer) throws -> UpSa
 #endif
 fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer {
     return FfiConverterTypeUpSample.lower(value)
-}
-
-
-/**
- * Three components in the device frame: x right, y up along the screen, z out of the screen.
- */
-public struct DeviceVector: Equatable, Hashable, Codable {
-    /**
-     * Along the screen, to the right.
-     */
-    public var x: Double
-    /**
-     * Along the screen, up.
-     */
-    public var y: Double
-    /**
-     * Out of the screen.
-     */
-    public var z: Double
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
-        /**
-         * Along the screen, to the right.
-         */x: Double,
-        /**
-         * Along the screen, up.
-         */y: Double,
-        /**
-         * Out of the screen.
-         */z: Double) {
-        self.x = x
-        self.y = y
-        self.z = z
-    }
-
-
-
-
-}
-
-#if compiler(>=6)
-extension DeviceVector: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeVector3: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceVector {
-        return
-            try DeviceVector(
-                x: FfiConverterDouble.read(from: &buf),
-                y: FfiConverterDouble.read(from: &buf),
-                z: FfiConverterDouble.read(from: &buf)
-        )
-    }
-
-    public static func write(_ value: DeviceVector, into buf: inout [UInt8]) {
-        FfiConverterDouble.write(value.x, into: &buf)
-        FfiConverterDouble.write(value.y, into: &buf)
-        FfiConverterDouble.write(value.z, into: &buf)
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeVector3_lift(_ buf: RustBuffer) throws -> DeviceVector {
-    return try FfiConverterTypeVector3.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeVector3_lower(_ value: DeviceVector) -> RustBuffer {
-    return FfiConverterTypeVector3.lower(value)
 }
 
 
@@ -3411,8 +3411,8 @@ fileprivate struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
                 nMin: FfiConverterOptionInt32.read(from: &buf),
                 nMax: FfiConverterOptionInt32.read(from: &buf),
                 sigmaTh: FfiConverterOptionDouble.read(from: &buf),
-                normalisation: FfiConverterOptionTypeNormalisation.read(from: &buf),
-                residual: FfiConverterOptionTypeResidual.read(from: &buf),
+                normalisation: FfiConverterOptionTypeSigmaNormalisation.read(from: &buf),
+                residual: FfiConverterOptionTypeFitResidual.read(from: &buf),
                 noiseFloorUt: FfiConverterOptionDouble.read(from: &buf)
         )
     }
@@ -3421,8 +3421,8 @@ fileprivate struct FfiConverterTypeWindowedConfig: FfiConverterRustBuffer {
         FfiConverterOptionInt32.write(value.nMin, into: &buf)
         FfiConverterOptionInt32.write(value.nMax, into: &buf)
         FfiConverterOptionDouble.write(value.sigmaTh, into: &buf)
-        FfiConverterOptionTypeNormalisation.write(value.normalisation, into: &buf)
-        FfiConverterOptionTypeResidual.write(value.residual, into: &buf)
+        FfiConverterOptionTypeSigmaNormalisation.write(value.normalisation, into: &buf)
+        FfiConverterOptionTypeFitResidual.write(value.residual, into: &buf)
         FfiConverterOptionDouble.write(value.noiseFloorUt, into: &buf)
     }
 }
@@ -3441,91 +3441,6 @@ fileprivate func FfiConverterTypeWindowedConfig_lift(_ buf: RustBuffer) throws -
 fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -> RustBuffer {
     return FfiConverterTypeWindowedConfig.lower(value)
 }
-
-
-/**
- * An axis of the device.
- */
-
-public enum DeviceAxis: Equatable, Hashable, Codable {
-
-    /**
-     * Along the screen, to the right.
-     */
-    case x
-    /**
-     * Along the screen, up.
-     */
-    case y
-    /**
-     * Out of the screen.
-     */
-    case z
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension DeviceAxis: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeAxis: FfiConverterRustBuffer {
-    typealias SwiftType = DeviceAxis
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAxis {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .x
-
-        case 2: return .y
-
-        case 3: return .z
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: DeviceAxis, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case .x:
-            writeInt(&buf, Int32(1))
-
-
-        case .y:
-            writeInt(&buf, Int32(2))
-
-
-        case .z:
-            writeInt(&buf, Int32(3))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeAxis_lift(_ buf: RustBuffer) throws -> DeviceAxis {
-    return try FfiConverterTypeAxis.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeAxis_lower(_ value: DeviceAxis) -> RustBuffer {
-    return FfiConverterTypeAxis.lower(value)
-}
-
 
 
 /**
@@ -3910,6 +3825,91 @@ fileprivate func FfiConverterTypeCompensationStatus_lift(_ buf: RustBuffer) thro
 #endif
 fileprivate func FfiConverterTypeCompensationStatus_lower(_ value: CompensationStatus) -> RustBuffer {
     return FfiConverterTypeCompensationStatus.lower(value)
+}
+
+
+
+/**
+ * An axis of the device.
+ */
+
+public enum DeviceAxis: Equatable, Hashable, Codable {
+
+    /**
+     * Along the screen, to the right.
+     */
+    case x
+    /**
+     * Along the screen, up.
+     */
+    case y
+    /**
+     * Out of the screen.
+     */
+    case z
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension DeviceAxis: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeDeviceAxis: FfiConverterRustBuffer {
+    typealias SwiftType = DeviceAxis
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAxis {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .x
+
+        case 2: return .y
+
+        case 3: return .z
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: DeviceAxis, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .x:
+            writeInt(&buf, Int32(1))
+
+
+        case .y:
+            writeInt(&buf, Int32(2))
+
+
+        case .z:
+            writeInt(&buf, Int32(3))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceAxis_lift(_ buf: RustBuffer) throws -> DeviceAxis {
+    return try FfiConverterTypeDeviceAxis.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeDeviceAxis_lower(_ value: DeviceAxis) -> RustBuffer {
+    return FfiConverterTypeDeviceAxis.lower(value)
 }
 
 
@@ -4300,6 +4300,166 @@ fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBu
 
 
 /**
+ * The residual that a fit squares and sums.
+ */
+
+public enum FitResidual: Equatable, Hashable, Codable {
+
+    /**
+     * Eq. (10) of the paper as written.
+     */
+    case algebraic
+    /**
+     * Divided by its own gradient: a distance in raw units, free of the noise bias.
+     */
+    case corrected
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension FitResidual: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeFitResidual: FfiConverterRustBuffer {
+    typealias SwiftType = FitResidual
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitResidual {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .algebraic
+
+        case 2: return .corrected
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: FitResidual, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .algebraic:
+            writeInt(&buf, Int32(1))
+
+
+        case .corrected:
+            writeInt(&buf, Int32(2))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFitResidual_lift(_ buf: RustBuffer) throws -> FitResidual {
+    return try FfiConverterTypeFitResidual.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFitResidual_lower(_ value: FitResidual) -> RustBuffer {
+    return FfiConverterTypeFitResidual.lower(value)
+}
+
+
+
+/**
+ * Why an iteration stopped. Each is an answer; the last two say how good.
+ */
+
+public enum FitTermination: Equatable, Hashable, Codable {
+
+    /**
+     * The last step was below the tolerance.
+     */
+    case converged
+    /**
+     * No step lowers the cost any more: rounding decides.
+     */
+    case stalled
+    /**
+     * The number of iterations ran out first.
+     */
+    case maxIterations
+
+
+
+
+
+}
+
+#if compiler(>=6)
+extension FitTermination: Sendable {}
+#endif
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterTypeFitTermination: FfiConverterRustBuffer {
+    typealias SwiftType = FitTermination
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitTermination {
+        let variant: Int32 = try readInt(&buf)
+        switch variant {
+
+        case 1: return .converged
+
+        case 2: return .stalled
+
+        case 3: return .maxIterations
+
+        default: throw UniffiInternalError.unexpectedEnumCase
+        }
+    }
+
+    public static func write(_ value: FitTermination, into buf: inout [UInt8]) {
+        switch value {
+
+
+        case .converged:
+            writeInt(&buf, Int32(1))
+
+
+        case .stalled:
+            writeInt(&buf, Int32(2))
+
+
+        case .maxIterations:
+            writeInt(&buf, Int32(3))
+
+        }
+    }
+}
+
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFitTermination_lift(_ buf: RustBuffer) throws -> FitTermination {
+    return try FfiConverterTypeFitTermination.lift(buf)
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate func FfiConverterTypeFitTermination_lower(_ value: FitTermination) -> RustBuffer {
+    return FfiConverterTypeFitTermination.lower(value)
+}
+
+
+
+/**
  * What a heading from outside is that of.
  */
 
@@ -4339,7 +4499,7 @@ fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
-        case 1: return .device(axis: try FfiConverterTypeVector3.read(from: &buf)
+        case 1: return .device(axis: try FfiConverterTypeDeviceVector.read(from: &buf)
         )
 
         case 2: return .vehicle
@@ -4354,7 +4514,7 @@ fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
 
         case let .device(axis):
             writeInt(&buf, Int32(1))
-            FfiConverterTypeVector3.write(axis, into: &buf)
+            FfiConverterTypeDeviceVector.write(axis, into: &buf)
 
 
         case .vehicle:
@@ -5039,81 +5199,6 @@ fileprivate func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBu
 
 
 /**
- * How the standard deviations in sigma_T are normalised.
- */
-
-public enum SigmaNormalisation: Equatable, Hashable, Codable {
-
-    /**
-     * By half the range of each axis.
-     */
-    case halfRange
-    /**
-     * By the standard deviation of evenly spread directions.
-     */
-    case evenSphere
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension SigmaNormalisation: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeNormalisation: FfiConverterRustBuffer {
-    typealias SwiftType = SigmaNormalisation
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SigmaNormalisation {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .halfRange
-
-        case 2: return .evenSphere
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: SigmaNormalisation, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case .halfRange:
-            writeInt(&buf, Int32(1))
-
-
-        case .evenSphere:
-            writeInt(&buf, Int32(2))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeNormalisation_lift(_ buf: RustBuffer) throws -> SigmaNormalisation {
-    return try FfiConverterTypeNormalisation.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeNormalisation_lower(_ value: SigmaNormalisation) -> RustBuffer {
-    return FfiConverterTypeNormalisation.lower(value)
-}
-
-
-
-/**
  * The north that a heading counts from.
  */
 
@@ -5376,7 +5461,7 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
         case 2: return .outOfRange(valueUt: try FfiConverterDouble.read(from: &buf), limitUt: try FfiConverterDouble.read(from: &buf)
         )
 
-        case 3: return .saturated(axis: try FfiConverterTypeAxis.read(from: &buf), valueUt: try FfiConverterDouble.read(from: &buf), railUt: try FfiConverterDouble.read(from: &buf)
+        case 3: return .saturated(axis: try FfiConverterTypeDeviceAxis.read(from: &buf), valueUt: try FfiConverterDouble.read(from: &buf), railUt: try FfiConverterDouble.read(from: &buf)
         )
 
         case 4: return .timeNotAfter(timeNs: try FfiConverterInt64.read(from: &buf), latestNs: try FfiConverterInt64.read(from: &buf)
@@ -5408,7 +5493,7 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
 
         case let .saturated(axis,valueUt,railUt):
             writeInt(&buf, Int32(3))
-            FfiConverterTypeAxis.write(axis, into: &buf)
+            FfiConverterTypeDeviceAxis.write(axis, into: &buf)
             FfiConverterDouble.write(valueUt, into: &buf)
             FfiConverterDouble.write(railUt, into: &buf)
 
@@ -5446,81 +5531,6 @@ fileprivate func FfiConverterTypeRejectReason_lift(_ buf: RustBuffer) throws -> 
 #endif
 fileprivate func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> RustBuffer {
     return FfiConverterTypeRejectReason.lower(value)
-}
-
-
-
-/**
- * The residual that a fit squares and sums.
- */
-
-public enum FitResidual: Equatable, Hashable, Codable {
-
-    /**
-     * Eq. (10) of the paper as written.
-     */
-    case algebraic
-    /**
-     * Divided by its own gradient: a distance in raw units, free of the noise bias.
-     */
-    case corrected
-
-
-
-
-
-}
-
-#if compiler(>=6)
-extension FitResidual: Sendable {}
-#endif
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate struct FfiConverterTypeResidual: FfiConverterRustBuffer {
-    typealias SwiftType = FitResidual
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitResidual {
-        let variant: Int32 = try readInt(&buf)
-        switch variant {
-
-        case 1: return .algebraic
-
-        case 2: return .corrected
-
-        default: throw UniffiInternalError.unexpectedEnumCase
-        }
-    }
-
-    public static func write(_ value: FitResidual, into buf: inout [UInt8]) {
-        switch value {
-
-
-        case .algebraic:
-            writeInt(&buf, Int32(1))
-
-
-        case .corrected:
-            writeInt(&buf, Int32(2))
-
-        }
-    }
-}
-
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeResidual_lift(_ buf: RustBuffer) throws -> FitResidual {
-    return try FfiConverterTypeResidual.lift(buf)
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
-fileprivate func FfiConverterTypeResidual_lower(_ value: FitResidual) -> RustBuffer {
-    return FfiConverterTypeResidual.lower(value)
 }
 
 
@@ -5716,23 +5726,19 @@ fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBu
 
 
 /**
- * Why an iteration stopped. Each is an answer; the last two say how good.
+ * How the standard deviations in sigma_T are normalised.
  */
 
-public enum FitTermination: Equatable, Hashable, Codable {
+public enum SigmaNormalisation: Equatable, Hashable, Codable {
 
     /**
-     * The last step was below the tolerance.
+     * By half the range of each axis.
      */
-    case converged
+    case halfRange
     /**
-     * No step lowers the cost any more: rounding decides.
+     * By the standard deviation of evenly spread directions.
      */
-    case stalled
-    /**
-     * The number of iterations ran out first.
-     */
-    case maxIterations
+    case evenSphere
 
 
 
@@ -5741,43 +5747,37 @@ public enum FitTermination: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension FitTermination: Sendable {}
+extension SigmaNormalisation: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
-    typealias SwiftType = FitTermination
+fileprivate struct FfiConverterTypeSigmaNormalisation: FfiConverterRustBuffer {
+    typealias SwiftType = SigmaNormalisation
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitTermination {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SigmaNormalisation {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
-        case 1: return .converged
+        case 1: return .halfRange
 
-        case 2: return .stalled
-
-        case 3: return .maxIterations
+        case 2: return .evenSphere
 
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
 
-    public static func write(_ value: FitTermination, into buf: inout [UInt8]) {
+    public static func write(_ value: SigmaNormalisation, into buf: inout [UInt8]) {
         switch value {
 
 
-        case .converged:
+        case .halfRange:
             writeInt(&buf, Int32(1))
 
 
-        case .stalled:
+        case .evenSphere:
             writeInt(&buf, Int32(2))
-
-
-        case .maxIterations:
-            writeInt(&buf, Int32(3))
 
         }
     }
@@ -5787,15 +5787,15 @@ fileprivate struct FfiConverterTypeTermination: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeTermination_lift(_ buf: RustBuffer) throws -> FitTermination {
-    return try FfiConverterTypeTermination.lift(buf)
+fileprivate func FfiConverterTypeSigmaNormalisation_lift(_ buf: RustBuffer) throws -> SigmaNormalisation {
+    return try FfiConverterTypeSigmaNormalisation.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeTermination_lower(_ value: FitTermination) -> RustBuffer {
-    return FfiConverterTypeTermination.lower(value)
+fileprivate func FfiConverterTypeSigmaNormalisation_lower(_ value: SigmaNormalisation) -> RustBuffer {
+    return FfiConverterTypeSigmaNormalisation.lower(value)
 }
 
 
@@ -5835,7 +5835,7 @@ extension WorldYaw: Sendable {}
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
+fileprivate struct FfiConverterTypeWorldYaw: FfiConverterRustBuffer {
     typealias SwiftType = WorldYaw
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> WorldYaw {
@@ -5872,15 +5872,15 @@ fileprivate struct FfiConverterTypeYaw: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeYaw_lift(_ buf: RustBuffer) throws -> WorldYaw {
-    return try FfiConverterTypeYaw.lift(buf)
+fileprivate func FfiConverterTypeWorldYaw_lift(_ buf: RustBuffer) throws -> WorldYaw {
+    return try FfiConverterTypeWorldYaw.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeYaw_lower(_ value: WorldYaw) -> RustBuffer {
-    return FfiConverterTypeYaw.lower(value)
+fileprivate func FfiConverterTypeWorldYaw_lower(_ value: WorldYaw) -> RustBuffer {
+    return FfiConverterTypeWorldYaw.lower(value)
 }
 
 
@@ -6007,8 +6007,8 @@ fileprivate struct FfiConverterOptionString: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
-    typealias SwiftType = DeviceAttitude?
+fileprivate struct FfiConverterOptionTypeCompassHeading: FfiConverterRustBuffer {
+    typealias SwiftType = CompassHeading?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6016,13 +6016,13 @@ fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeAttitude.write(value, into: &buf)
+        FfiConverterTypeCompassHeading.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeAttitude.read(from: &buf)
+        case 1: return try FfiConverterTypeCompassHeading.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -6031,8 +6031,8 @@ fileprivate struct FfiConverterOptionTypeAttitude: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
-    typealias SwiftType = MagnetometerCalibration?
+fileprivate struct FfiConverterOptionTypeDeviceAttitude: FfiConverterRustBuffer {
+    typealias SwiftType = DeviceAttitude?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6040,13 +6040,37 @@ fileprivate struct FfiConverterOptionTypeCalibration: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeCalibration.write(value, into: &buf)
+        FfiConverterTypeDeviceAttitude.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeCalibration.read(from: &buf)
+        case 1: return try FfiConverterTypeDeviceAttitude.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionTypeDeviceVector: FfiConverterRustBuffer {
+    typealias SwiftType = DeviceVector?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeDeviceVector.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeDeviceVector.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -6151,30 +6175,6 @@ fileprivate struct FfiConverterOptionTypeFoundDeclination: FfiConverterRustBuffe
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeHeading: FfiConverterRustBuffer {
-    typealias SwiftType = CompassHeading?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypeHeading.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypeHeading.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
 fileprivate struct FfiConverterOptionTypeHeadingConfig: FfiConverterRustBuffer {
     typealias SwiftType = HeadingConfig?
 
@@ -6199,8 +6199,8 @@ fileprivate struct FfiConverterOptionTypeHeadingConfig: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeVector3: FfiConverterRustBuffer {
-    typealias SwiftType = DeviceVector?
+fileprivate struct FfiConverterOptionTypeMagnetometerCalibration: FfiConverterRustBuffer {
+    typealias SwiftType = MagnetometerCalibration?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6208,13 +6208,13 @@ fileprivate struct FfiConverterOptionTypeVector3: FfiConverterRustBuffer {
             return
         }
         writeInt(&buf, Int8(1))
-        FfiConverterTypeVector3.write(value, into: &buf)
+        FfiConverterTypeMagnetometerCalibration.write(value, into: &buf)
     }
 
     public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
         switch try readInt(&buf) as Int8 {
         case 0: return nil
-        case 1: return try FfiConverterTypeVector3.read(from: &buf)
+        case 1: return try FfiConverterTypeMagnetometerCalibration.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -6271,6 +6271,30 @@ fileprivate struct FfiConverterOptionTypeCompensationMethod: FfiConverterRustBuf
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
+fileprivate struct FfiConverterOptionTypeFitResidual: FfiConverterRustBuffer {
+    typealias SwiftType = FitResidual?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeFitResidual.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeFitResidual.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
 fileprivate struct FfiConverterOptionTypeHeadingAid: FfiConverterRustBuffer {
     typealias SwiftType = HeadingAid?
 
@@ -6319,30 +6343,6 @@ fileprivate struct FfiConverterOptionTypeModelOrder: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeNormalisation: FfiConverterRustBuffer {
-    typealias SwiftType = SigmaNormalisation?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypeNormalisation.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypeNormalisation.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
 fileprivate struct FfiConverterOptionTypeReferenceAxis: FfiConverterRustBuffer {
     typealias SwiftType = ReferenceAxis?
 
@@ -6367,30 +6367,6 @@ fileprivate struct FfiConverterOptionTypeReferenceAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterOptionTypeResidual: FfiConverterRustBuffer {
-    typealias SwiftType = FitResidual?
-
-    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
-        guard let value = value else {
-            writeInt(&buf, Int8(0))
-            return
-        }
-        writeInt(&buf, Int8(1))
-        FfiConverterTypeResidual.write(value, into: &buf)
-    }
-
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
-        switch try readInt(&buf) as Int8 {
-        case 0: return nil
-        case 1: return try FfiConverterTypeResidual.read(from: &buf)
-        default: throw UniffiInternalError.unexpectedOptionalTag
-        }
-    }
-}
-
-#if swift(>=5.8)
-@_documentation(visibility: private)
-#endif
 fileprivate struct FfiConverterOptionTypeScreenRotation: FfiConverterRustBuffer {
     typealias SwiftType = ScreenRotation?
 
@@ -6407,6 +6383,30 @@ fileprivate struct FfiConverterOptionTypeScreenRotation: FfiConverterRustBuffer 
         switch try readInt(&buf) as Int8 {
         case 0: return nil
         case 1: return try FfiConverterTypeScreenRotation.read(from: &buf)
+        default: throw UniffiInternalError.unexpectedOptionalTag
+        }
+    }
+}
+
+#if swift(>=5.8)
+@_documentation(visibility: private)
+#endif
+fileprivate struct FfiConverterOptionTypeSigmaNormalisation: FfiConverterRustBuffer {
+    typealias SwiftType = SigmaNormalisation?
+
+    public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
+        guard let value = value else {
+            writeInt(&buf, Int8(0))
+            return
+        }
+        writeInt(&buf, Int8(1))
+        FfiConverterTypeSigmaNormalisation.write(value, into: &buf)
+    }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SwiftType {
+        switch try readInt(&buf) as Int8 {
+        case 0: return nil
+        case 1: return try FfiConverterTypeSigmaNormalisation.read(from: &buf)
         default: throw UniffiInternalError.unexpectedOptionalTag
         }
     }
@@ -6464,14 +6464,14 @@ fileprivate struct FfiConverterSequenceDouble: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
+fileprivate struct FfiConverterSequenceTypeDeviceVector: FfiConverterRustBuffer {
     typealias SwiftType = [DeviceVector]
 
     public static func write(_ value: [DeviceVector], into buf: inout [UInt8]) {
         let len = Int32(value.count)
         writeInt(&buf, len)
         for item in value {
-            FfiConverterTypeVector3.write(item, into: &buf)
+            FfiConverterTypeDeviceVector.write(item, into: &buf)
         }
     }
 
@@ -6480,7 +6480,7 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
         var seq = [DeviceVector]()
         seq.reserveCapacity(Int(len))
         for _ in 0 ..< len {
-            seq.append(try FfiConverterTypeVector3.read(from: &buf))
+            seq.append(try FfiConverterTypeDeviceVector.read(from: &buf))
         }
         return seq
     }
@@ -6489,7 +6489,7 @@ fileprivate struct FfiConverterSequenceTypeVector3: FfiConverterRustBuffer {
  * The library's defaults, every field given.
  */
 package func defaultConfig() -> CompensationConfig  {
-    return try!  FfiConverterTypeConfig_lift(try! rustCall() {
+    return try!  FfiConverterTypeCompensationConfig_lift(try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_default_config(uniffiCallStatus
     )
@@ -6504,7 +6504,7 @@ package func defaultConfig() -> CompensationConfig  {
  * `Place` at a place outside the model's range.
  */
 package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM: Double, unixTimeMs: Int64)throws  -> EarthMagneticField  {
-    return try  FfiConverterTypeGeomagneticField_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterTypeEarthMagneticField_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_geomagnetic_field(
         FfiConverterDouble.lower(latitudeDeg),
@@ -6532,11 +6532,11 @@ package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall()
  * None when the field is vertical, or anything is not finite or zero. It has no sigma.
  */
 package func attitude(fieldUt: DeviceVector, up: DeviceVector)throws  -> DeviceAttitude?  {
-    return try  FfiConverterOptionTypeAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterOptionTypeDeviceAttitude.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_attitude(
-        FfiConverterTypeVector3_lower(fieldUt),
-        FfiConverterTypeVector3_lower(up),uniffiCallStatus
+        FfiConverterTypeDeviceVector_lower(fieldUt),
+        FfiConverterTypeDeviceVector_lower(up),uniffiCallStatus
     )
 })
 }
@@ -6546,11 +6546,11 @@ package func attitude(fieldUt: DeviceVector, up: DeviceVector)throws  -> DeviceA
  * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
  */
 package func correct(calibration: MagnetometerCalibration, rawUt: DeviceVector)throws  -> DeviceVector  {
-    return try  FfiConverterTypeVector3_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterTypeDeviceVector_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_correct(
-        FfiConverterTypeCalibration_lower(calibration),
-        FfiConverterTypeVector3_lower(rawUt),uniffiCallStatus
+        FfiConverterTypeMagnetometerCalibration_lower(calibration),
+        FfiConverterTypeDeviceVector_lower(rawUt),uniffiCallStatus
     )
 })
 }
@@ -6560,11 +6560,11 @@ package func correct(calibration: MagnetometerCalibration, rawUt: DeviceVector)t
  * None when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
  */
 package func heading(fieldUt: DeviceVector, up: DeviceVector, frame: HeadingFrame)throws  -> CompassHeading?  {
-    return try  FfiConverterOptionTypeHeading.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+    return try  FfiConverterOptionTypeCompassHeading.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_heading(
-        FfiConverterTypeVector3_lower(fieldUt),
-        FfiConverterTypeVector3_lower(up),
+        FfiConverterTypeDeviceVector_lower(fieldUt),
+        FfiConverterTypeDeviceVector_lower(up),
         FfiConverterTypeHeadingFrame_lower(frame),uniffiCallStatus
     )
 })

@@ -65,7 +65,7 @@ public final class CompassModel {
     }
 
     /// Tries again after an error that may pass, such as a sensor that has stopped: the run that waits goes on. Else it does nothing.
-    public func retry() { runs.retry() }
+    public func retry() { if error?.mayPass == true { runs.retry() } }
 
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }

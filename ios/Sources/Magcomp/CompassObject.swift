@@ -38,7 +38,7 @@ public final class CompassObject: ObservableObject {
     }
 
     /// Tries again after an error that may pass: ``CompassModel/retry()``.
-    public func retry() { runs.retry() }
+    public func retry() { if state.error?.mayPass == true { runs.retry() } }
 
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }

@@ -30,12 +30,12 @@ final class SharedRun {
         }
     }
 
-    /// A run that waits after an error goes on; none remembers that it was asked to before.
+    /// A run that waits after an error, or is just about to, goes on.
     func retry() { run?.retries.yield() }
 
     private func begin(_ number: Int, _ work: @escaping @MainActor (Retries) async -> Void) {
         let before = ending
-        let (retries, told) = Retries.makeStream(bufferingPolicy: .bufferingNewest(0))
+        let (retries, told) = Retries.makeStream(bufferingPolicy: .bufferingNewest(1))
         let task = Task {
             await before?.value
             if !Task.isCancelled { await work(retries) }

@@ -88,24 +88,6 @@ import Testing
         #expect(readings.map(\.systemField?.fieldUt.x) == [4, 4] && readings.allSatisfy { $0.reading.fieldUt == nil })
     }
 
-    @Test func coursesLeadTheHeadingWhereTheyAreAskedFor() async throws {
-        let cells = tumbling(900).compactMap { event -> String? in
-            switch event {
-            case .up(let sample):
-                "\(Double(sample.timeNs) * 1e-9),,,,\(sample.upMS2.x),\(sample.upMS2.y),\(sample.upMS2.z),,"
-            case .magnetic(let sample):
-                "\(Double(sample.timeNs) * 1e-9 + 1e-4),\(sample.fieldUt.x),\(sample.fieldUt.y),\(sample.fieldUt.z),,,,90,2"
-            default: nil
-            }
-        }
-        let text = "t_s,mx,my,mz,ax,ay,az,course_deg,course_sigma_deg\n" + cells.joined(separator: "\n")
-        for headed in [nil, HeadedAxis.vehicle] {
-            let source = RecordingSource(name: "r.csv", courses: headed) { Data(text.utf8) }
-            let last = try #require(try await Compass(source: source).readings().collected().last)
-            #expect((last.headingAid == nil) == (headed == nil))
-        }
-    }
-
     @Test func aRowIsGyroscopeThenUpThenMagnetometer() async throws {
         let source = source("t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n1,1,2,3,4,5,6,7,8,nan\n")
         let kinds = try await source.samples().collected().map { sample in

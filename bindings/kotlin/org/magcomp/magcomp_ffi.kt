@@ -1647,7 +1647,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     UniffiLib.uniffi_magcomp_ffi_fn_constructor_compensator_new(
 
 
-        FfiConverterTypeConfig.lower(`config`),_status)
+        FfiConverterTypeCompensationConfig.lower(`config`),_status)
 }
     )
 
@@ -1741,7 +1741,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_adopt(
         it,
 
-        FfiConverterTypeCalibration.lower(`calibration`),
+        FfiConverterTypeMagnetometerCalibration.lower(`calibration`),
         FfiConverterDouble.lower(`hardIronSigmaUt`),_status)
 }
     }
@@ -1774,7 +1774,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * Hard iron, soft iron and field strength in force, if any.
      */
     @Throws(MagcompException::class)override fun `calibration`(): MagnetometerCalibration? {
-            return FfiConverterOptionalTypeCalibration.lift(
+            return FfiConverterOptionalTypeMagnetometerCalibration.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_calibration(
@@ -1809,7 +1809,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * Which directions were seen, for guidance.
      */
     @Throws(MagcompException::class)override fun `coverage`(): DirectionCoverage {
-            return FfiConverterTypeCoverage.lift(
+            return FfiConverterTypeDirectionCoverage.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_coverage(
@@ -1842,7 +1842,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * The latest ellipsoid fit that was accepted, with its covariance. Null for the aided and the adaptive method, which make none.
      */
     @Throws(MagcompException::class)override fun `fit`(): EllipsoidFit? {
-            return FfiConverterOptionalTypeFit.lift(
+            return FfiConverterOptionalTypeEllipsoidFit.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_fit(
@@ -1898,7 +1898,7 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
     @Throws(MagcompException::class)override fun `push`(`sample`: MagneticSample): MagneticReading {
-            return FfiConverterTypeReading.lift(
+            return FfiConverterTypeMagneticReading.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_compensator_push(
@@ -2388,7 +2388,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
     UniffiLib.uniffi_magcomp_ffi_fn_method_constantfield_add(
         it,
 
-        FfiConverterTypeVector3.lower(`rawUt`),_status)
+        FfiConverterTypeDeviceVector.lower(`rawUt`),_status)
 }
     }
 
@@ -2399,7 +2399,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
      * Which directions were seen and which were not, about the best centre known so far. Costs a fit.
      */
     @Throws(MagcompException::class)override fun `coverage`(): DirectionCoverage {
-            return FfiConverterTypeCoverage.lift(
+            return FfiConverterTypeDirectionCoverage.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_constantfield_coverage(
@@ -2416,7 +2416,7 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
      * The calibration with its covariance. Fails with `Fit`, which says what is missing; the session can go on.
      */
     @Throws(MagcompException::class)override fun `finish`(`options`: FitOptions?): EllipsoidFit {
-            return FfiConverterTypeFit.lift(
+            return FfiConverterTypeEllipsoidFit.lift(
     callWithHandle {
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_method_constantfield_finish(
@@ -2518,79 +2518,6 @@ internal object FfiConverterTypeNativeConstantField: FfiConverter<NativeConstant
 
 
 /**
- * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
- * north, up), north magnetic. w is at least 0.
- */
-data class DeviceAttitude (
-    /**
-     * The real part.
-     */
-    val `w`: kotlin.Double
-    ,
-    /**
-     * The part of i.
-     */
-    val `x`: kotlin.Double
-    ,
-    /**
-     * The part of j.
-     */
-    val `y`: kotlin.Double
-    ,
-    /**
-     * The part of k.
-     */
-    val `z`: kotlin.Double
-    ,
-    /**
-     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
-     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
-     */
-    val `sigmaDeg`: kotlin.Double?
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeAttitude: FfiConverterRustBuffer<DeviceAttitude> {
-    override fun read(buf: ByteBuffer): DeviceAttitude {
-        return DeviceAttitude(
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: DeviceAttitude) = (
-            FfiConverterDouble.allocationSize(value.`w`) +
-            FfiConverterDouble.allocationSize(value.`x`) +
-            FfiConverterDouble.allocationSize(value.`y`) +
-            FfiConverterDouble.allocationSize(value.`z`) +
-            FfiConverterOptionalDouble.allocationSize(value.`sigmaDeg`)
-    )
-
-    override fun write(value: DeviceAttitude, buf: ByteBuffer) {
-            FfiConverterDouble.write(value.`w`, buf)
-            FfiConverterDouble.write(value.`x`, buf)
-            FfiConverterDouble.write(value.`y`, buf)
-            FfiConverterDouble.write(value.`z`, buf)
-            FfiConverterOptionalDouble.write(value.`sigmaDeg`, buf)
-    }
-}
-
-
-
-/**
  * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
  */
 data class AttitudeSample (
@@ -2645,7 +2572,7 @@ internal object FfiConverterTypeAttitudeSample: FfiConverterRustBuffer<AttitudeS
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
-            FfiConverterTypeYaw.read(buf),
+            FfiConverterTypeWorldYaw.read(buf),
         )
     }
 
@@ -2655,7 +2582,7 @@ internal object FfiConverterTypeAttitudeSample: FfiConverterRustBuffer<AttitudeS
             FfiConverterDouble.allocationSize(value.`x`) +
             FfiConverterDouble.allocationSize(value.`y`) +
             FfiConverterDouble.allocationSize(value.`z`) +
-            FfiConverterTypeYaw.allocationSize(value.`yaw`)
+            FfiConverterTypeWorldYaw.allocationSize(value.`yaw`)
     )
 
     override fun write(value: AttitudeSample, buf: ByteBuffer) {
@@ -2664,30 +2591,35 @@ internal object FfiConverterTypeAttitudeSample: FfiConverterRustBuffer<AttitudeS
             FfiConverterDouble.write(value.`x`, buf)
             FfiConverterDouble.write(value.`y`, buf)
             FfiConverterDouble.write(value.`z`, buf)
-            FfiConverterTypeYaw.write(value.`yaw`, buf)
+            FfiConverterTypeWorldYaw.write(value.`yaw`, buf)
     }
 }
 
 
 
 /**
- * Raw field = soft iron * field + hard iron.
+ * A heading with its sigma and the inclination of the field. All angles are in degrees.
  */
-data class MagnetometerCalibration (
+data class CompassHeading (
     /**
-     * M, dimensionless, no element of it or of its inverse beyond +-1000.
+     * Clockwise from magnetic north, 0 to 360 degrees.
      */
-    val `softIron`: SoftIron
+    val `headingDeg`: kotlin.Double
     ,
     /**
-     * b, microtesla, each component within +-100 000: subtracted from the raw field.
+     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
      */
-    val `hardIronUt`: DeviceVector
+    val `headingSigmaDeg`: kotlin.Double?
     ,
     /**
-     * Strength of the field it was found in, microtesla, 1 to 1000.
+     * Clockwise from true north, 0 to 360 degrees. Null without a declination.
      */
-    val `fieldStrengthUt`: kotlin.Double
+    val `trueHeadingDeg`: kotlin.Double?
+    ,
+    /**
+     * Angle of the field below the horizon, -90 to 90 degrees.
+     */
+    val `inclinationDeg`: kotlin.Double
 
 ){
 
@@ -2701,25 +2633,28 @@ data class MagnetometerCalibration (
 /**
  * @suppress
  */
-internal object FfiConverterTypeCalibration: FfiConverterRustBuffer<MagnetometerCalibration> {
-    override fun read(buf: ByteBuffer): MagnetometerCalibration {
-        return MagnetometerCalibration(
-            FfiConverterTypeSoftIron.read(buf),
-            FfiConverterTypeVector3.read(buf),
+internal object FfiConverterTypeCompassHeading: FfiConverterRustBuffer<CompassHeading> {
+    override fun read(buf: ByteBuffer): CompassHeading {
+        return CompassHeading(
+            FfiConverterDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
             FfiConverterDouble.read(buf),
         )
     }
 
-    override fun allocationSize(value: MagnetometerCalibration) = (
-            FfiConverterTypeSoftIron.allocationSize(value.`softIron`) +
-            FfiConverterTypeVector3.allocationSize(value.`hardIronUt`) +
-            FfiConverterDouble.allocationSize(value.`fieldStrengthUt`)
+    override fun allocationSize(value: CompassHeading) = (
+            FfiConverterDouble.allocationSize(value.`headingDeg`) +
+            FfiConverterOptionalDouble.allocationSize(value.`headingSigmaDeg`) +
+            FfiConverterOptionalDouble.allocationSize(value.`trueHeadingDeg`) +
+            FfiConverterDouble.allocationSize(value.`inclinationDeg`)
     )
 
-    override fun write(value: MagnetometerCalibration, buf: ByteBuffer) {
-            FfiConverterTypeSoftIron.write(value.`softIron`, buf)
-            FfiConverterTypeVector3.write(value.`hardIronUt`, buf)
-            FfiConverterDouble.write(value.`fieldStrengthUt`, buf)
+    override fun write(value: CompassHeading, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`headingDeg`, buf)
+            FfiConverterOptionalDouble.write(value.`headingSigmaDeg`, buf)
+            FfiConverterOptionalDouble.write(value.`trueHeadingDeg`, buf)
+            FfiConverterDouble.write(value.`inclinationDeg`, buf)
     }
 }
 
@@ -2792,11 +2727,11 @@ data class CompensationConfig (
 /**
  * @suppress
  */
-internal object FfiConverterTypeConfig: FfiConverterRustBuffer<CompensationConfig> {
+internal object FfiConverterTypeCompensationConfig: FfiConverterRustBuffer<CompensationConfig> {
     override fun read(buf: ByteBuffer): CompensationConfig {
         return CompensationConfig(
-            FfiConverterOptionalTypeMethod.read(buf),
-            FfiConverterOptionalTypeCalibration.read(buf),
+            FfiConverterOptionalTypeCompensationMethod.read(buf),
+            FfiConverterOptionalTypeMagnetometerCalibration.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalBoolean.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -2808,8 +2743,8 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<CompensationConfi
     }
 
     override fun allocationSize(value: CompensationConfig) = (
-            FfiConverterOptionalTypeMethod.allocationSize(value.`method`) +
-            FfiConverterOptionalTypeCalibration.allocationSize(value.`initial`) +
+            FfiConverterOptionalTypeCompensationMethod.allocationSize(value.`method`) +
+            FfiConverterOptionalTypeMagnetometerCalibration.allocationSize(value.`initial`) +
             FfiConverterOptionalDouble.allocationSize(value.`initialSigmaUt`) +
             FfiConverterOptionalBoolean.allocationSize(value.`useReportedHardIron`) +
             FfiConverterOptionalDouble.allocationSize(value.`rangeUt`) +
@@ -2820,8 +2755,8 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<CompensationConfi
     )
 
     override fun write(value: CompensationConfig, buf: ByteBuffer) {
-            FfiConverterOptionalTypeMethod.write(value.`method`, buf)
-            FfiConverterOptionalTypeCalibration.write(value.`initial`, buf)
+            FfiConverterOptionalTypeCompensationMethod.write(value.`method`, buf)
+            FfiConverterOptionalTypeMagnetometerCalibration.write(value.`initial`, buf)
             FfiConverterOptionalDouble.write(value.`initialSigmaUt`, buf)
             FfiConverterOptionalBoolean.write(value.`useReportedHardIron`, buf)
             FfiConverterOptionalDouble.write(value.`rangeUt`, buf)
@@ -2829,6 +2764,134 @@ internal object FfiConverterTypeConfig: FfiConverterRustBuffer<CompensationConfi
             FfiConverterOptionalDouble.write(value.`fieldStrengthUt`, buf)
             FfiConverterOptionalTypeHeadingConfig.write(value.`heading`, buf)
             FfiConverterOptionalTypeWindowedConfig.write(value.`windowed`, buf)
+    }
+}
+
+
+
+/**
+ * How the device lies in the world: the unit quaternion w + x i + y j + z k that takes a vector of the device frame to (east,
+ * north, up), north magnetic. w is at least 0.
+ */
+data class DeviceAttitude (
+    /**
+     * The real part.
+     */
+    val `w`: kotlin.Double
+    ,
+    /**
+     * The part of i.
+     */
+    val `x`: kotlin.Double
+    ,
+    /**
+     * The part of j.
+     */
+    val `y`: kotlin.Double
+    ,
+    /**
+     * The part of k.
+     */
+    val `z`: kotlin.Double
+    ,
+    /**
+     * One standard deviation: the root of the sum of the variances of the rotation error about three axes at right angles,
+     * degrees, 0 to 180; none when the calibration's own uncertainty is not known.
+     */
+    val `sigmaDeg`: kotlin.Double?
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeDeviceAttitude: FfiConverterRustBuffer<DeviceAttitude> {
+    override fun read(buf: ByteBuffer): DeviceAttitude {
+        return DeviceAttitude(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: DeviceAttitude) = (
+            FfiConverterDouble.allocationSize(value.`w`) +
+            FfiConverterDouble.allocationSize(value.`x`) +
+            FfiConverterDouble.allocationSize(value.`y`) +
+            FfiConverterDouble.allocationSize(value.`z`) +
+            FfiConverterOptionalDouble.allocationSize(value.`sigmaDeg`)
+    )
+
+    override fun write(value: DeviceAttitude, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`w`, buf)
+            FfiConverterDouble.write(value.`x`, buf)
+            FfiConverterDouble.write(value.`y`, buf)
+            FfiConverterDouble.write(value.`z`, buf)
+            FfiConverterOptionalDouble.write(value.`sigmaDeg`, buf)
+    }
+}
+
+
+
+/**
+ * Three components in the device frame: x right, y up along the screen, z out of the screen.
+ */
+data class DeviceVector (
+    /**
+     * Along the screen, to the right.
+     */
+    val `x`: kotlin.Double
+    ,
+    /**
+     * Along the screen, up.
+     */
+    val `y`: kotlin.Double
+    ,
+    /**
+     * Out of the screen.
+     */
+    val `z`: kotlin.Double
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeDeviceVector: FfiConverterRustBuffer<DeviceVector> {
+    override fun read(buf: ByteBuffer): DeviceVector {
+        return DeviceVector(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: DeviceVector) = (
+            FfiConverterDouble.allocationSize(value.`x`) +
+            FfiConverterDouble.allocationSize(value.`y`) +
+            FfiConverterDouble.allocationSize(value.`z`)
+    )
+
+    override fun write(value: DeviceVector, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`x`, buf)
+            FfiConverterDouble.write(value.`y`, buf)
+            FfiConverterDouble.write(value.`z`, buf)
     }
 }
 
@@ -2860,45 +2923,50 @@ data class DirectionCoverage (
 /**
  * @suppress
  */
-internal object FfiConverterTypeCoverage: FfiConverterRustBuffer<DirectionCoverage> {
+internal object FfiConverterTypeDirectionCoverage: FfiConverterRustBuffer<DirectionCoverage> {
     override fun read(buf: ByteBuffer): DirectionCoverage {
         return DirectionCoverage(
             FfiConverterDouble.read(buf),
-            FfiConverterSequenceTypeVector3.read(buf),
+            FfiConverterSequenceTypeDeviceVector.read(buf),
         )
     }
 
     override fun allocationSize(value: DirectionCoverage) = (
             FfiConverterDouble.allocationSize(value.`share`) +
-            FfiConverterSequenceTypeVector3.allocationSize(value.`unseenDirections`)
+            FfiConverterSequenceTypeDeviceVector.allocationSize(value.`unseenDirections`)
     )
 
     override fun write(value: DirectionCoverage, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`share`, buf)
-            FfiConverterSequenceTypeVector3.write(value.`unseenDirections`, buf)
+            FfiConverterSequenceTypeDeviceVector.write(value.`unseenDirections`, buf)
     }
 }
 
 
 
 /**
- * A change that was decided.
+ * The Earth's field at a place and date.
  */
-data class FieldEvent (
+data class EarthMagneticField (
     /**
-     * What changed.
+     * From true to magnetic north, degrees, east positive.
      */
-    val `kind`: FieldEventKind
+    val `declinationDeg`: kotlin.Double
     ,
     /**
-     * Time of the first sample that no longer fitted, nanoseconds.
+     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
      */
-    val `sinceNs`: kotlin.Long
+    val `declinationSigmaDeg`: kotlin.Double
     ,
     /**
-     * Time of the decision, nanoseconds.
+     * Below the horizon, degrees, positive when the field points down.
      */
-    val `decidedNs`: kotlin.Long
+    val `inclinationDeg`: kotlin.Double
+    ,
+    /**
+     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
+     */
+    val `totalFieldUt`: kotlin.Double
 
 ){
 
@@ -2912,25 +2980,28 @@ data class FieldEvent (
 /**
  * @suppress
  */
-internal object FfiConverterTypeEvent: FfiConverterRustBuffer<FieldEvent> {
-    override fun read(buf: ByteBuffer): FieldEvent {
-        return FieldEvent(
-            FfiConverterTypeEventKind.read(buf),
-            FfiConverterLong.read(buf),
-            FfiConverterLong.read(buf),
+internal object FfiConverterTypeEarthMagneticField: FfiConverterRustBuffer<EarthMagneticField> {
+    override fun read(buf: ByteBuffer): EarthMagneticField {
+        return EarthMagneticField(
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
+            FfiConverterDouble.read(buf),
         )
     }
 
-    override fun allocationSize(value: FieldEvent) = (
-            FfiConverterTypeEventKind.allocationSize(value.`kind`) +
-            FfiConverterLong.allocationSize(value.`sinceNs`) +
-            FfiConverterLong.allocationSize(value.`decidedNs`)
+    override fun allocationSize(value: EarthMagneticField) = (
+            FfiConverterDouble.allocationSize(value.`declinationDeg`) +
+            FfiConverterDouble.allocationSize(value.`declinationSigmaDeg`) +
+            FfiConverterDouble.allocationSize(value.`inclinationDeg`) +
+            FfiConverterDouble.allocationSize(value.`totalFieldUt`)
     )
 
-    override fun write(value: FieldEvent, buf: ByteBuffer) {
-            FfiConverterTypeEventKind.write(value.`kind`, buf)
-            FfiConverterLong.write(value.`sinceNs`, buf)
-            FfiConverterLong.write(value.`decidedNs`, buf)
+    override fun write(value: EarthMagneticField, buf: ByteBuffer) {
+            FfiConverterDouble.write(value.`declinationDeg`, buf)
+            FfiConverterDouble.write(value.`declinationSigmaDeg`, buf)
+            FfiConverterDouble.write(value.`inclinationDeg`, buf)
+            FfiConverterDouble.write(value.`totalFieldUt`, buf)
     }
 }
 
@@ -2992,13 +3063,13 @@ data class EllipsoidFit (
 /**
  * @suppress
  */
-internal object FfiConverterTypeFit: FfiConverterRustBuffer<EllipsoidFit> {
+internal object FfiConverterTypeEllipsoidFit: FfiConverterRustBuffer<EllipsoidFit> {
     override fun read(buf: ByteBuffer): EllipsoidFit {
         return EllipsoidFit(
-            FfiConverterTypeCalibration.read(buf),
+            FfiConverterTypeMagnetometerCalibration.read(buf),
             FfiConverterSequenceDouble.read(buf),
             FfiConverterInt.read(buf),
-            FfiConverterTypeTermination.read(buf),
+            FfiConverterTypeFitTermination.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
             FfiConverterDouble.read(buf),
@@ -3007,10 +3078,10 @@ internal object FfiConverterTypeFit: FfiConverterRustBuffer<EllipsoidFit> {
     }
 
     override fun allocationSize(value: EllipsoidFit) = (
-            FfiConverterTypeCalibration.allocationSize(value.`calibration`) +
+            FfiConverterTypeMagnetometerCalibration.allocationSize(value.`calibration`) +
             FfiConverterSequenceDouble.allocationSize(value.`covariance`) +
             FfiConverterInt.allocationSize(value.`iterations`) +
-            FfiConverterTypeTermination.allocationSize(value.`termination`) +
+            FfiConverterTypeFitTermination.allocationSize(value.`termination`) +
             FfiConverterDouble.allocationSize(value.`residualRmsUt`) +
             FfiConverterDouble.allocationSize(value.`axisRatio`) +
             FfiConverterDouble.allocationSize(value.`directionSigmaDeg`) +
@@ -3018,14 +3089,69 @@ internal object FfiConverterTypeFit: FfiConverterRustBuffer<EllipsoidFit> {
     )
 
     override fun write(value: EllipsoidFit, buf: ByteBuffer) {
-            FfiConverterTypeCalibration.write(value.`calibration`, buf)
+            FfiConverterTypeMagnetometerCalibration.write(value.`calibration`, buf)
             FfiConverterSequenceDouble.write(value.`covariance`, buf)
             FfiConverterInt.write(value.`iterations`, buf)
-            FfiConverterTypeTermination.write(value.`termination`, buf)
+            FfiConverterTypeFitTermination.write(value.`termination`, buf)
             FfiConverterDouble.write(value.`residualRmsUt`, buf)
             FfiConverterDouble.write(value.`axisRatio`, buf)
             FfiConverterDouble.write(value.`directionSigmaDeg`, buf)
             FfiConverterInt.write(value.`samples`, buf)
+    }
+}
+
+
+
+/**
+ * A change that was decided.
+ */
+data class FieldEvent (
+    /**
+     * What changed.
+     */
+    val `kind`: FieldEventKind
+    ,
+    /**
+     * Time of the first sample that no longer fitted, nanoseconds.
+     */
+    val `sinceNs`: kotlin.Long
+    ,
+    /**
+     * Time of the decision, nanoseconds.
+     */
+    val `decidedNs`: kotlin.Long
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeFieldEvent: FfiConverterRustBuffer<FieldEvent> {
+    override fun read(buf: ByteBuffer): FieldEvent {
+        return FieldEvent(
+            FfiConverterTypeFieldEventKind.read(buf),
+            FfiConverterLong.read(buf),
+            FfiConverterLong.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: FieldEvent) = (
+            FfiConverterTypeFieldEventKind.allocationSize(value.`kind`) +
+            FfiConverterLong.allocationSize(value.`sinceNs`) +
+            FfiConverterLong.allocationSize(value.`decidedNs`)
+    )
+
+    override fun write(value: FieldEvent, buf: ByteBuffer) {
+            FfiConverterTypeFieldEventKind.write(value.`kind`, buf)
+            FfiConverterLong.write(value.`sinceNs`, buf)
+            FfiConverterLong.write(value.`decidedNs`, buf)
     }
 }
 
@@ -3097,7 +3223,7 @@ data class FitOptions (
 internal object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
     override fun read(buf: ByteBuffer): FitOptions {
         return FitOptions(
-            FfiConverterOptionalTypeResidual.read(buf),
+            FfiConverterOptionalTypeFitResidual.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
@@ -3110,7 +3236,7 @@ internal object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
     }
 
     override fun allocationSize(value: FitOptions) = (
-            FfiConverterOptionalTypeResidual.allocationSize(value.`residual`) +
+            FfiConverterOptionalTypeFitResidual.allocationSize(value.`residual`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldStrengthUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldLowUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldHighUt`) +
@@ -3122,7 +3248,7 @@ internal object FfiConverterTypeFitOptions: FfiConverterRustBuffer<FitOptions> {
     )
 
     override fun write(value: FitOptions, buf: ByteBuffer) {
-            FfiConverterOptionalTypeResidual.write(value.`residual`, buf)
+            FfiConverterOptionalTypeFitResidual.write(value.`residual`, buf)
             FfiConverterOptionalDouble.write(value.`fieldStrengthUt`, buf)
             FfiConverterOptionalDouble.write(value.`fieldLowUt`, buf)
             FfiConverterOptionalDouble.write(value.`fieldHighUt`, buf)
@@ -3178,132 +3304,6 @@ internal object FfiConverterTypeFoundDeclination: FfiConverterRustBuffer<FoundDe
     override fun write(value: FoundDeclination, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`declinationDeg`, buf)
             FfiConverterDouble.write(value.`sigmaDeg`, buf)
-    }
-}
-
-
-
-/**
- * The Earth's field at a place and date.
- */
-data class EarthMagneticField (
-    /**
-     * From true to magnetic north, degrees, east positive.
-     */
-    val `declinationDeg`: kotlin.Double
-    ,
-    /**
-     * One standard deviation of it, degrees, as the model states it; wider at a date outside the model's years.
-     */
-    val `declinationSigmaDeg`: kotlin.Double
-    ,
-    /**
-     * Below the horizon, degrees, positive when the field points down.
-     */
-    val `inclinationDeg`: kotlin.Double
-    ,
-    /**
-     * Strength, microtesla: what `CompensationConfig.fieldStrengthUt` takes.
-     */
-    val `totalFieldUt`: kotlin.Double
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeGeomagneticField: FfiConverterRustBuffer<EarthMagneticField> {
-    override fun read(buf: ByteBuffer): EarthMagneticField {
-        return EarthMagneticField(
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: EarthMagneticField) = (
-            FfiConverterDouble.allocationSize(value.`declinationDeg`) +
-            FfiConverterDouble.allocationSize(value.`declinationSigmaDeg`) +
-            FfiConverterDouble.allocationSize(value.`inclinationDeg`) +
-            FfiConverterDouble.allocationSize(value.`totalFieldUt`)
-    )
-
-    override fun write(value: EarthMagneticField, buf: ByteBuffer) {
-            FfiConverterDouble.write(value.`declinationDeg`, buf)
-            FfiConverterDouble.write(value.`declinationSigmaDeg`, buf)
-            FfiConverterDouble.write(value.`inclinationDeg`, buf)
-            FfiConverterDouble.write(value.`totalFieldUt`, buf)
-    }
-}
-
-
-
-/**
- * A heading with its sigma and the inclination of the field. All angles are in degrees.
- */
-data class CompassHeading (
-    /**
-     * Clockwise from magnetic north, 0 to 360 degrees.
-     */
-    val `headingDeg`: kotlin.Double
-    ,
-    /**
-     * One standard deviation of `headingDeg`, degrees; none when the calibration's own uncertainty is not known.
-     */
-    val `headingSigmaDeg`: kotlin.Double?
-    ,
-    /**
-     * Clockwise from true north, 0 to 360 degrees. Null without a declination.
-     */
-    val `trueHeadingDeg`: kotlin.Double?
-    ,
-    /**
-     * Angle of the field below the horizon, -90 to 90 degrees.
-     */
-    val `inclinationDeg`: kotlin.Double
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeHeading: FfiConverterRustBuffer<CompassHeading> {
-    override fun read(buf: ByteBuffer): CompassHeading {
-        return CompassHeading(
-            FfiConverterDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalDouble.read(buf),
-            FfiConverterDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: CompassHeading) = (
-            FfiConverterDouble.allocationSize(value.`headingDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`headingSigmaDeg`) +
-            FfiConverterOptionalDouble.allocationSize(value.`trueHeadingDeg`) +
-            FfiConverterDouble.allocationSize(value.`inclinationDeg`)
-    )
-
-    override fun write(value: CompassHeading, buf: ByteBuffer) {
-            FfiConverterDouble.write(value.`headingDeg`, buf)
-            FfiConverterOptionalDouble.write(value.`headingSigmaDeg`, buf)
-            FfiConverterOptionalDouble.write(value.`trueHeadingDeg`, buf)
-            FfiConverterDouble.write(value.`inclinationDeg`, buf)
     }
 }
 
@@ -3500,63 +3500,6 @@ internal object FfiConverterTypeHeadingSample: FfiConverterRustBuffer<HeadingSam
 
 
 /**
- * One raw magnetometer event.
- */
-data class MagneticSample (
-    /**
-     * Time of the event, nanoseconds, strictly increasing from one sample to the next.
-     */
-    val `timeNs`: kotlin.Long
-    ,
-    /**
-     * Raw (uncalibrated) field, microtesla, device frame.
-     */
-    val `fieldUt`: DeviceVector
-    ,
-    /**
-     * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
-     * the first calibration.
-     */
-    val `reportedHardIronUt`: DeviceVector? = null
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSample> {
-    override fun read(buf: ByteBuffer): MagneticSample {
-        return MagneticSample(
-            FfiConverterLong.read(buf),
-            FfiConverterTypeVector3.read(buf),
-            FfiConverterOptionalTypeVector3.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: MagneticSample) = (
-            FfiConverterLong.allocationSize(value.`timeNs`) +
-            FfiConverterTypeVector3.allocationSize(value.`fieldUt`) +
-            FfiConverterOptionalTypeVector3.allocationSize(value.`reportedHardIronUt`)
-    )
-
-    override fun write(value: MagneticSample, buf: ByteBuffer) {
-            FfiConverterLong.write(value.`timeNs`, buf)
-            FfiConverterTypeVector3.write(value.`fieldUt`, buf)
-            FfiConverterOptionalTypeVector3.write(value.`reportedHardIronUt`, buf)
-    }
-}
-
-
-
-/**
  * The answer to one magnetometer sample. A value that is not known is none, never NaN.
  */
 data class MagneticReading (
@@ -3662,16 +3605,16 @@ data class MagneticReading (
 /**
  * @suppress
  */
-internal object FfiConverterTypeReading: FfiConverterRustBuffer<MagneticReading> {
+internal object FfiConverterTypeMagneticReading: FfiConverterRustBuffer<MagneticReading> {
     override fun read(buf: ByteBuffer): MagneticReading {
         return MagneticReading(
             FfiConverterLong.read(buf),
-            FfiConverterOptionalTypeVector3.read(buf),
+            FfiConverterOptionalTypeDeviceVector.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalTypeVector3.read(buf),
+            FfiConverterOptionalTypeDeviceVector.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalTypeHeading.read(buf),
-            FfiConverterOptionalTypeAttitude.read(buf),
+            FfiConverterOptionalTypeCompassHeading.read(buf),
+            FfiConverterOptionalTypeDeviceAttitude.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterInt.read(buf),
             FfiConverterDouble.read(buf),
@@ -3680,19 +3623,19 @@ internal object FfiConverterTypeReading: FfiConverterRustBuffer<MagneticReading>
             FfiConverterOptionalTypeModelOrder.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterTypeSensorMode.read(buf),
-            FfiConverterOptionalTypeEvent.read(buf),
-            FfiConverterTypeStatus.read(buf),
+            FfiConverterOptionalTypeFieldEvent.read(buf),
+            FfiConverterTypeCompensationStatus.read(buf),
         )
     }
 
     override fun allocationSize(value: MagneticReading) = (
             FfiConverterLong.allocationSize(value.`timeNs`) +
-            FfiConverterOptionalTypeVector3.allocationSize(value.`fieldUt`) +
+            FfiConverterOptionalTypeDeviceVector.allocationSize(value.`fieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`fieldSigmaUt`) +
-            FfiConverterOptionalTypeVector3.allocationSize(value.`filteredFieldUt`) +
+            FfiConverterOptionalTypeDeviceVector.allocationSize(value.`filteredFieldUt`) +
             FfiConverterOptionalDouble.allocationSize(value.`totalFieldUt`) +
-            FfiConverterOptionalTypeHeading.allocationSize(value.`heading`) +
-            FfiConverterOptionalTypeAttitude.allocationSize(value.`attitude`) +
+            FfiConverterOptionalTypeCompassHeading.allocationSize(value.`heading`) +
+            FfiConverterOptionalTypeDeviceAttitude.allocationSize(value.`attitude`) +
             FfiConverterOptionalDouble.allocationSize(value.`sigmaT`) +
             FfiConverterInt.allocationSize(value.`window`) +
             FfiConverterDouble.allocationSize(value.`coverage`) +
@@ -3701,18 +3644,18 @@ internal object FfiConverterTypeReading: FfiConverterRustBuffer<MagneticReading>
             FfiConverterOptionalTypeModelOrder.allocationSize(value.`modelOrder`) +
             FfiConverterOptionalDouble.allocationSize(value.`reportedHardIronJumpUt`) +
             FfiConverterTypeSensorMode.allocationSize(value.`mode`) +
-            FfiConverterOptionalTypeEvent.allocationSize(value.`event`) +
-            FfiConverterTypeStatus.allocationSize(value.`status`)
+            FfiConverterOptionalTypeFieldEvent.allocationSize(value.`event`) +
+            FfiConverterTypeCompensationStatus.allocationSize(value.`status`)
     )
 
     override fun write(value: MagneticReading, buf: ByteBuffer) {
             FfiConverterLong.write(value.`timeNs`, buf)
-            FfiConverterOptionalTypeVector3.write(value.`fieldUt`, buf)
+            FfiConverterOptionalTypeDeviceVector.write(value.`fieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`fieldSigmaUt`, buf)
-            FfiConverterOptionalTypeVector3.write(value.`filteredFieldUt`, buf)
+            FfiConverterOptionalTypeDeviceVector.write(value.`filteredFieldUt`, buf)
             FfiConverterOptionalDouble.write(value.`totalFieldUt`, buf)
-            FfiConverterOptionalTypeHeading.write(value.`heading`, buf)
-            FfiConverterOptionalTypeAttitude.write(value.`attitude`, buf)
+            FfiConverterOptionalTypeCompassHeading.write(value.`heading`, buf)
+            FfiConverterOptionalTypeDeviceAttitude.write(value.`attitude`, buf)
             FfiConverterOptionalDouble.write(value.`sigmaT`, buf)
             FfiConverterInt.write(value.`window`, buf)
             FfiConverterDouble.write(value.`coverage`, buf)
@@ -3721,8 +3664,120 @@ internal object FfiConverterTypeReading: FfiConverterRustBuffer<MagneticReading>
             FfiConverterOptionalTypeModelOrder.write(value.`modelOrder`, buf)
             FfiConverterOptionalDouble.write(value.`reportedHardIronJumpUt`, buf)
             FfiConverterTypeSensorMode.write(value.`mode`, buf)
-            FfiConverterOptionalTypeEvent.write(value.`event`, buf)
-            FfiConverterTypeStatus.write(value.`status`, buf)
+            FfiConverterOptionalTypeFieldEvent.write(value.`event`, buf)
+            FfiConverterTypeCompensationStatus.write(value.`status`, buf)
+    }
+}
+
+
+
+/**
+ * One raw magnetometer event.
+ */
+data class MagneticSample (
+    /**
+     * Time of the event, nanoseconds, strictly increasing from one sample to the next.
+     */
+    val `timeNs`: kotlin.Long
+    ,
+    /**
+     * Raw (uncalibrated) field, microtesla, device frame.
+     */
+    val `fieldUt`: DeviceVector
+    ,
+    /**
+     * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
+     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
+     * the first calibration.
+     */
+    val `reportedHardIronUt`: DeviceVector? = null
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeMagneticSample: FfiConverterRustBuffer<MagneticSample> {
+    override fun read(buf: ByteBuffer): MagneticSample {
+        return MagneticSample(
+            FfiConverterLong.read(buf),
+            FfiConverterTypeDeviceVector.read(buf),
+            FfiConverterOptionalTypeDeviceVector.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: MagneticSample) = (
+            FfiConverterLong.allocationSize(value.`timeNs`) +
+            FfiConverterTypeDeviceVector.allocationSize(value.`fieldUt`) +
+            FfiConverterOptionalTypeDeviceVector.allocationSize(value.`reportedHardIronUt`)
+    )
+
+    override fun write(value: MagneticSample, buf: ByteBuffer) {
+            FfiConverterLong.write(value.`timeNs`, buf)
+            FfiConverterTypeDeviceVector.write(value.`fieldUt`, buf)
+            FfiConverterOptionalTypeDeviceVector.write(value.`reportedHardIronUt`, buf)
+    }
+}
+
+
+
+/**
+ * Raw field = soft iron * field + hard iron.
+ */
+data class MagnetometerCalibration (
+    /**
+     * M, dimensionless, no element of it or of its inverse beyond +-1000.
+     */
+    val `softIron`: SoftIron
+    ,
+    /**
+     * b, microtesla, each component within +-100 000: subtracted from the raw field.
+     */
+    val `hardIronUt`: DeviceVector
+    ,
+    /**
+     * Strength of the field it was found in, microtesla, 1 to 1000.
+     */
+    val `fieldStrengthUt`: kotlin.Double
+
+){
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeMagnetometerCalibration: FfiConverterRustBuffer<MagnetometerCalibration> {
+    override fun read(buf: ByteBuffer): MagnetometerCalibration {
+        return MagnetometerCalibration(
+            FfiConverterTypeSoftIron.read(buf),
+            FfiConverterTypeDeviceVector.read(buf),
+            FfiConverterDouble.read(buf),
+        )
+    }
+
+    override fun allocationSize(value: MagnetometerCalibration) = (
+            FfiConverterTypeSoftIron.allocationSize(value.`softIron`) +
+            FfiConverterTypeDeviceVector.allocationSize(value.`hardIronUt`) +
+            FfiConverterDouble.allocationSize(value.`fieldStrengthUt`)
+    )
+
+    override fun write(value: MagnetometerCalibration, buf: ByteBuffer) {
+            FfiConverterTypeSoftIron.write(value.`softIron`, buf)
+            FfiConverterTypeDeviceVector.write(value.`hardIronUt`, buf)
+            FfiConverterDouble.write(value.`fieldStrengthUt`, buf)
     }
 }
 
@@ -3758,18 +3813,18 @@ internal object FfiConverterTypeRotationRateSample: FfiConverterRustBuffer<Rotat
     override fun read(buf: ByteBuffer): RotationRateSample {
         return RotationRateSample(
             FfiConverterLong.read(buf),
-            FfiConverterTypeVector3.read(buf),
+            FfiConverterTypeDeviceVector.read(buf),
         )
     }
 
     override fun allocationSize(value: RotationRateSample) = (
             FfiConverterLong.allocationSize(value.`timeNs`) +
-            FfiConverterTypeVector3.allocationSize(value.`rateRadS`)
+            FfiConverterTypeDeviceVector.allocationSize(value.`rateRadS`)
     )
 
     override fun write(value: RotationRateSample, buf: ByteBuffer) {
             FfiConverterLong.write(value.`timeNs`, buf)
-            FfiConverterTypeVector3.write(value.`rateRadS`, buf)
+            FfiConverterTypeDeviceVector.write(value.`rateRadS`, buf)
     }
 }
 
@@ -3884,73 +3939,18 @@ internal object FfiConverterTypeUpSample: FfiConverterRustBuffer<UpSample> {
     override fun read(buf: ByteBuffer): UpSample {
         return UpSample(
             FfiConverterLong.read(buf),
-            FfiConverterTypeVector3.read(buf),
+            FfiConverterTypeDeviceVector.read(buf),
         )
     }
 
     override fun allocationSize(value: UpSample) = (
             FfiConverterLong.allocationSize(value.`timeNs`) +
-            FfiConverterTypeVector3.allocationSize(value.`upMS2`)
+            FfiConverterTypeDeviceVector.allocationSize(value.`upMS2`)
     )
 
     override fun write(value: UpSample, buf: ByteBuffer) {
             FfiConverterLong.write(value.`timeNs`, buf)
-            FfiConverterTypeVector3.write(value.`upMS2`, buf)
-    }
-}
-
-
-
-/**
- * Three components in the device frame: x right, y up along the screen, z out of the screen.
- */
-data class DeviceVector (
-    /**
-     * Along the screen, to the right.
-     */
-    val `x`: kotlin.Double
-    ,
-    /**
-     * Along the screen, up.
-     */
-    val `y`: kotlin.Double
-    ,
-    /**
-     * Out of the screen.
-     */
-    val `z`: kotlin.Double
-
-){
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeVector3: FfiConverterRustBuffer<DeviceVector> {
-    override fun read(buf: ByteBuffer): DeviceVector {
-        return DeviceVector(
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-            FfiConverterDouble.read(buf),
-        )
-    }
-
-    override fun allocationSize(value: DeviceVector) = (
-            FfiConverterDouble.allocationSize(value.`x`) +
-            FfiConverterDouble.allocationSize(value.`y`) +
-            FfiConverterDouble.allocationSize(value.`z`)
-    )
-
-    override fun write(value: DeviceVector, buf: ByteBuffer) {
-            FfiConverterDouble.write(value.`x`, buf)
-            FfiConverterDouble.write(value.`y`, buf)
-            FfiConverterDouble.write(value.`z`, buf)
+            FfiConverterTypeDeviceVector.write(value.`upMS2`, buf)
     }
 }
 
@@ -4010,8 +4010,8 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
             FfiConverterOptionalInt.read(buf),
             FfiConverterOptionalInt.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterOptionalTypeNormalisation.read(buf),
-            FfiConverterOptionalTypeResidual.read(buf),
+            FfiConverterOptionalTypeSigmaNormalisation.read(buf),
+            FfiConverterOptionalTypeFitResidual.read(buf),
             FfiConverterOptionalDouble.read(buf),
         )
     }
@@ -4020,8 +4020,8 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
             FfiConverterOptionalInt.allocationSize(value.`nMin`) +
             FfiConverterOptionalInt.allocationSize(value.`nMax`) +
             FfiConverterOptionalDouble.allocationSize(value.`sigmaTh`) +
-            FfiConverterOptionalTypeNormalisation.allocationSize(value.`normalisation`) +
-            FfiConverterOptionalTypeResidual.allocationSize(value.`residual`) +
+            FfiConverterOptionalTypeSigmaNormalisation.allocationSize(value.`normalisation`) +
+            FfiConverterOptionalTypeFitResidual.allocationSize(value.`residual`) +
             FfiConverterOptionalDouble.allocationSize(value.`noiseFloorUt`)
     )
 
@@ -4029,11 +4029,439 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
             FfiConverterOptionalInt.write(value.`nMin`, buf)
             FfiConverterOptionalInt.write(value.`nMax`, buf)
             FfiConverterOptionalDouble.write(value.`sigmaTh`, buf)
-            FfiConverterOptionalTypeNormalisation.write(value.`normalisation`, buf)
-            FfiConverterOptionalTypeResidual.write(value.`residual`, buf)
+            FfiConverterOptionalTypeSigmaNormalisation.write(value.`normalisation`, buf)
+            FfiConverterOptionalTypeFitResidual.write(value.`residual`, buf)
             FfiConverterOptionalDouble.write(value.`noiseFloorUt`, buf)
     }
 }
+
+
+
+/**
+ * What a first calibration still lacks.
+ */
+sealed class CollectingReason {
+
+    /**
+     * More samples before a first fit is tried.
+     */
+    data class Samples(
+        /**
+         * Samples so far.
+         */
+        val `have`: kotlin.Int,
+        /**
+         * Samples needed.
+         */
+        val `need`: kotlin.Int) : CollectingReason()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The samples allow no fit yet.
+     */
+    data class Fit(
+        /**
+         * Why.
+         */
+        val `problem`: org.magcomp.FitProblem) : CollectingReason()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The device must be turned.
+     */
+    object Rotation : CollectingReason()
+
+
+    /**
+     * More directions, turned about more than one axis.
+     */
+    object Directions : CollectingReason()
+
+
+
+
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeCollectingReason : FfiConverterRustBuffer<CollectingReason>{
+    override fun read(buf: ByteBuffer): CollectingReason {
+        return when(buf.getInt()) {
+            1 -> CollectingReason.Samples(
+                FfiConverterInt.read(buf),
+                FfiConverterInt.read(buf),
+                )
+            2 -> CollectingReason.Fit(
+                FfiConverterTypeFitProblem.read(buf),
+                )
+            3 -> CollectingReason.Rotation
+            4 -> CollectingReason.Directions
+            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
+        }
+    }
+
+    override fun allocationSize(value: CollectingReason): ULong = when(value) {
+        is CollectingReason.Samples -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterInt.allocationSize(value.`have`)
+                + FfiConverterInt.allocationSize(value.`need`)
+            )
+        }
+        is CollectingReason.Fit -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeFitProblem.allocationSize(value.`problem`)
+            )
+        }
+        is CollectingReason.Rotation -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is CollectingReason.Directions -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+    }
+
+    override fun write(value: CollectingReason, buf: ByteBuffer) {
+        when(value) {
+            is CollectingReason.Samples -> {
+                buf.putInt(1)
+                FfiConverterInt.write(value.`have`, buf)
+                FfiConverterInt.write(value.`need`, buf)
+                Unit
+            }
+            is CollectingReason.Fit -> {
+                buf.putInt(2)
+                FfiConverterTypeFitProblem.write(value.`problem`, buf)
+                Unit
+            }
+            is CollectingReason.Rotation -> {
+                buf.putInt(3)
+                Unit
+            }
+            is CollectingReason.Directions -> {
+                buf.putInt(4)
+                Unit
+            }
+        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
+
+
+
+/**
+ * How the hard and soft iron are estimated.
+ */
+
+enum class CompensationMethod {
+
+    /**
+     * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
+     */
+    AUTO,
+    /**
+     * The same as `Auto`.
+     */
+    AIDED,
+    /**
+     * Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
+     */
+    ADAPTIVE,
+    /**
+     * The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
+     */
+    WINDOWED,
+    /**
+     * The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
+     */
+    CONSTANT;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeCompensationMethod: FfiConverterRustBuffer<CompensationMethod> {
+    override fun read(buf: ByteBuffer) = try {
+
+        CompensationMethod.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: CompensationMethod) = 4UL
+
+    override fun write(value: CompensationMethod, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
+ * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
+ */
+sealed class CompensationStatus {
+
+    /**
+     * No calibration yet.
+     */
+    data class Collecting(
+        /**
+         * What is still missing.
+         */
+        val `missing`: org.magcomp.CollectingReason) : CompensationStatus()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * Calibrated, and following changes.
+     */
+    object Tracking : CompensationStatus()
+
+
+    /**
+     * Something changed; it is not yet decided whether the device or the place.
+     */
+    data class Suspect(
+        /**
+         * Time of the first sample that did not fit, nanoseconds.
+         */
+        val `sinceNs`: kotlin.Long) : CompensationStatus()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * Calibrated, but not learning: the calibration is kept.
+     */
+    data class Held(
+        /**
+         * Why nothing is learned at the moment.
+         */
+        val `reason`: org.magcomp.HoldReason) : CompensationStatus()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * The environment is disturbed, not the device.
+     */
+    data class Disturbed(
+        /**
+         * Time of the first disturbed sample, nanoseconds.
+         */
+        val `sinceNs`: kotlin.Long) : CompensationStatus()
+
+    {
+
+
+        companion object
+    }
+
+    /**
+     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
+     * clock (see `push`).
+     */
+    data class Rejected(
+        /**
+         * Why it was not used.
+         */
+        val `reason`: org.magcomp.RejectReason) : CompensationStatus()
+
+    {
+
+
+        companion object
+    }
+
+
+
+
+
+
+    /**
+     * One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
+     */ fun `label`(): kotlin.String {
+            return FfiConverterString.lift(
+    uniffiRustCall() { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_status_label(FfiConverterTypeCompensationStatus.lower(this),
+        _status)
+}
+    )
+    }
+
+
+
+    /**
+     * One sentence an app may show.
+     */ fun `text`(): kotlin.String {
+            return FfiConverterString.lift(
+    uniffiRustCall() { _status ->
+    UniffiLib.uniffi_magcomp_ffi_fn_method_status_text(FfiConverterTypeCompensationStatus.lower(this),
+        _status)
+}
+    )
+    }
+
+
+
+
+
+    companion object
+}
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeCompensationStatus : FfiConverterRustBuffer<CompensationStatus>{
+    override fun read(buf: ByteBuffer): CompensationStatus {
+        return when(buf.getInt()) {
+            1 -> CompensationStatus.Collecting(
+                FfiConverterTypeCollectingReason.read(buf),
+                )
+            2 -> CompensationStatus.Tracking
+            3 -> CompensationStatus.Suspect(
+                FfiConverterLong.read(buf),
+                )
+            4 -> CompensationStatus.Held(
+                FfiConverterTypeHoldReason.read(buf),
+                )
+            5 -> CompensationStatus.Disturbed(
+                FfiConverterLong.read(buf),
+                )
+            6 -> CompensationStatus.Rejected(
+                FfiConverterTypeRejectReason.read(buf),
+                )
+            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
+        }
+    }
+
+    override fun allocationSize(value: CompensationStatus): ULong = when(value) {
+        is CompensationStatus.Collecting -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeCollectingReason.allocationSize(value.`missing`)
+            )
+        }
+        is CompensationStatus.Tracking -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+            )
+        }
+        is CompensationStatus.Suspect -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterLong.allocationSize(value.`sinceNs`)
+            )
+        }
+        is CompensationStatus.Held -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeHoldReason.allocationSize(value.`reason`)
+            )
+        }
+        is CompensationStatus.Disturbed -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterLong.allocationSize(value.`sinceNs`)
+            )
+        }
+        is CompensationStatus.Rejected -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterTypeRejectReason.allocationSize(value.`reason`)
+            )
+        }
+    }
+
+    override fun write(value: CompensationStatus, buf: ByteBuffer) {
+        when(value) {
+            is CompensationStatus.Collecting -> {
+                buf.putInt(1)
+                FfiConverterTypeCollectingReason.write(value.`missing`, buf)
+                Unit
+            }
+            is CompensationStatus.Tracking -> {
+                buf.putInt(2)
+                Unit
+            }
+            is CompensationStatus.Suspect -> {
+                buf.putInt(3)
+                FfiConverterLong.write(value.`sinceNs`, buf)
+                Unit
+            }
+            is CompensationStatus.Held -> {
+                buf.putInt(4)
+                FfiConverterTypeHoldReason.write(value.`reason`, buf)
+                Unit
+            }
+            is CompensationStatus.Disturbed -> {
+                buf.putInt(5)
+                FfiConverterLong.write(value.`sinceNs`, buf)
+                Unit
+            }
+            is CompensationStatus.Rejected -> {
+                buf.putInt(6)
+                FfiConverterTypeRejectReason.write(value.`reason`, buf)
+                Unit
+            }
+        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
+    }
+}
+
+
 
 
 
@@ -4066,7 +4494,7 @@ enum class DeviceAxis {
 /**
  * @suppress
  */
-internal object FfiConverterTypeAxis: FfiConverterRustBuffer<DeviceAxis> {
+internal object FfiConverterTypeDeviceAxis: FfiConverterRustBuffer<DeviceAxis> {
     override fun read(buf: ByteBuffer) = try {
 
         DeviceAxis.entries[buf.getInt() - 1]
@@ -4078,55 +4506,6 @@ internal object FfiConverterTypeAxis: FfiConverterRustBuffer<DeviceAxis> {
     override fun allocationSize(value: DeviceAxis) = 4UL
 
     override fun write(value: DeviceAxis, buf: ByteBuffer) {
-        buf.putInt(value.ordinal + 1)
-    }
-}
-
-
-
-
-
-/**
- * What changed.
- */
-
-enum class FieldEventKind {
-
-    /**
-     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
-     */
-    DEVICE_STEP,
-    /**
-     * The device returned to an earlier calibration, which was restored.
-     */
-    DEVICE_STEP_BACK,
-    /**
-     * The field of the place stepped: the calibration is held.
-     */
-    PLACE_CHANGED;
-
-
-
-
-    companion object
-}
-
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeEventKind: FfiConverterRustBuffer<FieldEventKind> {
-    override fun read(buf: ByteBuffer) = try {
-
-        FieldEventKind.entries[buf.getInt() - 1]
-
-    } catch (e: IndexOutOfBoundsException) {
-        throw RuntimeException("invalid enum value, something is very wrong!!", e)
-    }
-
-    override fun allocationSize(value: FieldEventKind) = 4UL
-
-    override fun write(value: FieldEventKind, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -4197,6 +4576,55 @@ internal object FfiConverterTypeEventRejection: FfiConverterRustBuffer<EventReje
     override fun allocationSize(value: EventRejection) = 4UL
 
     override fun write(value: EventRejection, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
+ * What changed.
+ */
+
+enum class FieldEventKind {
+
+    /**
+     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     */
+    DEVICE_STEP,
+    /**
+     * The device returned to an earlier calibration, which was restored.
+     */
+    DEVICE_STEP_BACK,
+    /**
+     * The field of the place stepped: the calibration is held.
+     */
+    PLACE_CHANGED;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeFieldEventKind: FfiConverterRustBuffer<FieldEventKind> {
+    override fun read(buf: ByteBuffer) = try {
+
+        FieldEventKind.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: FieldEventKind) = 4UL
+
+    override fun write(value: FieldEventKind, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -4469,6 +4897,100 @@ internal object FfiConverterTypeFitProblem : FfiConverterRustBuffer<FitProblem>{
 
 
 /**
+ * The residual that a fit squares and sums.
+ */
+
+enum class FitResidual {
+
+    /**
+     * Eq. (10) of the paper as written.
+     */
+    ALGEBRAIC,
+    /**
+     * Divided by its own gradient: a distance in raw units, free of the noise bias.
+     */
+    CORRECTED;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeFitResidual: FfiConverterRustBuffer<FitResidual> {
+    override fun read(buf: ByteBuffer) = try {
+
+        FitResidual.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: FitResidual) = 4UL
+
+    override fun write(value: FitResidual, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
+ * Why an iteration stopped. Each is an answer; the last two say how good.
+ */
+
+enum class FitTermination {
+
+    /**
+     * The last step was below the tolerance.
+     */
+    CONVERGED,
+    /**
+     * No step lowers the cost any more: rounding decides.
+     */
+    STALLED,
+    /**
+     * The number of iterations ran out first.
+     */
+    MAX_ITERATIONS;
+
+
+
+
+    companion object
+}
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterTypeFitTermination: FfiConverterRustBuffer<FitTermination> {
+    override fun read(buf: ByteBuffer) = try {
+
+        FitTermination.entries[buf.getInt() - 1]
+
+    } catch (e: IndexOutOfBoundsException) {
+        throw RuntimeException("invalid enum value, something is very wrong!!", e)
+    }
+
+    override fun allocationSize(value: FitTermination) = 4UL
+
+    override fun write(value: FitTermination, buf: ByteBuffer) {
+        buf.putInt(value.ordinal + 1)
+    }
+}
+
+
+
+
+
+/**
  * What a heading from outside is that of.
  */
 sealed class HeadedAxis {
@@ -4512,7 +5034,7 @@ internal object FfiConverterTypeHeadedAxis : FfiConverterRustBuffer<HeadedAxis>{
     override fun read(buf: ByteBuffer): HeadedAxis {
         return when(buf.getInt()) {
             1 -> HeadedAxis.Device(
-                FfiConverterTypeVector3.read(buf),
+                FfiConverterTypeDeviceVector.read(buf),
                 )
             2 -> HeadedAxis.Vehicle
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
@@ -4524,7 +5046,7 @@ internal object FfiConverterTypeHeadedAxis : FfiConverterRustBuffer<HeadedAxis>{
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
-                + FfiConverterTypeVector3.allocationSize(value.`axis`)
+                + FfiConverterTypeDeviceVector.allocationSize(value.`axis`)
             )
         }
         is HeadedAxis.Vehicle -> {
@@ -4539,7 +5061,7 @@ internal object FfiConverterTypeHeadedAxis : FfiConverterRustBuffer<HeadedAxis>{
         when(value) {
             is HeadedAxis.Device -> {
                 buf.putInt(1)
-                FfiConverterTypeVector3.write(value.`axis`, buf)
+                FfiConverterTypeDeviceVector.write(value.`axis`, buf)
                 Unit
             }
             is HeadedAxis.Vehicle -> {
@@ -4762,63 +5284,6 @@ internal object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
-    }
-}
-
-
-
-
-
-/**
- * Least important message that is still written.
- */
-
-enum class MagcompLogLevel {
-
-    /**
-     * Nothing.
-     */
-    OFF,
-    /**
-     * Defects: a caught panic.
-     */
-    ERROR,
-    /**
-     * What an app should know.
-     */
-    WARN,
-    /**
-     * What happened.
-     */
-    INFO,
-    /**
-     * Details.
-     */
-    DEBUG;
-
-
-
-
-    companion object
-}
-
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeLogLevel: FfiConverterRustBuffer<MagcompLogLevel> {
-    override fun read(buf: ByteBuffer) = try {
-
-        MagcompLogLevel.entries[buf.getInt() - 1]
-
-    } catch (e: IndexOutOfBoundsException) {
-        throw RuntimeException("invalid enum value, something is very wrong!!", e)
-    }
-
-    override fun allocationSize(value: MagcompLogLevel) = 4UL
-
-    override fun write(value: MagcompLogLevel, buf: ByteBuffer) {
-        buf.putInt(value.ordinal + 1)
     }
 }
 
@@ -5161,31 +5626,31 @@ internal object FfiConverterTypeMagcompError : FfiConverterRustBuffer<MagcompExc
 
 
 /**
- * How the hard and soft iron are estimated.
+ * Least important message that is still written.
  */
 
-enum class CompensationMethod {
+enum class MagcompLogLevel {
 
     /**
-     * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
+     * Nothing.
      */
-    AUTO,
+    OFF,
     /**
-     * The same as `Auto`.
+     * Defects: a caught panic.
      */
-    AIDED,
+    ERROR,
     /**
-     * Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
+     * What an app should know.
      */
-    ADAPTIVE,
+    WARN,
     /**
-     * The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
+     * What happened.
      */
-    WINDOWED,
+    INFO,
     /**
-     * The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
+     * Details.
      */
-    CONSTANT;
+    DEBUG;
 
 
 
@@ -5197,158 +5662,19 @@ enum class CompensationMethod {
 /**
  * @suppress
  */
-internal object FfiConverterTypeMethod: FfiConverterRustBuffer<CompensationMethod> {
+internal object FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer<MagcompLogLevel> {
     override fun read(buf: ByteBuffer) = try {
 
-        CompensationMethod.entries[buf.getInt() - 1]
+        MagcompLogLevel.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: CompensationMethod) = 4UL
+    override fun allocationSize(value: MagcompLogLevel) = 4UL
 
-    override fun write(value: CompensationMethod, buf: ByteBuffer) {
+    override fun write(value: MagcompLogLevel, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
-    }
-}
-
-
-
-
-
-/**
- * What a first calibration still lacks.
- */
-sealed class Missing {
-
-    /**
-     * More samples before a first fit is tried.
-     */
-    data class Samples(
-        /**
-         * Samples so far.
-         */
-        val `have`: kotlin.Int,
-        /**
-         * Samples needed.
-         */
-        val `need`: kotlin.Int) : CollectingReason()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * The samples allow no fit yet.
-     */
-    data class Fit(
-        /**
-         * Why.
-         */
-        val `problem`: org.magcomp.FitProblem) : CollectingReason()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * The device must be turned.
-     */
-    object Rotation : CollectingReason()
-
-
-    /**
-     * More directions, turned about more than one axis.
-     */
-    object Directions : CollectingReason()
-
-
-
-
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeMissing : FfiConverterRustBuffer<CollectingReason>{
-    override fun read(buf: ByteBuffer): CollectingReason {
-        return when(buf.getInt()) {
-            1 -> CollectingReason.Samples(
-                FfiConverterInt.read(buf),
-                FfiConverterInt.read(buf),
-                )
-            2 -> CollectingReason.Fit(
-                FfiConverterTypeFitProblem.read(buf),
-                )
-            3 -> CollectingReason.Rotation
-            4 -> CollectingReason.Directions
-            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
-        }
-    }
-
-    override fun allocationSize(value: CollectingReason): ULong = when(value) {
-        is CollectingReason.Samples -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterInt.allocationSize(value.`have`)
-                + FfiConverterInt.allocationSize(value.`need`)
-            )
-        }
-        is CollectingReason.Fit -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterTypeFitProblem.allocationSize(value.`problem`)
-            )
-        }
-        is CollectingReason.Rotation -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-            )
-        }
-        is CollectingReason.Directions -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-            )
-        }
-    }
-
-    override fun write(value: CollectingReason, buf: ByteBuffer) {
-        when(value) {
-            is CollectingReason.Samples -> {
-                buf.putInt(1)
-                FfiConverterInt.write(value.`have`, buf)
-                FfiConverterInt.write(value.`need`, buf)
-                Unit
-            }
-            is CollectingReason.Fit -> {
-                buf.putInt(2)
-                FfiConverterTypeFitProblem.write(value.`problem`, buf)
-                Unit
-            }
-            is CollectingReason.Rotation -> {
-                buf.putInt(3)
-                Unit
-            }
-            is CollectingReason.Directions -> {
-                buf.putInt(4)
-                Unit
-            }
-        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
     }
 }
 
@@ -5401,51 +5727,6 @@ internal object FfiConverterTypeModelOrder: FfiConverterRustBuffer<ModelOrder> {
     override fun allocationSize(value: ModelOrder) = 4UL
 
     override fun write(value: ModelOrder, buf: ByteBuffer) {
-        buf.putInt(value.ordinal + 1)
-    }
-}
-
-
-
-
-
-/**
- * How the standard deviations in sigma_T are normalised.
- */
-
-enum class SigmaNormalisation {
-
-    /**
-     * By half the range of each axis.
-     */
-    HALF_RANGE,
-    /**
-     * By the standard deviation of evenly spread directions.
-     */
-    EVEN_SPHERE;
-
-
-
-
-    companion object
-}
-
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeNormalisation: FfiConverterRustBuffer<SigmaNormalisation> {
-    override fun read(buf: ByteBuffer) = try {
-
-        SigmaNormalisation.entries[buf.getInt() - 1]
-
-    } catch (e: IndexOutOfBoundsException) {
-        throw RuntimeException("invalid enum value, something is very wrong!!", e)
-    }
-
-    override fun allocationSize(value: SigmaNormalisation) = 4UL
-
-    override fun write(value: SigmaNormalisation, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -5689,7 +5970,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
                 FfiConverterDouble.read(buf),
                 )
             3 -> RejectReason.Saturated(
-                FfiConverterTypeAxis.read(buf),
+                FfiConverterTypeDeviceAxis.read(buf),
                 FfiConverterDouble.read(buf),
                 FfiConverterDouble.read(buf),
                 )
@@ -5727,7 +6008,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
             // Add the size for the Int that specifies the variant plus the size needed for all fields
             (
                 4UL
-                + FfiConverterTypeAxis.allocationSize(value.`axis`)
+                + FfiConverterTypeDeviceAxis.allocationSize(value.`axis`)
                 + FfiConverterDouble.allocationSize(value.`valueUt`)
                 + FfiConverterDouble.allocationSize(value.`railUt`)
             )
@@ -5771,7 +6052,7 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
             }
             is RejectReason.Saturated -> {
                 buf.putInt(3)
-                FfiConverterTypeAxis.write(value.`axis`, buf)
+                FfiConverterTypeDeviceAxis.write(value.`axis`, buf)
                 FfiConverterDouble.write(value.`valueUt`, buf)
                 FfiConverterDouble.write(value.`railUt`, buf)
                 Unit
@@ -5794,51 +6075,6 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
-    }
-}
-
-
-
-
-
-/**
- * The residual that a fit squares and sums.
- */
-
-enum class FitResidual {
-
-    /**
-     * Eq. (10) of the paper as written.
-     */
-    ALGEBRAIC,
-    /**
-     * Divided by its own gradient: a distance in raw units, free of the noise bias.
-     */
-    CORRECTED;
-
-
-
-
-    companion object
-}
-
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeResidual: FfiConverterRustBuffer<FitResidual> {
-    override fun read(buf: ByteBuffer) = try {
-
-        FitResidual.entries[buf.getInt() - 1]
-
-    } catch (e: IndexOutOfBoundsException) {
-        throw RuntimeException("invalid enum value, something is very wrong!!", e)
-    }
-
-    override fun allocationSize(value: FitResidual) = 4UL
-
-    override fun write(value: FitResidual, buf: ByteBuffer) {
-        buf.putInt(value.ordinal + 1)
     }
 }
 
@@ -5953,255 +6189,19 @@ internal object FfiConverterTypeSensorMode: FfiConverterRustBuffer<SensorMode> {
 
 
 /**
- * What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
- */
-sealed class CompensationStatus {
-
-    /**
-     * No calibration yet.
-     */
-    data class Collecting(
-        /**
-         * What is still missing.
-         */
-        val `missing`: org.magcomp.CollectingReason) : CompensationStatus()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * Calibrated, and following changes.
-     */
-    object Tracking : CompensationStatus()
-
-
-    /**
-     * Something changed; it is not yet decided whether the device or the place.
-     */
-    data class Suspect(
-        /**
-         * Time of the first sample that did not fit, nanoseconds.
-         */
-        val `sinceNs`: kotlin.Long) : CompensationStatus()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * Calibrated, but not learning: the calibration is kept.
-     */
-    data class Held(
-        /**
-         * Why nothing is learned at the moment.
-         */
-        val `reason`: org.magcomp.HoldReason) : CompensationStatus()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * The environment is disturbed, not the device.
-     */
-    data class Disturbed(
-        /**
-         * Time of the first disturbed sample, nanoseconds.
-         */
-        val `sinceNs`: kotlin.Long) : CompensationStatus()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
-     * clock (see `push`).
-     */
-    data class Rejected(
-        /**
-         * Why it was not used.
-         */
-        val `reason`: org.magcomp.RejectReason) : CompensationStatus()
-
-    {
-
-
-        companion object
-    }
-
-
-
-
-
-
-    /**
-     * One word for tables and logs: `collecting`, `tracking`, `suspect`, `held`, `disturbed`, `rejected`.
-     */ fun `label`(): kotlin.String {
-            return FfiConverterString.lift(
-    uniffiRustCall() { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_status_label(FfiConverterTypeStatus.lower(this),
-        _status)
-}
-    )
-    }
-
-
-
-    /**
-     * One sentence an app may show.
-     */ fun `text`(): kotlin.String {
-            return FfiConverterString.lift(
-    uniffiRustCall() { _status ->
-    UniffiLib.uniffi_magcomp_ffi_fn_method_status_text(FfiConverterTypeStatus.lower(this),
-        _status)
-}
-    )
-    }
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeStatus : FfiConverterRustBuffer<CompensationStatus>{
-    override fun read(buf: ByteBuffer): CompensationStatus {
-        return when(buf.getInt()) {
-            1 -> CompensationStatus.Collecting(
-                FfiConverterTypeMissing.read(buf),
-                )
-            2 -> CompensationStatus.Tracking
-            3 -> CompensationStatus.Suspect(
-                FfiConverterLong.read(buf),
-                )
-            4 -> CompensationStatus.Held(
-                FfiConverterTypeHoldReason.read(buf),
-                )
-            5 -> CompensationStatus.Disturbed(
-                FfiConverterLong.read(buf),
-                )
-            6 -> CompensationStatus.Rejected(
-                FfiConverterTypeRejectReason.read(buf),
-                )
-            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
-        }
-    }
-
-    override fun allocationSize(value: CompensationStatus): ULong = when(value) {
-        is CompensationStatus.Collecting -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterTypeMissing.allocationSize(value.`missing`)
-            )
-        }
-        is CompensationStatus.Tracking -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-            )
-        }
-        is CompensationStatus.Suspect -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterLong.allocationSize(value.`sinceNs`)
-            )
-        }
-        is CompensationStatus.Held -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterTypeHoldReason.allocationSize(value.`reason`)
-            )
-        }
-        is CompensationStatus.Disturbed -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterLong.allocationSize(value.`sinceNs`)
-            )
-        }
-        is CompensationStatus.Rejected -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterTypeRejectReason.allocationSize(value.`reason`)
-            )
-        }
-    }
-
-    override fun write(value: CompensationStatus, buf: ByteBuffer) {
-        when(value) {
-            is CompensationStatus.Collecting -> {
-                buf.putInt(1)
-                FfiConverterTypeMissing.write(value.`missing`, buf)
-                Unit
-            }
-            is CompensationStatus.Tracking -> {
-                buf.putInt(2)
-                Unit
-            }
-            is CompensationStatus.Suspect -> {
-                buf.putInt(3)
-                FfiConverterLong.write(value.`sinceNs`, buf)
-                Unit
-            }
-            is CompensationStatus.Held -> {
-                buf.putInt(4)
-                FfiConverterTypeHoldReason.write(value.`reason`, buf)
-                Unit
-            }
-            is CompensationStatus.Disturbed -> {
-                buf.putInt(5)
-                FfiConverterLong.write(value.`sinceNs`, buf)
-                Unit
-            }
-            is CompensationStatus.Rejected -> {
-                buf.putInt(6)
-                FfiConverterTypeRejectReason.write(value.`reason`, buf)
-                Unit
-            }
-        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
-    }
-}
-
-
-
-
-
-/**
- * Why an iteration stopped. Each is an answer; the last two say how good.
+ * How the standard deviations in sigma_T are normalised.
  */
 
-enum class FitTermination {
+enum class SigmaNormalisation {
 
     /**
-     * The last step was below the tolerance.
+     * By half the range of each axis.
      */
-    CONVERGED,
+    HALF_RANGE,
     /**
-     * No step lowers the cost any more: rounding decides.
+     * By the standard deviation of evenly spread directions.
      */
-    STALLED,
-    /**
-     * The number of iterations ran out first.
-     */
-    MAX_ITERATIONS;
+    EVEN_SPHERE;
 
 
 
@@ -6213,18 +6213,18 @@ enum class FitTermination {
 /**
  * @suppress
  */
-internal object FfiConverterTypeTermination: FfiConverterRustBuffer<FitTermination> {
+internal object FfiConverterTypeSigmaNormalisation: FfiConverterRustBuffer<SigmaNormalisation> {
     override fun read(buf: ByteBuffer) = try {
 
-        FitTermination.entries[buf.getInt() - 1]
+        SigmaNormalisation.entries[buf.getInt() - 1]
 
     } catch (e: IndexOutOfBoundsException) {
         throw RuntimeException("invalid enum value, something is very wrong!!", e)
     }
 
-    override fun allocationSize(value: FitTermination) = 4UL
+    override fun allocationSize(value: SigmaNormalisation) = 4UL
 
-    override fun write(value: FitTermination, buf: ByteBuffer) {
+    override fun write(value: SigmaNormalisation, buf: ByteBuffer) {
         buf.putInt(value.ordinal + 1)
     }
 }
@@ -6276,7 +6276,7 @@ sealed class WorldYaw {
 /**
  * @suppress
  */
-internal object FfiConverterTypeYaw : FfiConverterRustBuffer<WorldYaw>{
+internal object FfiConverterTypeWorldYaw : FfiConverterRustBuffer<WorldYaw>{
     override fun read(buf: ByteBuffer): WorldYaw {
         return when(buf.getInt()) {
             1 -> WorldYaw.Relative
@@ -6489,19 +6489,51 @@ internal object FfiConverterOptionalString: FfiConverterRustBuffer<kotlin.String
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<DeviceAttitude?> {
+internal object FfiConverterOptionalTypeCompassHeading: FfiConverterRustBuffer<CompassHeading?> {
+    override fun read(buf: ByteBuffer): CompassHeading? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeCompassHeading.read(buf)
+    }
+
+    override fun allocationSize(value: CompassHeading?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeCompassHeading.allocationSize(value)
+        }
+    }
+
+    override fun write(value: CompassHeading?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeCompassHeading.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalTypeDeviceAttitude: FfiConverterRustBuffer<DeviceAttitude?> {
     override fun read(buf: ByteBuffer): DeviceAttitude? {
         if (buf.get().toInt() == 0) {
             return null
         }
-        return FfiConverterTypeAttitude.read(buf)
+        return FfiConverterTypeDeviceAttitude.read(buf)
     }
 
     override fun allocationSize(value: DeviceAttitude?): ULong {
         if (value == null) {
             return 1UL
         } else {
-            return 1UL + FfiConverterTypeAttitude.allocationSize(value)
+            return 1UL + FfiConverterTypeDeviceAttitude.allocationSize(value)
         }
     }
 
@@ -6510,7 +6542,7 @@ internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<DeviceA
             buf.put(0)
         } else {
             buf.put(1)
-            FfiConverterTypeAttitude.write(value, buf)
+            FfiConverterTypeDeviceAttitude.write(value, buf)
         }
     }
 }
@@ -6521,28 +6553,28 @@ internal object FfiConverterOptionalTypeAttitude: FfiConverterRustBuffer<DeviceA
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<MagnetometerCalibration?> {
-    override fun read(buf: ByteBuffer): MagnetometerCalibration? {
+internal object FfiConverterOptionalTypeDeviceVector: FfiConverterRustBuffer<DeviceVector?> {
+    override fun read(buf: ByteBuffer): DeviceVector? {
         if (buf.get().toInt() == 0) {
             return null
         }
-        return FfiConverterTypeCalibration.read(buf)
+        return FfiConverterTypeDeviceVector.read(buf)
     }
 
-    override fun allocationSize(value: MagnetometerCalibration?): ULong {
+    override fun allocationSize(value: DeviceVector?): ULong {
         if (value == null) {
             return 1UL
         } else {
-            return 1UL + FfiConverterTypeCalibration.allocationSize(value)
+            return 1UL + FfiConverterTypeDeviceVector.allocationSize(value)
         }
     }
 
-    override fun write(value: MagnetometerCalibration?, buf: ByteBuffer) {
+    override fun write(value: DeviceVector?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
             buf.put(1)
-            FfiConverterTypeCalibration.write(value, buf)
+            FfiConverterTypeDeviceVector.write(value, buf)
         }
     }
 }
@@ -6553,51 +6585,19 @@ internal object FfiConverterOptionalTypeCalibration: FfiConverterRustBuffer<Magn
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeEvent: FfiConverterRustBuffer<FieldEvent?> {
-    override fun read(buf: ByteBuffer): FieldEvent? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeEvent.read(buf)
-    }
-
-    override fun allocationSize(value: FieldEvent?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeEvent.allocationSize(value)
-        }
-    }
-
-    override fun write(value: FieldEvent?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeEvent.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
-internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<EllipsoidFit?> {
+internal object FfiConverterOptionalTypeEllipsoidFit: FfiConverterRustBuffer<EllipsoidFit?> {
     override fun read(buf: ByteBuffer): EllipsoidFit? {
         if (buf.get().toInt() == 0) {
             return null
         }
-        return FfiConverterTypeFit.read(buf)
+        return FfiConverterTypeEllipsoidFit.read(buf)
     }
 
     override fun allocationSize(value: EllipsoidFit?): ULong {
         if (value == null) {
             return 1UL
         } else {
-            return 1UL + FfiConverterTypeFit.allocationSize(value)
+            return 1UL + FfiConverterTypeEllipsoidFit.allocationSize(value)
         }
     }
 
@@ -6606,7 +6606,39 @@ internal object FfiConverterOptionalTypeFit: FfiConverterRustBuffer<EllipsoidFit
             buf.put(0)
         } else {
             buf.put(1)
-            FfiConverterTypeFit.write(value, buf)
+            FfiConverterTypeEllipsoidFit.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalTypeFieldEvent: FfiConverterRustBuffer<FieldEvent?> {
+    override fun read(buf: ByteBuffer): FieldEvent? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeFieldEvent.read(buf)
+    }
+
+    override fun allocationSize(value: FieldEvent?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeFieldEvent.allocationSize(value)
+        }
+    }
+
+    override fun write(value: FieldEvent?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeFieldEvent.write(value, buf)
         }
     }
 }
@@ -6681,38 +6713,6 @@ internal object FfiConverterOptionalTypeFoundDeclination: FfiConverterRustBuffer
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeHeading: FfiConverterRustBuffer<CompassHeading?> {
-    override fun read(buf: ByteBuffer): CompassHeading? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeHeading.read(buf)
-    }
-
-    override fun allocationSize(value: CompassHeading?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeHeading.allocationSize(value)
-        }
-    }
-
-    override fun write(value: CompassHeading?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeHeading.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
 internal object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<HeadingConfig?> {
     override fun read(buf: ByteBuffer): HeadingConfig? {
         if (buf.get().toInt() == 0) {
@@ -6745,28 +6745,28 @@ internal object FfiConverterOptionalTypeHeadingConfig: FfiConverterRustBuffer<He
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeVector3: FfiConverterRustBuffer<DeviceVector?> {
-    override fun read(buf: ByteBuffer): DeviceVector? {
+internal object FfiConverterOptionalTypeMagnetometerCalibration: FfiConverterRustBuffer<MagnetometerCalibration?> {
+    override fun read(buf: ByteBuffer): MagnetometerCalibration? {
         if (buf.get().toInt() == 0) {
             return null
         }
-        return FfiConverterTypeVector3.read(buf)
+        return FfiConverterTypeMagnetometerCalibration.read(buf)
     }
 
-    override fun allocationSize(value: DeviceVector?): ULong {
+    override fun allocationSize(value: MagnetometerCalibration?): ULong {
         if (value == null) {
             return 1UL
         } else {
-            return 1UL + FfiConverterTypeVector3.allocationSize(value)
+            return 1UL + FfiConverterTypeMagnetometerCalibration.allocationSize(value)
         }
     }
 
-    override fun write(value: DeviceVector?, buf: ByteBuffer) {
+    override fun write(value: MagnetometerCalibration?, buf: ByteBuffer) {
         if (value == null) {
             buf.put(0)
         } else {
             buf.put(1)
-            FfiConverterTypeVector3.write(value, buf)
+            FfiConverterTypeMagnetometerCalibration.write(value, buf)
         }
     }
 }
@@ -6809,6 +6809,70 @@ internal object FfiConverterOptionalTypeWindowedConfig: FfiConverterRustBuffer<W
 /**
  * @suppress
  */
+internal object FfiConverterOptionalTypeCompensationMethod: FfiConverterRustBuffer<CompensationMethod?> {
+    override fun read(buf: ByteBuffer): CompensationMethod? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeCompensationMethod.read(buf)
+    }
+
+    override fun allocationSize(value: CompensationMethod?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeCompensationMethod.allocationSize(value)
+        }
+    }
+
+    override fun write(value: CompensationMethod?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeCompensationMethod.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalTypeFitResidual: FfiConverterRustBuffer<FitResidual?> {
+    override fun read(buf: ByteBuffer): FitResidual? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeFitResidual.read(buf)
+    }
+
+    override fun allocationSize(value: FitResidual?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeFitResidual.allocationSize(value)
+        }
+    }
+
+    override fun write(value: FitResidual?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeFitResidual.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
 internal object FfiConverterOptionalTypeHeadingAid: FfiConverterRustBuffer<HeadingAid?> {
     override fun read(buf: ByteBuffer): HeadingAid? {
         if (buf.get().toInt() == 0) {
@@ -6831,38 +6895,6 @@ internal object FfiConverterOptionalTypeHeadingAid: FfiConverterRustBuffer<Headi
         } else {
             buf.put(1)
             FfiConverterTypeHeadingAid.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
-internal object FfiConverterOptionalTypeMethod: FfiConverterRustBuffer<CompensationMethod?> {
-    override fun read(buf: ByteBuffer): CompensationMethod? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeMethod.read(buf)
-    }
-
-    override fun allocationSize(value: CompensationMethod?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeMethod.allocationSize(value)
-        }
-    }
-
-    override fun write(value: CompensationMethod?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeMethod.write(value, buf)
         }
     }
 }
@@ -6905,38 +6937,6 @@ internal object FfiConverterOptionalTypeModelOrder: FfiConverterRustBuffer<Model
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeNormalisation: FfiConverterRustBuffer<SigmaNormalisation?> {
-    override fun read(buf: ByteBuffer): SigmaNormalisation? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeNormalisation.read(buf)
-    }
-
-    override fun allocationSize(value: SigmaNormalisation?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeNormalisation.allocationSize(value)
-        }
-    }
-
-    override fun write(value: SigmaNormalisation?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeNormalisation.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
 internal object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<ReferenceAxis?> {
     override fun read(buf: ByteBuffer): ReferenceAxis? {
         if (buf.get().toInt() == 0) {
@@ -6969,38 +6969,6 @@ internal object FfiConverterOptionalTypeReferenceAxis: FfiConverterRustBuffer<Re
 /**
  * @suppress
  */
-internal object FfiConverterOptionalTypeResidual: FfiConverterRustBuffer<FitResidual?> {
-    override fun read(buf: ByteBuffer): FitResidual? {
-        if (buf.get().toInt() == 0) {
-            return null
-        }
-        return FfiConverterTypeResidual.read(buf)
-    }
-
-    override fun allocationSize(value: FitResidual?): ULong {
-        if (value == null) {
-            return 1UL
-        } else {
-            return 1UL + FfiConverterTypeResidual.allocationSize(value)
-        }
-    }
-
-    override fun write(value: FitResidual?, buf: ByteBuffer) {
-        if (value == null) {
-            buf.put(0)
-        } else {
-            buf.put(1)
-            FfiConverterTypeResidual.write(value, buf)
-        }
-    }
-}
-
-
-
-
-/**
- * @suppress
- */
 internal object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<ScreenRotation?> {
     override fun read(buf: ByteBuffer): ScreenRotation? {
         if (buf.get().toInt() == 0) {
@@ -7023,6 +6991,38 @@ internal object FfiConverterOptionalTypeScreenRotation: FfiConverterRustBuffer<S
         } else {
             buf.put(1)
             FfiConverterTypeScreenRotation.write(value, buf)
+        }
+    }
+}
+
+
+
+
+/**
+ * @suppress
+ */
+internal object FfiConverterOptionalTypeSigmaNormalisation: FfiConverterRustBuffer<SigmaNormalisation?> {
+    override fun read(buf: ByteBuffer): SigmaNormalisation? {
+        if (buf.get().toInt() == 0) {
+            return null
+        }
+        return FfiConverterTypeSigmaNormalisation.read(buf)
+    }
+
+    override fun allocationSize(value: SigmaNormalisation?): ULong {
+        if (value == null) {
+            return 1UL
+        } else {
+            return 1UL + FfiConverterTypeSigmaNormalisation.allocationSize(value)
+        }
+    }
+
+    override fun write(value: SigmaNormalisation?, buf: ByteBuffer) {
+        if (value == null) {
+            buf.put(0)
+        } else {
+            buf.put(1)
+            FfiConverterTypeSigmaNormalisation.write(value, buf)
         }
     }
 }
@@ -7093,31 +7093,31 @@ internal object FfiConverterSequenceDouble: FfiConverterRustBuffer<List<kotlin.D
 /**
  * @suppress
  */
-internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<DeviceVector>> {
+internal object FfiConverterSequenceTypeDeviceVector: FfiConverterRustBuffer<List<DeviceVector>> {
     override fun read(buf: ByteBuffer): List<DeviceVector> {
         val len = buf.getInt()
         return List<DeviceVector>(len) {
-            FfiConverterTypeVector3.read(buf)
+            FfiConverterTypeDeviceVector.read(buf)
         }
     }
 
     override fun allocationSize(value: List<DeviceVector>): ULong {
         val sizeForLength = 4UL
-        val sizeForItems = value.map { FfiConverterTypeVector3.allocationSize(it) }.sum()
+        val sizeForItems = value.map { FfiConverterTypeDeviceVector.allocationSize(it) }.sum()
         return sizeForLength + sizeForItems
     }
 
     override fun write(value: List<DeviceVector>, buf: ByteBuffer) {
         buf.putInt(value.size)
         value.iterator().forEach {
-            FfiConverterTypeVector3.write(it, buf)
+            FfiConverterTypeDeviceVector.write(it, buf)
         }
     }
 }
         /**
          * The library's defaults, every field given.
          */ fun `defaultConfig`(): CompensationConfig {
-            return FfiConverterTypeConfig.lift(
+            return FfiConverterTypeCompensationConfig.lift(
     uniffiRustCall() { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_default_config(
 
@@ -7136,7 +7136,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Dev
          * `Place` at a place outside the model's range.
          */
     @Throws(MagcompException::class) fun `geomagneticField`(`latitudeDeg`: kotlin.Double, `longitudeDeg`: kotlin.Double, `heightM`: kotlin.Double, `unixTimeMs`: kotlin.Long): EarthMagneticField {
-            return FfiConverterTypeGeomagneticField.lift(
+            return FfiConverterTypeEarthMagneticField.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_geomagnetic_field(
 
@@ -7160,7 +7160,7 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Dev
 
 
         FfiConverterString.lower(`tag`),
-        FfiConverterTypeLogLevel.lower(`level`),_status)
+        FfiConverterTypeMagcompLogLevel.lower(`level`),_status)
 }
 
 
@@ -7171,13 +7171,13 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Dev
          * Null when the field is vertical, or anything is not finite or zero. It has no sigma.
          */
     @Throws(MagcompException::class) fun `attitude`(`fieldUt`: DeviceVector, `up`: DeviceVector): DeviceAttitude? {
-            return FfiConverterOptionalTypeAttitude.lift(
+            return FfiConverterOptionalTypeDeviceAttitude.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_attitude(
 
 
-        FfiConverterTypeVector3.lower(`fieldUt`),
-        FfiConverterTypeVector3.lower(`up`),_status)
+        FfiConverterTypeDeviceVector.lower(`fieldUt`),
+        FfiConverterTypeDeviceVector.lower(`up`),_status)
 }
     )
     }
@@ -7189,13 +7189,13 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Dev
          * Fails when the numbers are no calibration: a number is not finite, or the soft iron is not symmetric positive definite.
          */
     @Throws(MagcompException::class) fun `correct`(`calibration`: MagnetometerCalibration, `rawUt`: DeviceVector): DeviceVector {
-            return FfiConverterTypeVector3.lift(
+            return FfiConverterTypeDeviceVector.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_correct(
 
 
-        FfiConverterTypeCalibration.lower(`calibration`),
-        FfiConverterTypeVector3.lower(`rawUt`),_status)
+        FfiConverterTypeMagnetometerCalibration.lower(`calibration`),
+        FfiConverterTypeDeviceVector.lower(`rawUt`),_status)
 }
     )
     }
@@ -7207,13 +7207,13 @@ internal object FfiConverterSequenceTypeVector3: FfiConverterRustBuffer<List<Dev
          * Null when the field or the axis is vertical, or anything is not finite or zero. It has no sigma.
          */
     @Throws(MagcompException::class) fun `heading`(`fieldUt`: DeviceVector, `up`: DeviceVector, `frame`: HeadingFrame): CompassHeading? {
-            return FfiConverterOptionalTypeHeading.lift(
+            return FfiConverterOptionalTypeCompassHeading.lift(
     uniffiRustCallWithError(MagcompException) { _status ->
     UniffiLib.uniffi_magcomp_ffi_fn_func_heading(
 
 
-        FfiConverterTypeVector3.lower(`fieldUt`),
-        FfiConverterTypeVector3.lower(`up`),
+        FfiConverterTypeDeviceVector.lower(`fieldUt`),
+        FfiConverterTypeDeviceVector.lower(`up`),
         FfiConverterTypeHeadingFrame.lower(`frame`),_status)
 }
     )
