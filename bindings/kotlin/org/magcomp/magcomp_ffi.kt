@@ -4854,7 +4854,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `expected`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "field=${ `field` }, value=${ `value` }, expected=${ `expected` }"
+            get() = sentence("field=${ `field` }, value=${ `value` }, expected=${ `expected` }")
     }
 
     /**
@@ -4868,7 +4868,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: RejectReason
         ) : MagcompException() {
         override val message
-            get() = "reason=${ `reason` }"
+            get() = sentence("reason=${ `reason` }")
     }
 
     /**
@@ -4882,7 +4882,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: EventRejection
         ) : MagcompException() {
         override val message
-            get() = "reason=${ `reason` }"
+            get() = sentence("reason=${ `reason` }")
     }
 
     /**
@@ -4896,7 +4896,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `problem`: FitProblem
         ) : MagcompException() {
         override val message
-            get() = "problem=${ `problem` }"
+            get() = sentence("problem=${ `problem` }")
     }
 
     /**
@@ -4910,7 +4910,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -4924,7 +4924,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -4938,7 +4938,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `found`: kotlin.Long
         ) : MagcompException() {
         override val message
-            get() = "found=${ `found` }"
+            get() = sentence("found=${ `found` }")
     }
 
     /**
@@ -4952,7 +4952,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -4961,7 +4961,7 @@ sealed class MagcompException: kotlin.Exception() {
     class Closed(
         ) : MagcompException() {
         override val message
-            get() = ""
+            get() = sentence("")
     }
 
     /**
@@ -4975,7 +4975,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `what`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "what=${ `what` }"
+            get() = sentence("what=${ `what` }")
     }
 
 
