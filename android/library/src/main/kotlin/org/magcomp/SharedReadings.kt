@@ -1,5 +1,6 @@
 package org.magcomp
 
+import java.util.concurrent.RejectedExecutionException
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.CoroutineStart
@@ -176,8 +177,10 @@ internal class SharedReadings(
                 run.ending = scope.launch {
                     onIdle()
                     delay(graceMs)
-                    // a collector may have come while this was about to be cancelled
-                    if (synchronized(this@SharedReadings) { (run.collectors == 0).also { if (it) run.leave() } }) run.job.cancel()
+                    endIdle(run)
+                }.apply {
+                    // a dispatcher that takes nothing more gives no grace time
+                    invokeOnCompletion { if (it?.cause is RejectedExecutionException) endIdle(run) }
                 }
                 return null
             }
@@ -185,6 +188,11 @@ internal class SharedReadings(
         }
         // outside: what ends may run in it
         return run.job.apply { cancel() }
+    }
+
+    /** Ends a run that nobody collects: a collector may have come while this was about to be cancelled. */
+    private fun endIdle(run: Run) {
+        if (synchronized(this) { (run.collectors == 0).also { if (it) run.leave() } }) run.job.cancel()
     }
 
     private companion object {

@@ -111,7 +111,8 @@ class AidTest {
                 }
             }
         }
-        compass = Compass(source, graceMs = 0)
+        val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
         assertNotNull(compass.readings().toList().last().headingAid)
         assertTrue(compass.readings().toList().all { it.headingAid == null })
     }
@@ -232,8 +233,11 @@ class AidTest {
             val phone = Phone(1)
             val collecting = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }
             sensors.registered(3)
-            repeat(1500) { phone.advance(still = false).forEach(sensors::deliver) }
-            sensors.continuousNs = phone.timeNs
+            repeat(1500) {
+                val events = phone.advance(still = false)
+                sensors.continuousNs = phone.timeNs
+                events.forEach(sensors::deliver)
+            }
             assertTrue(compass.aid(headed.copy(timeNs = phone.timeNs)))
             collecting.cancelAndJoin()
             assertFalse(compass.aid(headed.copy(timeNs = phone.timeNs + second / 2)))

@@ -156,7 +156,7 @@ class SecondLaunchTest {
         preferences.edit().putString("calibration", learned).apply()
         var nowS = NOW_S + 3600
         val resting = Phone(5).apply { layDown(80.0) }
-        val events = (1..50).flatMap { resting.advance(still = true) }
+        val events = (1..150).flatMap { resting.advance(still = true) }
         val source = object : MagneticFieldSource {
             override fun samples() = flow { events.forEach { emit(it) } }
         }
