@@ -5220,7 +5220,7 @@ internal object FfiConverterTypeMethod: FfiConverterRustBuffer<CompensationMetho
 /**
  * What a first calibration still lacks.
  */
-sealed class Missing {
+sealed class CollectingReason {
 
     /**
      * More samples before a first fit is tried.
