@@ -38,6 +38,9 @@ $text =~ s{(/\*\*.*?\*/)}{
     $document
 }gsex;
 
+# an error's message is its sentence, where uniffi lists its fields
+must 'messages', $text =~ s/^( +override val message\n +get\(\) = )(".*")$/$1sentence($2)/mg;
+
 # every call asks for the library first: Java would tell a class that fails to load twice, in two ways, neither of them ours
 must 'calls', $text =~ s/^(private inline fun <U, E: kotlin\.Exception> uniffiRustCallWithError\(.*\{\n)/$1    NativeLibrary.check()\n/m;
 

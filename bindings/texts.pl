@@ -63,12 +63,12 @@ for my $file (sort glob 'bindings/texts/*.txt') {
     my $android = join '', map {
         my $text = formatted($texts->{$_}, { text => 's', int => 'd' }, $expected{$_});
         $text =~ s/&/&amp;/g; $text =~ s/</&lt;/g; $text =~ s/'/\\'/g; $text =~ s/^([@?])/\\$1/;
-        qq(    <string name="magcomp_$_">$text</string>\n)
+        '    <string name="magcomp_' . s/^android_//r . qq(">$text</string>\n)
     } grep { !/^ios_/ } @here;
     my $values = $language eq 'en' && !$region ? 'values' : "values-$language" . ($region ? "-r$region" : '');
     written("android/library/src/main/res/$values/strings.xml", qq(<?xml version="1.0" encoding="utf-8"?>\n<!-- $generated -->\n<resources>\n$android</resources>\n));
     # Android looks in the English ones for a string that is left out, Apple's systems do not
-    my $swift = join '', map { qq("$_" = ") . formatted($texts->{$_} // $english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(";\n) } @$names;
+    my $swift = join '', map { qq("$_" = ") . formatted($texts->{$_} // $english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(";\n) } grep { !/^android_/ } @$names;
     my $project = $language . ($region ? "-$region" : '');
     written("ios/Sources/Magcomp/Resources/$project.lproj/Localizable.strings", "/* $generated */\n$swift");
 }
@@ -76,10 +76,10 @@ for my $file (sort glob 'bindings/texts/*.txt') {
 # the same in Swift, for an app that was copied without the package's bundle
 written('ios/Sources/Magcomp/EnglishTexts.swift', "// swift-format-ignore-file\n// $generated\n\n"
     . "/// The package's English `Localizable.strings`.\nlet englishTexts: [String: String] = [\n"
-    . join('', map { qq(    "$_": ") . formatted($english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(",\n) } @$names) . "]\n");
+    . join('', map { qq(    "$_": ") . formatted($english->{$_}, { text => '@', int => 'lld' }, $expected{$_}) . qq(",\n) } grep { !/^android_/ } @$names) . "]\n");
 
 # what Android's own tools make of the resources, for Maven's build, which has none of them
-my @android = grep { !/^ios_/ } @$names;
+my @android = map { s/^android_//r } grep { !/^ios_/ } @$names;
 my $id = 0x7f0e0000;
 my $fields = join '', map { sprintf "        static int magcomp_%s = 0x%x;\n", $_, $id++ } @android;
 written('android/library/src/maven/java/org/magcomp/R.java', <<"JAVA");

@@ -4,7 +4,6 @@ package org.magcomp.compose
 import android.content.Context
 import android.view.WindowManager
 import androidx.compose.runtime.Composable
-import androidx.compose.runtime.Immutable
 import androidx.compose.runtime.State
 import androidx.compose.runtime.produceState
 import androidx.compose.ui.platform.LocalContext
@@ -12,27 +11,16 @@ import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.compose.LocalLifecycleOwner
 import androidx.lifecycle.repeatOnLifecycle
 import kotlinx.coroutines.CancellationException
-import kotlinx.coroutines.flow.conflate
 import org.magcomp.Compass
-import org.magcomp.CompassReading
-import org.magcomp.headings
+import org.magcomp.CompassState
 import org.magcomp.screenRotation
-
-/**
- * What a screen shows.
- *
- * @property reading the latest; null before the first
- * @property error what has ended the readings, such as a missing magnetometer; they begin anew when the screen comes back
- */
-@Immutable
-public class CompassState(public val reading: CompassReading? = null, public val error: Exception? = null)
 
 /**
  * The readings of a compass while the screen is on, in the frame of the screen as it is turned. The sensors rest while it is not.
  *
  * ```
  * val compass = rememberCompass((LocalContext.current.applicationContext as App).compass)
- * val heading = compass.value.reading?.headingDeg
+ * val heading = compass.value.reading?.headingDeg // null: reading.text(resources) says why
  * ```
  *
  * @param compass one for the app's whole life, of its `Application` or of a `ViewModel`: it keeps what it has learned
@@ -44,7 +32,7 @@ public fun rememberCompass(compass: Compass, displayRotation: () -> Int = rotati
     return produceState(CompassState(), compass, owner) {
         owner.repeatOnLifecycle(Lifecycle.State.STARTED) {
             try {
-                compass.headings().conflate().collect {
+                compass.headings().collect {
                     compass.screenRotation = screenRotation(displayRotation())
                     value = CompassState(it)
                 }

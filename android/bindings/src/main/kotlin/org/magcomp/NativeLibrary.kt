@@ -1,6 +1,7 @@
 package org.magcomp
 
 import com.sun.jna.Native
+import java.io.File
 import java.io.IOException
 
 /**
@@ -43,7 +44,10 @@ internal object NativeLibrary {
     /** From magcomp-host.jar, in the unit tests of an app. */
     private fun loadFromJar(otherwise: UnsatisfiedLinkError) {
         val file = try {
-            Native.extractFromResourcePath(NAME, NativeLibrary::class.java.classLoader)
+            // a copy for this class loader alone: where classes lie in a folder, JNA answers the file itself, which the JVM loads once
+            File.createTempFile(NAME, ".so").apply { deleteOnExit() }.also {
+                Native.extractFromResourcePath(NAME, NativeLibrary::class.java.classLoader).copyTo(it, overwrite = true)
+            }
         } catch (_: IOException) {
             throw otherwise
         }
@@ -51,4 +55,11 @@ internal object NativeLibrary {
         // JNA would extract another, which would not know the objects of this one
         System.setProperty("uniffi.component.$NAME.libraryOverride", file.path)
     }
+}
+
+/** What an error says in a sentence; without the native library its fields. The generated code asks here (`bindings/kotlin.pl`). */
+internal fun MagcompException.sentence(otherwise: String): String = try {
+    text()
+} catch (_: RuntimeException) {
+    otherwise
 }

@@ -44,4 +44,18 @@ internal class Answer private constructor(
 
     private inline fun known(slot: Int, given: CompassHeading.() -> Double?): Double? =
         if (numbers == null) reading.heading?.given() else ReadingBuffer.known(numbers[slot])
+
+    companion object {
+        /** Of a sample that never came: no field, no heading, no attitude. Window and event are those of the answer before. */
+        fun ofNothing(buffer: ReadingBuffer, latestNs: Long): Answer {
+            val isFirst = latestNs == Long.MIN_VALUE
+            val numbers = DoubleArray(ReadingBuffer.NUMBERS + 3) { Double.NaN }
+            for (slot in intArrayOf(ReadingBuffer.WINDOW, ReadingBuffer.COVERAGE, ReadingBuffer.MODE)) numbers[slot] = buffer.slots[slot]
+            numbers[ReadingBuffer.MODEL_ORDER] = -1.0
+            val event = if (isFirst) null else buffer.event
+            return Answer(numbers, if (isFirst) 0 else latestNs, NOTHING, event, null, null, null)
+        }
+
+        private val NOTHING = CompensationStatus.Rejected(RejectReason.NotFinite)
+    }
 }

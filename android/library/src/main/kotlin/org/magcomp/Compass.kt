@@ -2,32 +2,44 @@ package org.magcomp
 
 import android.content.Context
 import android.location.Location
+import java.io.File
+import java.util.concurrent.ExecutionException
 import java.util.concurrent.Executor
 import kotlinx.coroutines.CoroutineDispatcher
+import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.SharingStarted
 import kotlinx.coroutines.flow.StateFlow
-import kotlinx.coroutines.flow.emitAll
-import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.catch
+import kotlinx.coroutines.flow.firstOrNull
+import kotlinx.coroutines.flow.map
+import kotlinx.coroutines.flow.onEach
+import kotlinx.coroutines.flow.stateIn
 import kotlinx.coroutines.flow.update
+import kotlinx.coroutines.withTimeoutOrNull
 
 /**
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
  *
  * Keep one `Compass` for an app's whole life, or in a `ViewModel`. All its collectors share one estimator and one
  * listener of each sensor, and the estimator keeps the calibration it has learned. A second `Compass` of the same
- * source has an estimator of its own.
+ * source has an estimator of its own, and shares the sensors. With a [SensorManagerSource] the estimator runs on the sensors' own thread,
+ * which no other work of the app holds up.
  *
  * @param source where events come from
  * @param config a field left out has the library's default, as in [Compensator]. Two defaults serve a compass: the
  *   heading's axis is `AUTO`, which does not flip when the phone is raised; and `useReportedHardIron` makes the
  *   system's own hard iron the first calibration where there is no other, so that the first reading has a heading, with
  *   a wide sigma. `railUt` is the source's [MagneticFieldSource.fullScaleUt] where the config has none
- * @param store where the calibration is kept from one launch to the next; null: nowhere
+ * @param store where the calibration is kept from one launch to the next; null: nowhere. With a [SensorManagerSource] no reading waits for
+ *   it: what it takes longer than 0.1 s to load is taken over when it comes, unless better was learned meanwhile
  * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
  *   turned comes back within it, and nothing has stopped. Default 5000
- * @param dispatcher where events are collected, samples compensated, and the store is called; one thread at a time is used
+ * @param dispatcher where runs begin and end. Of a source that is no [SensorManagerSource] events are collected, samples compensated, and
+ *   the store is called there too; one thread at a time is used
  */
 public class Compass @JvmOverloads constructor(
     private val source: MagneticFieldSource,
@@ -57,7 +69,17 @@ public class Compass @JvmOverloads constructor(
     @Volatile
     internal var kept: Estimation? = null
         private set
-    private val shared = SharedReadings(dispatcher, graceMs, CAPACITY, onIdle = { kept?.end() }, ::run)
+    private val shared = SharedReadings(
+        dispatcher,
+        graceMs,
+        onIdle = { kept?.end() },
+        onEnd = { kept?.settled() },
+        nowNs = (source as? SensorManagerSource)?.continuousNs ?: System::nanoTime,
+        ::run,
+    )
+
+    /** Where the store is called, for the phone's sensors. */
+    private val stores by lazy { CoroutineScope(Dispatchers.IO + SupervisorJob()) }
 
     /**
      * The frame of the headings, whole. It may be set at any time from any thread; [axis], [screenRotation] and [declinationDeg]
@@ -95,16 +117,54 @@ public class Compass @JvmOverloads constructor(
         }
 
     /**
-     * One reading for every magnetometer sample, the latest at once where there is one. The sensors are used from the first
-     * collector on until the last has left and the grace time has passed. The calibration is saved when the status is first
-     * `Tracking`, then when it has changed and 10 s have passed since the save before, when the last collector leaves
-     * (a screen's `onStop`), and when the sensors are released.
+     * One reading for every magnetometer sample, and one when the magnetometer falls silent ([CompensatedReading.stream]); the latest at
+     * once where it is less than a second old. None is lost to a collector that is at most [MOST_WAITING] behind; one that is further
+     * behind loses the oldest, counted in [CompensatedReading.droppedBefore]. This is for a file or a computation; for a screen there are
+     * [headings] and [state].
+     *
+     * The sensors are used from the first collector on until the last has left and the grace time has passed. The calibration is saved
+     * when the status is first `Tracking`, then when it has changed and 10 s have passed since the save before, when the last collector
+     * leaves (a screen's `onStop`), and when the sensors are released.
      *
      * An error of the source ends the readings of every collector, after the readings before it. A later collector
-     * begins a new run. The estimator goes on where it was; where the times of the events begin again, as those of a
+     * begins a new run. The estimator goes on where it was; where the times of the events begin again by more than a second, as those of a
      * recording do, it keeps its calibration alone.
      */
-    public fun readings(): Flow<CompensatedReading> = shared.collected()
+    public fun readings(): Flow<CompensatedReading> = shared.collected(MOST_WAITING)
+
+    /** The same, of which a collector that is slower gets the latest alone: for a screen. */
+    public fun headings(): Flow<CompassReading> = shared.collected(capacity = 1).map(::CompassReading)
+
+    /**
+     * The same for a screen that asks for a `StateFlow`: the latest reading, or the error that has ended them. The sensors are used while
+     * anybody collects it, as with [headings]; [StateFlow.value] alone starts nothing. A second after the last collector has left it is
+     * empty again. After an error the next first collector begins anew.
+     */
+    public val state: StateFlow<CompassState> by lazy {
+        headings().map { CompassState(it) }
+            // an Error, which nobody would catch, would end the app
+            .catch { emit(CompassState(error = it as? Exception ?: ExecutionException(it))) }
+            // the value is set where the reading is made
+            .stateIn(CoroutineScope(Dispatchers.Unconfined + SupervisorJob()), SharingStarted.WhileSubscribed(0, VALID_MS), CompassState())
+    }
+
+    /**
+     * One heading, for who needs no more: the first reading that has one no less sure than asked for. When none came in time, the latest
+     * reading, whose [CompassReading.text] says why, or null where there was none. An error of the source is thrown.
+     *
+     * @param withinMs how long it may take, milliseconds, above 0
+     * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
+     */
+    public suspend fun heading(withinMs: Long = 5000, worstSigmaDeg: Double = 180.0): CompassReading? {
+        require(withinMs > 0) { "withinMs is $withinMs, expected above 0" }
+        require(worstSigmaDeg > 0) { "worstSigmaDeg is $worstSigmaDeg, expected above 0" }
+        var latest: CompassReading? = null
+        val found = withTimeoutOrNull(withinMs) { headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg } }
+        return found ?: latest
+    }
+
+    /** Writes the raw events of this compass's source to a file; [MagneticFieldSource.record] has the details. */
+    public suspend fun record(file: File, mostBytes: Long = 100_000_000): Long = source.record(file, mostBytes)
 
     /**
      * Where the phone is, for a true heading: sets [declinationDeg] by [geomagneticField]. The place needs a location permission, the
@@ -164,11 +224,15 @@ public class Compass @JvmOverloads constructor(
 
     /** The declination that true headings from outside have shown; null before the first, and while [declinationDeg] is set. */
     @Throws(MagcompException::class)
-    public fun foundDeclination(): FoundDeclination? = kept?.compensator?.foundDeclination()
+    public fun foundDeclination(): FoundDeclination? {
+        if (shared.isClosed) throw MagcompException.Closed()
+        return kept?.compensator?.foundDeclination()
+    }
 
     private fun aiding(push: Compensator.() -> Boolean): Boolean {
         if (shared.isClosed) throw MagcompException.Closed()
-        return kept?.aid(push) ?: false
+        // a run that has ended keeps its estimator
+        return shared.isCollected && kept?.aid(push) ?: false
     }
 
     /**
@@ -182,11 +246,18 @@ public class Compass @JvmOverloads constructor(
 
     private fun configOfSource() = if (config.railUt != null) config else config.copy(railUt = source.fullScaleUt)
 
-    private fun run(): Flow<CompensatedReading> = flow {
-        val estimation = kept ?: Estimation(configOfSource(), store, frames, source, unixTimeS).also { kept = it }
+    private suspend fun run(tell: (CompensatedReading) -> Unit) {
+        val sensors = source as? SensorManagerSource
+        val estimation = kept
+            ?: Estimation(configOfSource(), store, frames, source, unixTimeS, stores.takeIf { sensors != null }).also { kept = it }
         try {
-            val events = (source as? SensorManagerSource)?.events(isEager = false) ?: source.samples().raw()
-            emitAll(events.compensated(estimation))
+            if (sensors == null) return source.samples().compensated(estimation, source.sensors, tell)
+            estimation.settled(LOAD_WAIT_NS, sensors.continuousNs)
+            try {
+                sensors.deliver(Estimated(estimation, tell))
+            } finally {
+                estimation.end()
+            }
         } catch (e: MagcompException) {
             // after a defect another begins
             kept = null
@@ -195,14 +266,36 @@ public class Compass @JvmOverloads constructor(
         }
     }
 
+    /** Estimates on the thread of the sensors. */
+    private class Estimated(private val estimation: Estimation, private val tell: (CompensatedReading) -> Unit) : EventTaker {
+        init {
+            estimation.begin()
+        }
+
+        override fun take(event: RawEvent) {
+            estimation.push(event)?.let(tell)
+        }
+
+        override fun heard(sensors: SensorsInUse) {
+            // of the others the next sample tells
+            if (sensors.magnetometer.isSilent) tell(estimation.silent(sensors))
+        }
+
+        override fun failed(error: Throwable) = Unit
+    }
+
     /**
-     * Readings for Java: [listener] is called on [executor], one call at a time, until the answer is closed. An
+     * Readings for Java, each of them: [listener] is called on [executor], one call at a time, until the answer is closed. An
      * exception from the listener's `onReading` ends its readings, as every other error does, and goes to its `onEnd`.
      *
      * @return closing it ends the readings; a call under way is finished
      */
     public fun start(executor: Executor, listener: CompassReadingListener): AutoCloseable =
-        Listening(executor, listener).start(dispatcher, readings())
+        Listening(executor, listener::onReading, listener::onEnd).start(readings())
+
+    /** The same for a screen: one that is slower gets the latest reading alone. */
+    public fun start(executor: Executor, listener: HeadingListener): AutoCloseable =
+        Listening(executor, listener::onHeading, listener::onEnd).start(headings())
 
     /**
      * Ends the readings of every collector, releases the sensors, saves the calibration and frees the estimator, in the background.
@@ -215,12 +308,31 @@ public class Compass @JvmOverloads constructor(
         }
     }
 
-    private companion object {
-        val NO_SENSORS: StateFlow<SensorsInUse?> = MutableStateFlow(null)
+    /** What needs no compass. */
+    public companion object {
+        /** Readings that wait for a slow collector of [readings]: 80 s at 100 Hz, about 4 MB. */
+        public const val MOST_WAITING: Int = 8192
+
+        /**
+         * Begins to load the native library, which the first call would else wait for, and returns at once: 0.1 s of a processor or more.
+         * Any thread may call it, the main thread too, as often as it likes. What goes wrong is told by the first call.
+         */
+        @JvmStatic
+        public fun preload() {
+            Thread({ runCatching { NativeLibrary.check() } }, "magcomp preload").start()
+        }
+
+        private val NO_SENSORS: StateFlow<SensorsInUse?> = MutableStateFlow(null)
+
+        /** How long a run waits for a store before it goes on without. */
+        private const val LOAD_WAIT_NS = 100_000_000L
+
+        /** How long the value of [state] is kept after its last collector. */
+        private const val VALID_MS = 1000L
 
         // what the model serves
-        const val LOWEST_M = -1000.0
-        const val HIGHEST_M = 850_000.0
+        private const val LOWEST_M = -1000.0
+        private const val HIGHEST_M = 850_000.0
     }
 }
 

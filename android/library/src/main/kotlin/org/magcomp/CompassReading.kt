@@ -1,8 +1,6 @@
 package org.magcomp
 
 import android.content.res.Resources
-import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.map
 
 /**
  * What most apps show of a reading. It has neither `copy` nor components, so later versions may add properties and break nobody.
@@ -13,7 +11,7 @@ public class CompassReading internal constructor(public val details: Compensated
     /** Time of the magnetometer sample, nanoseconds. */
     public val timeNs: Long get() = details.answer.timeNs
 
-    /** Clockwise from magnetic north, degrees, 0 to 360; null: there is none yet, and [status] says why. */
+    /** Clockwise from magnetic north, degrees, 0 to 360; null: there is none, and [stream] or else [status] says why. */
     public val headingDeg: Double? get() = details.answer.headingDeg
 
     /** One standard deviation of it, degrees. */
@@ -27,6 +25,15 @@ public class CompassReading internal constructor(public val details: Compensated
 
     /** What the compass is doing, and why. */
     public val status: CompensationStatus get() = details.answer.status
+
+    /** Whether the sensors deliver what a heading is made of. While the magnetometer is silent, [status] is `Rejected`. */
+    public val stream: StreamStatus get() = details.stream
+
+    /** One sentence an app may show: what the stream lacks or else the status, in the language of [resources]. */
+    public fun text(resources: Resources): String = stream.text(resources) ?: status.text(resources)
+
+    /** What the user can do for a better heading, in the language of [resources]; null: nothing. */
+    public fun guidance(resources: Resources): String? = if (stream == StreamStatus.Live) status.guidance(resources) else null
 
     /** What headings from outside are worth ([Compass.aid]); null where none came of late. */
     public val headingAid: HeadingAid? get() = details.headingAid
@@ -45,5 +52,10 @@ public class CompassReading internal constructor(public val details: Compensated
         "CompassReading(headingDeg=$headingDeg, headingSigmaDeg=$headingSigmaDeg, trueHeadingDeg=$trueHeadingDeg, status=$status)"
 }
 
-/** [Compass.readings], each as what most apps show of it. */
-public fun Compass.headings(): Flow<CompassReading> = readings().map(::CompassReading)
+/**
+ * What a screen shows ([Compass.state]).
+ *
+ * @property reading the latest; null before the first
+ * @property error what has ended the readings, such as a missing magnetometer
+ */
+public class CompassState @JvmOverloads constructor(public val reading: CompassReading? = null, public val error: Exception? = null)

@@ -5,8 +5,8 @@ import java.util.concurrent.Executor
 import java.util.concurrent.ExecutorService
 import java.util.concurrent.RejectedExecutionException
 import kotlinx.coroutines.CompletableDeferred
-import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
+import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.cancel
 import kotlinx.coroutines.ensureActive
@@ -31,14 +31,24 @@ public interface CompassReadingListener {
     public fun onEnd(error: Exception?)
 }
 
+/** What a Java app implements for a screen. */
+public interface HeadingListener {
+    /** The latest reading. */
+    public fun onHeading(reading: CompassReading)
+
+    /** As [CompassReadingListener.onEnd]. */
+    public fun onEnd(error: Exception?)
+}
+
 /** A listener and the executor it is called on. */
-internal class Listening(private val executor: Executor, private val listener: CompassReadingListener) {
-    fun start(dispatcher: CoroutineDispatcher, readings: Flow<CompensatedReading>): AutoCloseable {
-        val scope = CoroutineScope(dispatcher + SupervisorJob())
+internal class Listening<T>(private val executor: Executor, private val onNext: (T) -> Unit, private val onEnd: (Exception?) -> Unit) {
+    fun start(readings: Flow<T>): AutoCloseable {
+        // it hands over to the executor and does no work of its own: so no work of others holds it up
+        val scope = CoroutineScope(Dispatchers.Unconfined + SupervisorJob())
         scope.launch {
             // whoever threw it: nobody above this coroutine would hear of it before the app crashed
             val error = try {
-                readings.collect { call(scope) { listener.onReading(it) } }
+                readings.collect { call(scope) { onNext(it) } }
                 null
             } catch (e: Exception) {
                 e
@@ -48,9 +58,9 @@ internal class Listening(private val executor: Executor, private val listener: C
             // after closing there is nobody to tell
             ensureActive()
             try {
-                executor.execute { if (scope.isActive) listener.onEnd(error) }
+                executor.execute { if (scope.isActive) onEnd(error) }
             } catch (e: RejectedExecutionException) {
-                listener.onEnd(error ?: e)
+                onEnd(error ?: e)
             }
         }
         return AutoCloseable { scope.cancel() }

@@ -2,13 +2,14 @@ package org.magcomp
 
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.coroutineScope
 import kotlinx.coroutines.currentCoroutineContext
 import kotlinx.coroutines.ensureActive
 import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.FlowCollector
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.launch
 
 /**
  * The answer to one magnetometer sample, as collectors get it. It never changes.
@@ -23,6 +24,8 @@ import kotlinx.coroutines.flow.flow
  *   save tries again
  * @property headingAid what headings from outside are worth ([Compass.aid]); null where none came in the last two minutes. Renewed several
  *   times a second
+ * @property stream whether the sensors deliver what a heading is made of; where the magnetometer is silent ([StreamStatus.Silent]) this
+ *   reading is of no sample: its heading, attitude and fields are null, its [sample] is NaN, its status `Rejected`
  */
 public class CompensatedReading internal constructor(
     internal val answer: Answer,
@@ -31,6 +34,7 @@ public class CompensatedReading internal constructor(
     public val sensors: SensorsInUse?,
     public val storeError: Exception?,
     public val headingAid: HeadingAid?,
+    public val stream: StreamStatus,
     /** Of its run. [SharedReadings] counts before anyone sees it. */
     internal var number: Long = 0,
 ) {
@@ -48,7 +52,8 @@ public class CompensatedReading internal constructor(
         sensors: SensorsInUse? = null,
         storeError: Exception? = null,
         headingAid: HeadingAid? = null,
-    ) : this(Answer(reading, sample), unseenDirections, droppedBefore, sensors, storeError, headingAid)
+        stream: StreamStatus = StreamStatus.Live,
+    ) : this(Answer(reading, sample), unseenDirections, droppedBefore, sensors, storeError, headingAid, stream)
 
     /** Corrected field, heading, and what the compensator is doing. Made when it is first asked for. */
     public val reading: MagneticReading get() = answer.reading
@@ -59,10 +64,13 @@ public class CompensatedReading internal constructor(
     /** The [reading], for `{ (reading) -> ... }`. */
     public operator fun component1(): MagneticReading = reading
 
-    /** The same for a collector that lost so many before it. */
-    internal fun after(dropped: Long) = CompensatedReading(answer, unseenDirections, dropped, sensors, storeError, headingAid, number)
+    /** Whether it tells that there are no samples. It is true until the next reading. */
+    internal val isSilence: Boolean get() = (stream as? StreamStatus.Silent)?.sensors?.contains(PhoneSensor.MAGNETOMETER) == true
 
-    private fun parts() = listOf(reading, sample, unseenDirections, droppedBefore, sensors, storeError, headingAid)
+    /** The same for a collector that lost so many before it. */
+    internal fun after(dropped: Long) = CompensatedReading(answer, unseenDirections, dropped, sensors, storeError, headingAid, stream, number)
+
+    private fun parts() = listOf(reading, sample, unseenDirections, droppedBefore, sensors, storeError, headingAid, stream)
 
     /** Whether the other one says the same in every detail. */
     override fun equals(other: Any?): Boolean = other is CompensatedReading && parts() == other.parts()
@@ -72,7 +80,7 @@ public class CompensatedReading internal constructor(
 
     /** For logs. */
     override fun toString(): String = "CompensatedReading(reading=$reading, sample=$sample, unseenDirections=$unseenDirections, " +
-        "droppedBefore=$droppedBefore, sensors=$sensors, storeError=$storeError, headingAid=$headingAid)"
+        "droppedBefore=$droppedBefore, sensors=$sensors, storeError=$storeError, headingAid=$headingAid, stream=$stream)"
 }
 
 /**
@@ -97,29 +105,36 @@ public fun Flow<SensorSample>.compensated(
     require(capacity >= 1) { "capacity is $capacity, expected at least 1" }
     val samples = this
     return flow {
-        val own = SharedReadings(dispatcher, graceMs = 0, capacity, onIdle = {}) {
-            flow { Estimation(config, store, frame).use { emitAll(samples.raw().compensated(it)) } }
+        val own = SharedReadings(dispatcher, graceMs = 0) { tell ->
+            Estimation(config, store, frame).use { samples.compensated(it, sensors = null, tell) }
         }
-        emitAll(own.collected())
+        emitAll(own.collected(capacity))
     }
 }
 
-/** One run of an estimation that goes on after it. */
-internal fun Flow<RawEvent>.compensated(estimation: Estimation): Flow<CompensatedReading> = flow {
+/** One run of an estimation that goes on after it. [sensors] are those of the source, where it knows them. */
+internal suspend fun Flow<SensorSample>.compensated(
+    estimation: Estimation,
+    sensors: StateFlow<SensorsInUse?>?,
+    tell: (CompensatedReading) -> Unit,
+): Unit = coroutineScope {
+    val raw = RawEvent()
     estimation.begin()
-    val readings = this
+    // what does not come can't say so: who knows the sensors does
+    val silences = sensors?.let { told ->
+        launch { told.collect { if (it?.magnetometer?.isSilent == true) synchronized(estimation) { tell(estimation.silent(it)) } } }
+    }
     try {
-        // by hand: every operator between would cost an object an event
-        collect(object : FlowCollector<RawEvent> {
-            override suspend fun emit(value: RawEvent) {
-                currentCoroutineContext().ensureActive()
-                val reading = estimation.push(value) ?: return
-                return readings.emit(reading)
-            }
-        })
+        collect {
+            currentCoroutineContext().ensureActive()
+            raw.set(it)
+            synchronized(estimation) { estimation.push(raw)?.let(tell) }
+        }
     } finally {
+        silences?.cancel()
         estimation.end()
     }
 }
 
+/** Readings that [compensated] keeps for a slow collector. */
 internal const val CAPACITY: Int = 64

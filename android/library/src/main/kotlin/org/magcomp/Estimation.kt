@@ -1,15 +1,21 @@
 package org.magcomp
 
 import kotlin.math.abs
+import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.flow.StateFlow
 
-/** A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save]. */
+/**
+ * A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save].
+ *
+ * @param stores where the store is called, so that no reading waits for it; null: where the readings are made
+ */
 internal class Estimation(
     config: CompensationConfig,
-    private val store: CalibrationStore?,
+    store: CalibrationStore?,
     private val frame: StateFlow<HeadingFrame>? = null,
     private val source: MagneticFieldSource? = null,
     private val unixTimeS: () -> Long = ::systemUnixTimeS,
+    stores: CoroutineScope? = null,
 ) : AutoCloseable {
     val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
@@ -27,49 +33,52 @@ internal class Estimation(
     private var endedS: Long? = null
     private var hiddenS = source?.hiddenS ?: 0.0
 
-    /** What the store keeps, and the time of the sample it was saved at. */
-    private var saved: Correction? = null
+    private val keeping = store?.let { Keeping<Correction>(it, stores) }
+
+    /** The time of the sample at which it was saved last. */
     private var savedNs: Long? = null
     private val coverage = DoubleArray(FastPath.COVERAGE)
     private var unseen = emptyList<DeviceVector>()
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
     private var begun = false
+    private val vertical = Vertical()
+
+    /** The latest sensors in use and what is told of them, which is asked again when they are others. */
+    private var sensors: SensorsInUse? = null
+    private var stream: StreamStatus = StreamStatus.Live
 
     /** Whether help from outside ever came, which few apps have: what it is worth is asked over the slow path. */
     @Volatile
     private var isAided = false
     private var headingAid: HeadingAid? = null
 
-    @Volatile
-    private var storeError: Exception? = null
+    /** The text that was loaded could not be taken over. */
+    private var keptError: MagcompException? = null
 
     init {
-        try {
-            store?.load()?.let {
-                adopt(it)
-                saved = correction()
-            }
-        } catch (e: Exception) {
-            // as at the first launch
-            storeError = e
-        }
+        keeping?.load()
     }
 
     /** Events of a new run follow: of a source whose times begin again, or of one that goes on. */
     fun begin() {
         begun = true
+        vertical.begin()
     }
 
     fun push(event: RawEvent): CompensatedReading? {
         if (begun) {
             begun = false
-            if (event.timeNs < latestNs) renew()
+            // one that is only late is none of another clock
+            if (latestNs != Long.MIN_VALUE && latestNs.toDouble() - event.timeNs.toDouble() > ANOTHER_CLOCK_NS) renew()
         }
         with(event) {
             when (kind) {
                 RawEvent.ROTATION_RATE -> compensator.pushRotationRate(timeNs, x, y, z)
-                RawEvent.UP -> compensator.pushUp(timeNs, x, y, z)
+                RawEvent.UP -> {
+                    compensator.pushUp(timeNs, x, y, z)
+                    vertical.up(timeNs)
+                }
                 else -> return magnetic(this)
             }
         }
@@ -78,6 +87,38 @@ internal class Estimation(
 
     /** Help from outside, from any thread; whether it was taken. */
     fun aid(push: Compensator.() -> Boolean): Boolean = compensator.push().also { if (it) isAided = true }
+
+    /** A reading of no sample, where sensors are silent: it has no field, no heading, no attitude. */
+    fun silent(sensors: SensorsInUse): CompensatedReading {
+        val answer = Answer.ofNothing(buffer, latestNs)
+        return CompensatedReading(answer, unseen, droppedBefore = 0, sensors, storeError(), headingAid, sensors.stream())
+    }
+
+    /** Waits until the store has done what it was asked for. */
+    suspend fun settled() {
+        keeping?.settled()
+    }
+
+    /** The same, no longer than so many nanoseconds of a clock. */
+    suspend fun settled(atMostNs: Long, nowNs: () -> Long) {
+        keeping?.settled(atMostNs, nowNs)
+    }
+
+    private fun storeError(): Exception? = keptError ?: keeping?.error
+
+    /** Takes over what the store has loaded, unless better was learned meanwhile. */
+    private fun takeLoaded() {
+        val kept = keeping?.takeLoaded() ?: return
+        if (compensator.keep(unixTimeS()) != null) return
+        try {
+            adopt(kept)
+            keeping.kept = correction()
+        } catch (e: MagcompException) {
+            // as at the first launch
+            if (e !is MagcompException.KeptDamaged && e !is MagcompException.KeptNewer) throw e
+            keptError = e
+        }
+    }
 
     private fun adopt(kept: String) {
         compensator.adoptKept(kept, unixTimeS())
@@ -104,12 +145,18 @@ internal class Estimation(
     }
 
     private fun magnetic(sample: RawEvent): CompensatedReading {
+        takeLoaded()
         val wanted = frame?.value
         if (wanted != null && wanted != currentFrame) {
             compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
         noteSleep()
+        val now = source?.sensors?.value
+        if (now !== sensors) {
+            sensors = now
+            stream = now?.stream() ?: StreamStatus.Live
+        }
         val reported = sample.reported?.takeIf { isBelieved() }
         if (reported == null) {
             compensator.push(sample.timeNs, sample.x, sample.y, sample.z, buffer)
@@ -122,13 +169,15 @@ internal class Estimation(
             isInForce = !buffer.xUt.isNaN()
             if (answer.status == CompensationStatus.Tracking) unconfirmed = false
             nowAndThen(sample.timeNs, answer.status)
+            vertical.magnetic(sample.timeNs)
         }
-        return CompensatedReading(answer, unseen, droppedBefore = 0, source?.sensors?.value, storeError, headingAid)
+        val told = if (stream == StreamStatus.Live && vertical.isMissing && buffer.attitudeW.isNaN()) StreamStatus.NoVertical else stream
+        return CompensatedReading(answer, unseen, droppedBefore = 0, now, storeError(), headingAid, told)
     }
 
     /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */
     private fun isBelieved(): Boolean {
-        val accuracy = source?.sensors?.value?.magnetometer?.accuracy
+        val accuracy = sensors?.magnetometer?.accuracy
         return !(unconfirmed && isInForce) || accuracy == null || accuracy == SensorAccuracy.HIGH
     }
 
@@ -144,7 +193,7 @@ internal class Estimation(
             lookedNs = timeNs
             unseen = unseenNow()
             if (isAided) headingAid = compensator.headingAid()
-            if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && save()) savedNs = timeNs
+            if (since != null && apart(timeNs, since) >= SAVE_EVERY_NS && keeping?.isBusy == false && save()) savedNs = timeNs
         }
     }
 
@@ -160,24 +209,19 @@ internal class Estimation(
     private fun apart(oneNs: Long, otherNs: Long): Double = abs(oneNs.toDouble() - otherNs.toDouble())
 
     /**
-     * Saves what was learned and the store does not keep already, from any thread. What the store throws is told with the readings; the next
-     * save tries again.
+     * Has what was learned saved, where the store does not keep it already, from any thread. What the store throws is told with the
+     * readings; the next save tries again.
      *
-     * @return whether the store was called
+     * @return whether the store was asked to
      */
     @Synchronized
     fun save(): Boolean {
-        if (store == null) return false
+        if (keeping == null) return false
         val found = correction()
-        if (found == null || found == saved) return false
+        if (found == null || found == keeping.kept) return false
         val kept = compensator.keep(unixTimeS()) ?: return false
-        try {
-            store.save(kept)
-            saved = found
-            storeError = null
-        } catch (e: Exception) {
-            storeError = e
-        }
+        keptError = null
+        keeping.save(kept, found)
         return true
     }
 
@@ -204,7 +248,55 @@ internal class Estimation(
 
         /** As often as an eye sees. */
         const val LOOK_EVERY_NS = 200_000_000L
+
+        /** Events that are late come by less. */
+        const val ANOTHER_CLOCK_NS = 1e9
     }
+}
+
+/** Whether samples have an event of `up` near their own time. */
+private class Vertical {
+    private var upNs = NEVER
+
+    /** The latest sample that had one, or else the first of the run. */
+    private var pairedNs = NEVER
+    private var latestNs = NEVER
+
+    fun begin() {
+        upNs = NEVER
+        pairedNs = NEVER
+        latestNs = NEVER
+    }
+
+    fun up(timeNs: Long) {
+        upNs = timeNs
+    }
+
+    fun magnetic(timeNs: Long) {
+        latestNs = timeNs
+        // also where the clock begins anew
+        if (pairedNs == NEVER || timeNs < pairedNs || isNear(upNs, timeNs)) pairedNs = timeNs
+    }
+
+    /** For a second none had. */
+    val isMissing: Boolean get() = pairedNs != NEVER && !isNear(pairedNs, latestNs)
+
+    private fun isNear(oneNs: Long, otherNs: Long) = oneNs != NEVER && abs(oneNs.toDouble() - otherNs.toDouble()) <= A_SECOND_NS
+
+    private companion object {
+        const val NEVER = Long.MIN_VALUE
+        const val A_SECOND_NS = 1e9
+    }
+}
+
+/** What the sensors in use say of the stream. */
+internal fun SensorsInUse.stream(): StreamStatus {
+    val silent = buildSet {
+        if (magnetometer.isSilent) add(PhoneSensor.MAGNETOMETER)
+        if (gyroscope?.isSilent == true) add(PhoneSensor.GYROSCOPE)
+        if (up?.isSilent == true) add(PhoneSensor.GRAVITY)
+    }
+    return if (silent.isEmpty()) StreamStatus.Live else StreamStatus.Silent(silent)
 }
 
 /** Seconds since 1970. */

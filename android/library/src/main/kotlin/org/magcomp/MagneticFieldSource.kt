@@ -11,7 +11,10 @@ public interface MagneticFieldSource {
      */
     public fun samples(): Flow<SensorSample>
 
-    /** The phone's sensors that are used, null before [samples] has chosen them; null when the source knows none. */
+    /**
+     * The phone's sensors that are used, null before [samples] has chosen them; null when the source knows none. A magnetometer that is
+     * silent ends the heading of a [Compass] ([StreamStatus.Silent]).
+     */
     public val sensors: StateFlow<SensorsInUse?>? get() = null
 
     /** Largest component that the magnetometer can measure, microtesla; null where that is not known. */

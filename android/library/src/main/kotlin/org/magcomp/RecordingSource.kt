@@ -20,8 +20,8 @@ public class RecordingException(public val name: String, public val line: Int, p
 
 /**
  * A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla,
- * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a
- * magnetometer event, in this order, as far as it has them.
+ * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a magnetometer event, in this order, as far as it has them: a row
+ * may leave all three cells of a sensor empty. What [record] and `magcomp import` write is such a recording.
  *
  * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order, and with
  * [java.io.IOException] when its file can't be read.
@@ -82,14 +82,16 @@ public class RecordingSource(private val name: String, private val open: () -> R
         }
 
         fun vector(x: String, y: String, z: String): DeviceVector? =
-            if (x in columns.index && y in columns.index && z in columns.index) {
+            if (listOf(x, y, z).all { it in columns.index } && listOf(x, y, z).any { cell(it).isNotEmpty() }) {
                 DeviceVector(number(x), number(y), number(z))
             } else {
                 null
             }
 
+        private fun cell(column: String): String = cells[columns.index.getValue(column)].trim()
+
         private fun number(column: String): Double {
-            val text = cells[columns.index.getValue(column)].trim()
+            val text = cell(column)
             if (text.equals("nan", ignoreCase = true)) return Double.NaN
             return text.toDoubleOrNull() ?: throw RecordingException(name, line, column, "'$text' is no number")
         }

@@ -32,4 +32,12 @@ public sealed class SensorException(message: String, cause: Throwable? = null) :
         "the system refused to deliver the $sensor" + (reason?.let { " ($it)" } ?: "") + "; $advice",
         cause,
     )
+
+    /**
+     * A collector of [MagneticFieldSource.samples] has taken none for a minute. The sensors and all other collectors go on.
+     *
+     * @property events how many wait
+     */
+    public class NotTaken(public val events: Int) :
+        SensorException("$events events of the sensors wait for a collector that takes none; take them faster, or write them to a file")
 }

@@ -1,5 +1,6 @@
 package org.magcomp
 
+import java.util.concurrent.RejectedExecutionException
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.CoroutineStart
@@ -23,18 +24,20 @@ import kotlinx.coroutines.withContext
  * collector was left for the grace time. A run begins only after the run before has ended to its last line. The readings'
  * error or end reaches every collector after the readings before it; the next collector begins a new run.
  *
- * @param dispatcher where runs are
+ * @param dispatcher where runs begin and end
  * @param graceMs the grace time, milliseconds
- * @param capacity readings kept for a slow collector; it loses the oldest, counted
  * @param onIdle called on the dispatcher when its last collector leaves
- * @param readings one run
+ * @param onEnd called after a run; the next one does not wait for it, whoever has left does
+ * @param nowNs a clock that counts sleep, nanoseconds
+ * @param readings one run: it tells every reading, one at a time, from whichever thread it likes
  */
 internal class SharedReadings(
     dispatcher: CoroutineDispatcher,
     private val graceMs: Long,
-    private val capacity: Int,
-    private val onIdle: () -> Unit,
-    private val readings: () -> Flow<CompensatedReading>,
+    private val onIdle: () -> Unit = {},
+    private val onEnd: suspend () -> Unit = {},
+    private val nowNs: () -> Long = System::nanoTime,
+    private val readings: suspend (tell: (CompensatedReading) -> Unit) -> Unit,
 ) {
     private val scope = CoroutineScope(dispatcher + SupervisorJob())
     private val oneAtATime = Mutex()
@@ -44,6 +47,9 @@ internal class SharedReadings(
     var isClosed = false
         private set
 
+    /** Whether anybody collects now. */
+    val isCollected: Boolean @Synchronized get() = (current?.collectors ?: 0) > 0
+
     /** What one collector has not taken yet. */
     private class Box(val run: Run, val readings: Channel<CompensatedReading>, val next: Long)
 
@@ -51,6 +57,8 @@ internal class SharedReadings(
         /** One for each collector. The array is replaced, never changed: what is told goes to those that are there then. */
         private var boxes = emptyArray<Channel<CompensatedReading>>()
         private var latest: CompensatedReading? = null
+        private var latestAtNs = 0L
+        private var number = 0L
         private var hasEnded = false
         var collectors = 0
         var ending: Job? = null
@@ -61,14 +69,8 @@ internal class SharedReadings(
             private set
 
         val job = scope.launch(start = CoroutineStart.LAZY) {
-            var number = 0L
             val error = try {
-                oneAtATime.withLock {
-                    readings().collect {
-                        it.number = number++
-                        tell(it)
-                    }
-                }
+                oneAtATime.withLock { readings(::tell) }
                 null
             } catch (e: Throwable) {
                 // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
@@ -76,17 +78,18 @@ internal class SharedReadings(
                 e
             }
             end(error)
+            withContext(NonCancellable) { onEnd() }
         }.apply {
             // where the dispatcher takes nothing more, a run ends without a line of it
             invokeOnCompletion { end(it) }
         }
 
-        /** A box for another collector, with the latest reading where there is one. */
-        fun open(): Box = synchronized(this) {
+        /** A box for another collector, with the latest reading where that is still true. */
+        fun open(capacity: Int): Box = synchronized(this) {
             val box = Channel<CompensatedReading>(capacity, BufferOverflow.DROP_OLDEST)
-            latest?.let { box.trySend(it) }
-            if (hasEnded) box.close() else boxes += box
-            Box(this, box, latest?.number ?: 0)
+            val now = latest?.takeIf { it.isSilence || nowNs() - latestAtNs < FRESH_NS }?.also { box.trySend(it) }
+            boxes += box
+            Box(this, box, now?.number ?: number)
         }
 
         fun close(box: Box) = synchronized(this) {
@@ -95,7 +98,9 @@ internal class SharedReadings(
 
         private fun tell(reading: CompensatedReading) {
             val now = synchronized(this) {
+                reading.number = number++
                 latest = reading
+                latestAtNs = nowNs()
                 boxes
             }
             // outside: a collector may run in it
@@ -118,8 +123,9 @@ internal class SharedReadings(
         fun leave() = synchronized(this@SharedReadings) { if (current === this) current = null }
     }
 
-    fun collected(): Flow<CompensatedReading> = flow {
-        val box = join()
+    /** @param capacity readings kept for a slow collector; it loses the oldest, counted */
+    fun collected(capacity: Int): Flow<CompensatedReading> = flow {
+        val box = join(capacity)
         try {
             box.run.job.start()
             var next = box.next
@@ -152,36 +158,45 @@ internal class SharedReadings(
     }
 
     @Synchronized
-    private fun join(): Box {
+    private fun join(capacity: Int): Box {
         if (isClosed) throw MagcompException.Closed()
         val run = current ?: Run().also { current = it }
         run.collectors += 1
         run.ending?.cancel()
-        return run.open()
+        return run.open(capacity)
     }
 
     /** One collector less; the job that ends now because it was the last, if so. */
-    @Synchronized
     private fun part(box: Box): Job? {
         val run = box.run
-        run.close(box)
-        run.collectors -= 1
-        if (run.collectors > 0 || current !== run) return null
-        if (graceMs == 0L || !run.job.isActive) {
-            current = null
-            return run.job.apply { cancel() }
-        }
-        run.ending = scope.launch {
-            onIdle()
-            delay(graceMs)
-            synchronized(this@SharedReadings) {
-                // a collector may have come while this was about to be cancelled
-                if (run.collectors == 0) {
-                    run.leave()
-                    run.job.cancel()
+        synchronized(this) {
+            run.close(box)
+            run.collectors -= 1
+            if (run.collectors > 0 || current !== run) return null
+            if (graceMs > 0 && run.job.isActive) {
+                run.ending = scope.launch {
+                    onIdle()
+                    delay(graceMs)
+                    endIdle(run)
+                }.apply {
+                    // a dispatcher that takes nothing more gives no grace time
+                    invokeOnCompletion { if (it?.cause is RejectedExecutionException) endIdle(run) }
                 }
+                return null
             }
+            current = null
         }
-        return null
+        // outside: what ends may run in it
+        return run.job.apply { cancel() }
+    }
+
+    /** Ends a run that nobody collects: a collector may have come while this was about to be cancelled. */
+    private fun endIdle(run: Run) {
+        if (synchronized(this) { (run.collectors == 0).also { if (it) run.leave() } }) run.job.cancel()
+    }
+
+    private companion object {
+        /** A reading that is older is not given to a collector that joins. */
+        const val FRESH_NS = 1_000_000_000L
     }
 }

@@ -15,6 +15,9 @@ public fun CompensationStatus.text(resources: Resources): String = text(resource
 /** One sentence an app may show of a change that was decided, in the language of [resources]. */
 public fun FieldEvent.text(resources: Resources): String = text(resources::getString)
 
+/** One sentence an app may show of what a stream lacks, in the language of [resources]; null: nothing. */
+public fun StreamStatus.text(resources: Resources): String? = text(resources::getString)
+
 /** What the user can do for a better heading, in the language of [resources]; null: nothing. */
 public fun CompensationStatus.guidance(resources: Resources): String? = guidance()?.let(resources::getString)
 
@@ -40,6 +43,19 @@ internal fun CompensationStatus.text(strings: Strings): String = when (this) {
     is CompensationStatus.Held -> strings.say(R.string.magcomp_status_held, reason.text(strings))
     is CompensationStatus.Disturbed -> strings.say(R.string.magcomp_status_disturbed)
     is CompensationStatus.Rejected -> strings.say(R.string.magcomp_status_rejected, reason.text(strings))
+}
+
+internal fun StreamStatus.text(strings: Strings): String? = when (this) {
+    StreamStatus.Live -> null
+    StreamStatus.NoVertical -> strings.say(R.string.magcomp_stream_no_vertical)
+    is StreamStatus.Silent -> strings.say(
+        when {
+            PhoneSensor.MAGNETOMETER in sensors && sensors.size > 1 -> R.string.magcomp_stream_silent_all
+            PhoneSensor.MAGNETOMETER in sensors -> R.string.magcomp_stream_silent_magnetometer
+            PhoneSensor.GRAVITY in sensors -> R.string.magcomp_stream_silent_gravity
+            else -> R.string.magcomp_stream_silent_gyroscope
+        },
+    )
 }
 
 internal fun FieldEvent.text(strings: Strings): String {

@@ -43,5 +43,10 @@ final class R {
         static int magcomp_spoken_heading = 0x7f0e0025;
         static int magcomp_spoken_no_heading = 0x7f0e0026;
         static int magcomp_starting = 0x7f0e0027;
+        static int magcomp_stream_silent_all = 0x7f0e0028;
+        static int magcomp_stream_silent_magnetometer = 0x7f0e0029;
+        static int magcomp_stream_silent_gravity = 0x7f0e002a;
+        static int magcomp_stream_silent_gyroscope = 0x7f0e002b;
+        static int magcomp_stream_no_vertical = 0x7f0e002c;
     }
 }

@@ -15,4 +15,6 @@ public class AndroidViewModel {
         T app = (T) application;
         return app;
     }
+
+    protected void onCleared() { }
 }

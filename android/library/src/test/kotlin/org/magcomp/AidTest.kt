@@ -7,10 +7,14 @@ import android.os.Build
 import kotlin.math.abs
 import kotlin.math.cos
 import kotlin.math.sin
+import kotlinx.coroutines.CoroutineScope
+import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.async
+import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.toList
+import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
@@ -27,7 +31,12 @@ class AidTest {
     private val second = 1_000_000_000L
 
     /** A phone that lies flat, its top edge to the north of a field of which it hardly knows its own share, and hears of each second. */
-    private fun lying(seconds: Int, offsetNs: Long = 0, aid: Compass.(elapsedNs: Long) -> Unit): List<CompensatedReading> = runBlocking {
+    private fun lying(
+        seconds: Int,
+        offsetNs: Long = 0,
+        isUpright: Boolean = false,
+        aid: Compass.(elapsedNs: Long) -> Unit,
+    ): List<CompensatedReading> = runBlocking {
         lateinit var compass: Compass
         val source = object : MagneticFieldSource {
             override fun samples() = flow {
@@ -35,8 +44,10 @@ class AidTest {
                     val timeNs = k * second / 50
                     if (k % 50 == 0L) compass.aid(timeNs + offsetNs)
                     emit(SensorSample.RotationRate(RotationRateSample(timeNs, DeviceVector(0.0, 0.0, 0.0))))
-                    emit(SensorSample.Up(UpSample(timeNs, DeviceVector(0.0, 0.0, 9.81))))
-                    emit(SensorSample.Magnetic(MagneticSample(timeNs, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0))))
+                    // upright: what the top edge was to a phone that lies, the back camera is
+                    fun turned(x: Double, ahead: Double, up: Double) = if (isUpright) DeviceVector(x, up, -ahead) else DeviceVector(x, ahead, up)
+                    emit(SensorSample.Up(UpSample(timeNs, turned(0.0, 0.0, 9.81))))
+                    emit(SensorSample.Magnetic(MagneticSample(timeNs, turned(0.2 * sin(k.toDouble()), 20.0, -45.0))))
                 }
             }
 
@@ -72,6 +83,8 @@ class AidTest {
         val taken = mutableListOf<Boolean>()
         lying(60) { taken += aid(fix(it), HELD_AHEAD) }.assertTurned(30.0)
         assertEquals(List(60) { true }, taken)
+        // held up, it is the camera that points ahead
+        lying(60, isUpright = true) { aid(fix(it), HELD_AHEAD) }.assertTurned(30.0)
     }
 
     @Test
@@ -79,6 +92,29 @@ class AidTest {
         lying(60, offsetNs = 7000 * second) { aid(fix(it), HELD_AHEAD) }.assertTurned(30.0)
         lying(60, offsetNs = 7000 * second) { aid(headed.copy(timeNs = it, sigmaDeg = 3.0)) }.assertTurned(30.0)
         lying(60, offsetNs = 7000 * second) { aid(arCoreAttitude(it, eastUpSouth(30.0), 1.0)) }.assertTurned(30.0)
+    }
+
+    @Test
+    fun `what help was worth is forgotten where a source begins again, also before its first good sample`(): Unit = runBlocking {
+        var run = 0
+        lateinit var compass: Compass
+        val source = object : MagneticFieldSource {
+            override fun samples() = flow {
+                run += 1
+                if (run == 2) emit(SensorSample.Magnetic(MagneticSample(1, DeviceVector(Double.NaN, 0.0, 0.0))))
+                for (k in 1L..500) {
+                    val timeNs = k * second / 50
+                    if (run == 1 && k % 50 == 0L) compass.aid(headed.copy(timeNs = timeNs))
+                    emit(SensorSample.RotationRate(RotationRateSample(timeNs, DeviceVector(0.0, 0.0, 0.0))))
+                    emit(SensorSample.Up(UpSample(timeNs, DeviceVector(0.0, 0.0, 9.81))))
+                    emit(SensorSample.Magnetic(MagneticSample(timeNs, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0))))
+                }
+            }
+        }
+        val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        assertNotNull(compass.readings().toList().last().headingAid)
+        assertTrue(compass.readings().toList().all { it.headingAid == null })
     }
 
     @Test
@@ -186,6 +222,28 @@ class AidTest {
         compass.close()
         assertThrows(MagcompException.Closed::class.java) { compass.aid(headed) }
         assertThrows(MagcompException.Closed::class.java) { compass.aid(fix(1, speedMS = 0f), HELD_AHEAD) }
+        assertThrows(MagcompException.Closed::class.java) { compass.foundDeclination() }
+    }
+
+    @Test
+    fun `nothing is taken once the last collector has left, in the grace time or after it`(): Unit = runBlocking {
+        for (graceMs in listOf(0L, 600_000L)) {
+            val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
+            val compass = Compass(sensors.source(), graceMs = graceMs)
+            val phone = Phone(1)
+            val collecting = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }
+            sensors.registered(3)
+            repeat(1500) {
+                val events = phone.advance(still = false)
+                sensors.continuousNs = phone.timeNs
+                events.forEach(sensors::deliver)
+            }
+            assertTrue(compass.aid(headed.copy(timeNs = phone.timeNs)))
+            collecting.cancelAndJoin()
+            assertFalse(compass.aid(headed.copy(timeNs = phone.timeNs + second / 2)))
+            assertTrue(compass.kept!!.compensator.pushHeading(headed.copy(timeNs = phone.timeNs + second / 2)), "the core had not heard of it")
+            compass.close()
+        }
     }
 
     @Test

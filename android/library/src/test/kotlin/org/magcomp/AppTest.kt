@@ -120,6 +120,26 @@ class AppTest {
         assertEquals(ReferenceAxis.CAMERA, compass.axis)
     }
 
+    @Test
+    fun `one setting of the frame leaves the others, and a grace time below 0 is refused`() {
+        val compass = Compass(sensors.source())
+        compass.frame = HeadingFrame(ReferenceAxis.AUTO, ScreenRotation.DEG90, 3.0)
+        compass.axis = ReferenceAxis.CAMERA
+        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 3.0), compass.frame)
+        compass.screenRotation = ScreenRotation.DEG180
+        compass.declinationDeg = 4.0
+        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG180, 4.0), compass.frame)
+        assertThrows(IllegalArgumentException::class.java) { Compass(sensors.source(), graceMs = -1) }
+    }
+
+    @Test
+    fun `an error's message is its sentence, and preloading does no harm`() {
+        repeat(2) { Compass.preload() }
+        val error = assertThrows(MagcompException.Config::class.java) { Compensator(CompensationConfig(rangeUt = -1.0)) }
+        assertEquals(error.text(), error.message)
+        assertTrue("range_ut" in error.message && "=" !in error.message, error.message)
+    }
+
     /** Android's own keeps what it is told. */
     private fun place(latitudeDeg: Double, longitudeDeg: Double, timeMs: Long, heightM: Double? = null) = Location("a test").apply {
         latitude = latitudeDeg

@@ -55,8 +55,11 @@ class EventQueueTest {
         }
         for (holdS in listOf(-0.01, 0.26, Double.NaN)) assertThrows(IllegalArgumentException::class.java) { EventQueue(holdS) }
         assertThrows(IllegalArgumentException::class.java) { SensorOptions(holdS = 0.26) }
-        assertEquals(0.15, SensorOptions(maxReportLatencyUs = 100_000).holdS, 1e-12)
-        assertEquals(0.25, SensorOptions(maxReportLatencyUs = 900_000).holdS)
+        assertEquals(0.15, SensorOptions(maxReportLatencyUs = 100_000).heldS, 1e-12)
+        assertEquals(0.25, SensorOptions(maxReportLatencyUs = 900_000).heldS)
+        // a copy keeps what it was asked for, and what suits the latency follows that
+        assertEquals(0.25, SensorOptions().copy(maxReportLatencyUs = 200_000).heldS, 1e-12)
+        assertEquals(0.01, SensorOptions(holdS = 0.01).copy(maxReportLatencyUs = 200_000).heldS)
     }
 
     /** 20 s of a recording at 95 Hz, as Android's sensors deliver it. */

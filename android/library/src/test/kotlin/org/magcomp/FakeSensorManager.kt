@@ -40,8 +40,8 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     var forbid = false
 
     /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
-    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, silenceMs: Long = 3_600_000) =
-        SensorManagerSource(this, options, { continuousNs }, silenceMs) { permitted }
+    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true) =
+        SensorManagerSource(this, options, { continuousNs }) { permitted }
 
     /** Waits until so many are registered. */
     suspend fun registered(count: Int) = withTimeout(20_000) { while (registrations.size < count) yield() }

@@ -118,12 +118,45 @@ class SecondLaunchTest {
     }
 
     @Test
+    fun `the system's hard iron is heard where the kept calibration was refuted, and of a source that knows no sensors`(): Unit = runBlocking {
+        val (learned, _) = learn()
+        val cover = DeviceVector(150.0, -100.0, 300.0)
+        fun fieldUt(reported: DeviceVector?): DeviceVector? {
+            preferences.edit().putString("calibration", learned).apply()
+            val phone = Phone(4, HARD_IRON_UT + cover, reported).apply { layDown(120.0) }
+            return launched(phone, 200, still = true, nowS = NOW_S + 3600, accuracy = SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM).last().reading.fieldUt
+        }
+        assertNull(fieldUt(null), "the data show one that is refuted")
+        assertNotNull(fieldUt(HARD_IRON_UT + cover))
+
+        val hardIron = HARD_IRON_UT + DeviceVector(22.0, -22.0, 22.0)
+        suspend fun played(reported: DeviceVector?): DeviceVector {
+            preferences.edit().putString("calibration", learned).apply()
+            val phone = Phone(4, hardIron, reported).apply { layDown(120.0) }
+            val events = (1..20).flatMap { phone.advance(still = true) }
+            return flow { events.forEach { emit(it) } }.compensated(store = store).toList().last().reading.fieldUt!!
+        }
+        assertNotEquals(played(null), played(hardIron))
+    }
+
+    @Test
+    fun `beside a given calibration the system's hard iron is heard where the system is sure of it`() {
+        val config = CompensationConfig(initial = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), HARD_IRON_UT, 47.4))
+        val hardIron = HARD_IRON_UT + DeviceVector(22.0, -22.0, 22.0)
+        fun fieldUt(reported: DeviceVector?, accuracy: Int) =
+            launched(Phone(4, hardIron, reported).apply { layDown(120.0) }, 20, still = true, config = config, accuracy = accuracy).last().reading.fieldUt!!
+        val alone = fieldUt(null, SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM)
+        assertEquals(alone, fieldUt(hardIron, SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM))
+        assertNotEquals(alone, fieldUt(hardIron, SensorManager.SENSOR_STATUS_ACCURACY_HIGH))
+    }
+
+    @Test
     fun `a source whose times begin again keeps what was in force, learned or not`() {
         val (learned, _) = learn()
         preferences.edit().putString("calibration", learned).apply()
         var nowS = NOW_S + 3600
         val resting = Phone(5).apply { layDown(80.0) }
-        val events = (1..50).flatMap { resting.advance(still = true) }
+        val events = (1..150).flatMap { resting.advance(still = true) }
         val source = object : MagneticFieldSource {
             override fun samples() = flow { events.forEach { emit(it) } }
         }

@@ -121,11 +121,10 @@ class SensorManagerSourceTest {
     @Test
     fun `a listener too many is a typed error, and the others go on`(): Unit = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val source = sensors.source()
-        val others = List(FakeSensorManager.LISTENER_LIMIT - 1) { launch { source.samples().collect { } } }
+        val others = List(FakeSensorManager.LISTENER_LIMIT - 1) { launch { sensors.source().samples().collect { } } }
         sensors.registered(3 * others.size)
         // the last that Android lets in gets its magnetometer, then no gravity
-        val error = assertThrows(SensorException.Refused::class.java) { runBlocking { source.samples().first() } }
+        val error = assertThrows(SensorException.Refused::class.java) { runBlocking { sensors.source().samples().first() } }
         assertEquals("gravity sensor", error.sensor)
         assertEquals(
             "the system refused to deliver the gravity sensor (register failed, the sensor listeners size has exceeded the " +
@@ -137,7 +136,7 @@ class SensorManagerSourceTest {
         assertEquals(others.size, sensors.threads)
         // and as the message says
         others.first().cancelAndJoin()
-        val again = launch { source.samples().collect { } }
+        val again = launch { sensors.source().samples().collect { } }
         sensors.registered(3 * others.size)
         (others + again).forEach { it.cancelAndJoin() }
         assertEquals(0, sensors.registrations.size)
@@ -156,20 +155,6 @@ class SensorManagerSourceTest {
                 sensors.source().samples().compensated().collect { throw OfTheApp() }
             }
         }
-        assertEquals(0, sensors.registrations.size)
-        assertEquals(0, sensors.threads)
-    }
-
-    @Test
-    fun `two collectors have a listener each, and one ends alone`() = runBlocking {
-        val sensors = FakeSensorManager(*all)
-        val source = sensors.source()
-        val first = launch(Dispatchers.Default) { source.samples().collect { } }
-        val second = launch(Dispatchers.Default) { source.samples().collect { } }
-        sensors.registered(6)
-        first.cancelAndJoin()
-        assertEquals(3, sensors.registrations.size)
-        second.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
         assertEquals(0, sensors.threads)
     }

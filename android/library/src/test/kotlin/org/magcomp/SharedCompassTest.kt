@@ -1,10 +1,12 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import java.lang.ref.WeakReference
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.Executors
 import java.util.concurrent.atomic.AtomicInteger
 import kotlinx.coroutines.CompletableDeferred
+import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.NonCancellable
 import kotlinx.coroutines.asCoroutineDispatcher
@@ -270,25 +272,28 @@ class SharedCompassTest {
     }
 
     @Test
-    fun `a dispatcher that is closed ends every collector, before and during a run`() = runBlocking {
-        for (isRunning in listOf(false, true)) {
-            val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
-            val compass = Compass(sensors.source(), dispatcher = dispatcher)
-            if (!isRunning) dispatcher.close()
-            val collector = async(Dispatchers.Default) { runCatching { compass.readings().toList() } }
-            if (isRunning) {
-                registered(3)
-                dispatcher.close()
-            }
-            withTimeout(20_000) {
-                // the dispatcher is asked again when an event wakes the run, which an event before it waits does not
-                for (event in events) if (collector.isActive) sensors.deliver(event).also { delay(1) }
-                collector.join()
-            }
-            ended()
-            compass.close()
-            withTimeout(20_000) { while (compass.kept != null) yield() }
-        }
+    fun `a dispatcher that is closed before a run ends every collector`() = runBlocking {
+        val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
+        val compass = Compass(sensors.source(), dispatcher = dispatcher)
+        dispatcher.close()
+        withTimeout(20_000) { async(Dispatchers.Default) { runCatching { compass.readings().toList() } }.await() }
+        ended()
+        compass.close()
+        withTimeout(20_000) { while (compass.kept != null) yield() }
+    }
+
+    @Test
+    fun `one that is closed during a run stops no reading, and the sensors rest all the same`() = runBlocking {
+        val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
+        val compass = Compass(sensors.source(), dispatcher = dispatcher)
+        val collector = async(Dispatchers.Default) { compass.readings().take(5).toList() }
+        registered(3)
+        dispatcher.close()
+        events.take(10).forEach(sensors::deliver)
+        assertEquals(5, withTimeout(20_000) { collector.await() }.size)
+        ended()
+        compass.close()
+        withTimeout(20_000) { while (compass.kept != null) yield() }
     }
 
     @Test
@@ -302,16 +307,60 @@ class SharedCompassTest {
             events.take(delivered).forEach(sensors::deliver)
             fun last() = arrived.count { it.sample.timeNs == events[999].timeNs }
             withTimeout(20_000) { while (delivered > 0 && last() < 2) yield() }
+            val estimation = compass.kept
             compass.close()
             compass.close()
             for (collector in collectors) withTimeout(20_000) { collector.await() }
             ended()
             withTimeout(20_000) { while (compass.kept != null) yield() }
             assertEquals(delivered > 0, store.text != null)
+            estimation?.let { assertThrows(MagcompException.Closed::class.java) { it.compensator.calibration() } }
             assertThrows(MagcompException.Closed::class.java) { runBlocking { compass.readings().first() } }
         }
         // nobody ever collected
         Compass(sensors.source()).close()
+    }
+
+    @Test
+    fun `what comes after a collector has left is kept for nobody`() = runBlocking {
+        val compass = Compass(sensors.source(), graceMs = 0)
+        val staying = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }
+        registered(3)
+        CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }.cancelAndJoin()
+        var told: WeakReference<CompensatedReading>? = null
+        val seeing = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { told = WeakReference(it) } }
+        sensors.deliver(events[1])
+        seeing.cancelAndJoin()
+        // the latest is kept for who joins
+        sensors.deliver(events[3])
+        withTimeout(60_000) { while (told!!.get() != null) delay(1).also { System.gc() } }
+        staying.cancelAndJoin()
+    }
+
+    @Test
+    fun `a run that begins with an event a little too late goes on, one of another clock does not`() = runBlocking {
+        for ((backNs, goesOn) in listOf(1_000_000L to true, 999_000_000L to true, 1_001_000_000L to false)) {
+            val compass = Compass(sensors.source(), graceMs = 0)
+            val phone = Phone(1)
+            fun play(steps: Int) = repeat(steps) { phone.advance(still = false).forEach(sensors::deliver) }
+            val readings = CopyOnWriteArrayList<CompensatedReading>()
+            suspend fun run(body: () -> Unit) {
+                val job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
+                registered(3)
+                body()
+                job.cancelAndJoin()
+            }
+            run { play(1500) }
+            val before = readings.last().reading
+            assertEquals(CompensationStatus.Tracking, before.status)
+            readings.clear()
+            run {
+                sensors.deliver(SensorSample.Up(UpSample(phone.timeNs - backNs, DeviceVector(0.0, 0.0, 9.81))))
+                play(1)
+            }
+            assertEquals(goesOn, readings.last().reading.window >= before.window, "$backNs")
+            compass.close()
+        }
     }
 
     /** Knows how many of its runs are under way, and takes its time to end one. */

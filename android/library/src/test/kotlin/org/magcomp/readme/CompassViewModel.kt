@@ -9,22 +9,24 @@ import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
 import org.magcomp.screenRotation
-import org.magcomp.text
 
 // what follows is in android/README.md; ReadmeTest compares them
 class CompassViewModel(app: Application) : AndroidViewModel(app) {
     private val compass = Compass(app)
 
-    val text: Flow<String> = compass.readings().map { (reading) ->
-        val heading = reading.heading ?: return@map reading.status.text(app.resources)
-        "${heading.headingDeg} deg, give or take ${heading.headingSigmaDeg}"
+    val text: Flow<String> = compass.headings().map { reading ->
+        // null: the sentence says what is missing, also that the sensors have fallen silent
+        val headingDeg = reading.headingDeg ?: return@map reading.text(app.resources)
+        "$headingDeg deg, give or take ${reading.headingSigmaDeg}"
     }.catch { emit(it.message ?: "$it") } // no magnetometer, for instance
 
-    /** For `heading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
+    /** For `reading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
     fun at(place: Location) = compass.setPlace(place)
 
     /** Wherever the screen turned (`DisplayListener`): upside down restarts no activity. */
     fun turned(display: Display) {
         compass.screenRotation = screenRotation(display.rotation)
     }
+
+    override fun onCleared() = compass.close()
 }

@@ -4,7 +4,6 @@ import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.mapNotNull
 import org.magcomp.Compass
 import org.magcomp.Orientation
-import org.magcomp.headings
 import org.magcomp.orientation
 
 // what follows is in android/MIGRATION.md; ReadmeTest compares them

@@ -6,7 +6,7 @@ import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
 
 // what follows is in README.md; ReadmeTest compares them
-fun headings(context: Context): Flow<String> = Compass(context).readings().map { (reading) ->
-    val heading = reading.heading ?: return@map reading.status.text() // a sentence that says what is missing
-    "${heading.headingDeg} deg +- ${heading.headingSigmaDeg}"
+fun headings(context: Context): Flow<String> = Compass(context).headings().map { reading ->
+    val headingDeg = reading.headingDeg ?: return@map reading.text(context.resources) // a sentence that says what is missing
+    "$headingDeg deg +- ${reading.headingSigmaDeg}"
 }

@@ -4,11 +4,8 @@ import android.content.res.Resources
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.catch
-import kotlinx.coroutines.flow.channelFlow
-import kotlinx.coroutines.flow.conflate
 import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onCompletion
-import kotlinx.coroutines.launch
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
 import org.magcomp.HeadingSmoother
@@ -54,25 +51,19 @@ class ScreenModel(private val resources: Resources) {
     private val smoother = HeadingSmoother(halfLifeS = 0.1)
 
     /** A state for every reading that a screen can follow; an error is the last one. [systemDeg] is the system's own heading. */
-    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> = channelFlow {
-        // without a magnetometer's events there is no reading that could say so
-        val silence = launch {
-            compass.sensors.collect { if (it?.magnetometer?.isSilent == true) send(ScreenState(heading = say(R.string.no_heading), status = say(R.string.silent))) }
-        }
-        compass.readings().conflate()
-            .map { show(it, systemDeg.value, compass.screenRotation) }
+    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> =
+        compass.headings()
+            .map { show(it.details, systemDeg.value, compass.screenRotation) }
             .onCompletion { error -> if (error == null) emit(explain(null)) }
             .catch { emit(explain(it)) }
-            .collect(::send)
-        silence.cancel()
-    }
 
     fun show(answer: CompensatedReading, systemDeg: Double?, rotation: ScreenRotation = ScreenRotation.DEG0): ScreenState {
         val reading = answer.reading
         val heading = reading.heading
         val sigmaDeg = heading?.headingSigmaDeg ?: 180.0
         val roseDeg = smoother.push(reading.timeNs, heading?.headingDeg ?: Double.NaN)
-        val guidance = reading.status.guidance(resources)
+        val lacking = answer.stream.text(resources)
+        val guidance = if (lacking == null) reading.status.guidance(resources) else null
         val isDisturbed = reading.status is CompensationStatus.Disturbed
         val pointing = reading.fieldUt?.let { unit(it) }?.on(rotation)
         val unseen = answer.unseenDirections.map { it.on(rotation) }
@@ -84,7 +75,7 @@ class ScreenModel(private val resources: Resources) {
             trueHeading = heading?.trueHeadingDeg?.let { say(R.string.true_heading, it) },
             systemHeading = systemDeg?.let { say(R.string.system_heading, it) },
             field = reading.totalFieldUt?.let { say(R.string.field, it) },
-            status = reading.status.text(resources),
+            status = lacking ?: reading.status.text(resources),
             banner = guidance.takeIf { isDisturbed },
             event = reading.event?.text(resources),
             guidance = guidance?.takeIf { !isDisturbed }?.let { if (next == null) it else say(R.string.next, it) },

@@ -12,7 +12,6 @@ final class R {
         static int seen = 0x7f0f0006;
         static int next = 0x7f0f0007;
         static int over = 0x7f0f0008;
-        static int silent = 0x7f0f000d;
         static int course_on = 0x7f0f000e;
         static int course_off = 0x7f0f000f;
         static int north = 0x7f0f0009;

@@ -68,6 +68,7 @@ class RememberCompassTest {
 
         screen.lifecycle.state.value = Lifecycle.State.CREATED
         waitUntil(20_000) { running.get() == 0 }
+        shown("time 2, error null")
         screen.lifecycle.state.value = Lifecycle.State.STARTED
         deliver(3)
         shown("time 3, error null")

@@ -1,0 +1,228 @@
+package org.magcomp
+
+import android.hardware.Sensor
+import android.hardware.SensorEvent
+import android.hardware.SensorEventListener
+import android.hardware.SensorManager
+import kotlinx.coroutines.flow.MutableStateFlow
+
+/** Who gets the events of a run: on the thread of the sensors, one call at a time. */
+internal interface EventTaker {
+    /** An event whose turn it is. The object is used again when this returns. */
+    fun take(event: RawEvent)
+
+    /** Another sensor is silent now, or one has spoken again. */
+    fun heard(sensors: SensorsInUse) = Unit
+
+    /** What one of the calls threw; none follows. */
+    fun failed(error: Throwable)
+}
+
+/**
+ * The sensors from the first collector of a source to the last: each is registered once, and every event goes to all who take part. What is
+ * known of the sensors belongs to it. All of it is used within [lock].
+ */
+internal class SensorRun(
+    private val manager: SensorManager,
+    private val options: SensorOptions,
+    private val lock: Any,
+    private val told: MutableStateFlow<SensorsInUse?>,
+    private val sleep: Sleep,
+    private val continuousNs: () -> Long,
+) {
+    private val thread = SensorThread()
+    private val listener = Listener()
+    private var takers = emptyArray<EventTaker>()
+    private val order = object : EventOrder<RawEvent>(options.heldS) {
+        override fun timeNs(event: RawEvent) = event.timeNs
+
+        override fun sensor(event: RawEvent) = event.kind
+    }
+    private val clocks = Clocks(1_000_000_000L / options.rateHz, 1000L * options.maxReportLatencyUs)
+
+    // as many as ever wait, which the order bounds
+    private val free = ArrayDeque<RawEvent>()
+    private val release: (RawEvent) -> Unit = {
+        for (taker in takers) call(taker) { take(it) }
+        free.addLast(it)
+    }
+
+    /** Events of each type so far, those at the look before, and at how many looks in a row there was no other. */
+    private val events = IntArray(TYPES)
+    private val heard = IntArray(TYPES)
+    private val looks = IntArray(TYPES)
+    private var sensors: SensorsInUse? = null
+
+    /** Registers the sensors. Where it throws, none is left registered. */
+    fun start(magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
+        try {
+            // before the first event
+            tell(SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), withoutGyroscope))
+            register(magnetometer)
+            up?.let(::register)
+            try {
+                gyroscope?.let(::register)
+            } catch (e: SensorException.Refused) {
+                tell(sensors!!.copy(gyroscope = null, withoutGyroscope = e.message))
+            }
+        } catch (e: SensorException) {
+            end()
+            throw e
+        }
+        thread.every((SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.rateHz) / LOOKS) {
+            synchronized(lock) { if (takers.isNotEmpty()) look() }
+        }
+    }
+
+    fun end() {
+        manager.unregisterListener(listener)
+        thread.end()
+    }
+
+    fun add(taker: EventTaker) {
+        takers += taker
+    }
+
+    /** Whether anyone is left. */
+    fun remove(taker: EventTaker): Boolean {
+        takers = takers.filter { it !== taker }.toTypedArray()
+        return takers.isNotEmpty()
+    }
+
+    /** An exception here would end the app. */
+    private inline fun call(taker: EventTaker, what: EventTaker.() -> Unit) = try {
+        taker.what()
+    } catch (e: Throwable) {
+        remove(taker)
+        taker.failed(e)
+    }
+
+    private fun tell(now: SensorsInUse) {
+        sensors = now
+        told.value = now
+    }
+
+    private fun register(sensor: Sensor) {
+        val periodUs = 1_000_000 / options.rateHz
+        val accepted = try {
+            manager.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, thread.handler)
+        } catch (e: SecurityException) {
+            if (options.rateHz > SensorManagerSource.FREE_RATE_HZ) throw SensorException.PermissionMissing(SensorManagerSource.HIGH_RATE, e)
+            throw SensorException.Refused(nameOf(sensor.type), e.message, e, "let the app use this phone's sensors")
+        } catch (e: IllegalStateException) {
+            // what Android throws at the 129th listener of an app
+            throw SensorException.Refused(nameOf(sensor.type), e.message, e)
+        }
+        if (!accepted) throw SensorException.Refused(nameOf(sensor.type))
+    }
+
+    /** Looks which sensors have delivered nothing since the look before, and tells who has been silent for so many. */
+    private fun look() {
+        val before = sensors!!
+        val used = setOf(before.magnetometer.type, before.up?.type, before.gyroscope?.type)
+        for (type in 0 until TYPES) {
+            looks[type] = if (type in used && events[type] == heard[type]) looks[type] + 1 else 0
+            heard[type] = events[type]
+        }
+        hear(before.with { if (it.isSilent == (looks[it.type] >= LOOKS)) it else it.copy(isSilent = !it.isSilent) })
+        replaceGravity()
+    }
+
+    /** What was found of the sensors, where it is news. */
+    private fun hear(now: SensorsInUse) {
+        if (now == sensors) return
+        tell(now)
+        for (taker in takers) call(taker) { heard(now) }
+    }
+
+    /** The accelerometer for gravity where that is silent and another sensor is not; all are while the app is in the background. */
+    private fun replaceGravity() {
+        val now = sensors!!
+        val gravity = now.up?.takeIf { it.type == Sensor.TYPE_GRAVITY && it.isSilent } ?: return
+        if (now.magnetometer.isSilent && now.gyroscope?.isSilent != false) return
+        val accelerometer = manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER) ?: return
+        try {
+            register(accelerometer)
+        } catch (_: SensorException) {
+            // gravity stays, and what is told of it
+            return
+        }
+        manager.unregisterListener(listener, manager.getDefaultSensor(gravity.type))
+        hear(now.copy(up = used(accelerometer)))
+    }
+
+    /** Copies an event at once: Android uses it again for the next. */
+    private inner class Listener : SensorEventListener {
+        private var bias: DeviceVector? = null
+
+        override fun onSensorChanged(event: SensorEvent): Unit = synchronized(lock) {
+            val v = event.values
+            val type = event.sensor.type
+            // an exception here would end the app; so it counts as none, and its sensor as silent
+            if (v.size < 3) return
+            val kind = when (type) {
+                Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_MAGNETIC_FIELD -> RawEvent.MAGNETIC
+                Sensor.TYPE_GYROSCOPE -> RawEvent.ROTATION_RATE
+                Sensor.TYPE_GRAVITY, Sensor.TYPE_ACCELEROMETER -> RawEvent.UP
+                else -> return
+            }
+            // that of gravity which came before the accelerometer took over is none of the one in use
+            if (kind == RawEvent.UP && type != sensors?.up?.type) return
+            events[type] += 1
+            if (looks[type] >= LOOKS) {
+                looks[type] = 0
+                hear(sensors!!.with { if (it.type == type) it.copy(isSilent = false) else it })
+            }
+            val nowNs = continuousNs()
+            if (kind == RawEvent.MAGNETIC) sleep.see(event.timestamp, nowNs)
+            val timeNs = clocks.magnetometersNs(kind, event.timestamp, nowNs)
+            val reported = if (type == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && v.size >= 6) bias(v) else null
+            val raw = free.removeLastOrNull() ?: RawEvent()
+            raw.set(kind, timeNs, v[0].toDouble(), v[1].toDouble(), v[2].toDouble(), reported)
+            order.push(raw, release)
+        }
+
+        /** The object of before where it is the same. Some phones deliver no bias, and 0 until they have found one. */
+        private fun bias(v: FloatArray): DeviceVector? {
+            if (v[3] == 0f && v[4] == 0f && v[5] == 0f) return null
+            bias?.let { if (it.x == v[3].toDouble() && it.y == v[4].toDouble() && it.z == v[5].toDouble()) return it }
+            return DeviceVector(v[3].toDouble(), v[4].toDouble(), v[5].toDouble()).also { bias = it }
+        }
+
+        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int): Unit = synchronized(lock) {
+            val now = sensors ?: return
+            tell(now.with { if (it.type == sensor?.type) it.copy(accuracy = accuracyOf(accuracy)) else it })
+        }
+    }
+
+    private companion object {
+        const val SILENCE_MS = 2000L
+
+        /** As often it is looked within that time. */
+        const val LOOKS = 4
+
+        /** Android's types that are used are all less. */
+        const val TYPES = Sensor.TYPE_GYROSCOPE_UNCALIBRATED
+
+        fun used(sensor: Sensor) = UsedSensor(sensor.type, sensor.name.orEmpty(), sensor.vendor.orEmpty(), SensorAccuracy.UNKNOWN)
+
+        fun SensorsInUse.with(change: (UsedSensor) -> UsedSensor) =
+            copy(magnetometer = change(magnetometer), up = up?.let(change), gyroscope = gyroscope?.let(change))
+
+        fun accuracyOf(status: Int): SensorAccuracy = when (status) {
+            SensorManager.SENSOR_STATUS_NO_CONTACT -> SensorAccuracy.NO_CONTACT
+            SensorManager.SENSOR_STATUS_UNRELIABLE -> SensorAccuracy.UNRELIABLE
+            SensorManager.SENSOR_STATUS_ACCURACY_LOW -> SensorAccuracy.LOW
+            SensorManager.SENSOR_STATUS_ACCURACY_MEDIUM -> SensorAccuracy.MEDIUM
+            SensorManager.SENSOR_STATUS_ACCURACY_HIGH -> SensorAccuracy.HIGH
+            else -> SensorAccuracy.UNKNOWN
+        }
+
+        fun nameOf(type: Int): String = when (type) {
+            Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_MAGNETIC_FIELD -> "magnetometer"
+            Sensor.TYPE_GYROSCOPE -> "gyroscope"
+            Sensor.TYPE_GRAVITY -> "gravity sensor"
+            else -> "accelerometer"
+        }
+    }
+}

@@ -1,0 +1,53 @@
+package org.magcomp
+
+/** A sensor of the phone that a heading is made of. */
+public enum class PhoneSensor {
+    /** The uncalibrated magnetometer, else the calibrated one. */
+    MAGNETOMETER,
+
+    /** The gyroscope. */
+    GYROSCOPE,
+
+    /** The gravity sensor, else the accelerometer: the vertical. */
+    GRAVITY,
+}
+
+/**
+ * Whether a stream of readings has all that a heading is made of. The compensator's own [CompensationStatus] can't say so: it knows of nothing that
+ * does not come.
+ */
+public sealed class StreamStatus {
+    /** It has. */
+    public object Live : StreamStatus() {
+        /** For logs. */
+        override fun toString(): String = "Live"
+    }
+
+    /**
+     * Sensors in use have delivered nothing for 2 s beyond the latency that was asked for. All do so while an app is in the background
+     * without a foreground service; one alone is broken. Without the magnetometer there is no heading: one reading tells it, whose heading,
+     * attitude and field are null, and the next one comes with the next event. Without gravity the heading ends within seconds; without
+     * the gyroscope there is one, less sure.
+     *
+     * @property sensors which, at least one
+     */
+    public class Silent(public val sensors: Set<PhoneSensor>) : StreamStatus() {
+        /** Whether the other one names the same sensors. */
+        override fun equals(other: Any?): Boolean = other is Silent && sensors == other.sensors
+
+        /** That of the sensors. */
+        override fun hashCode(): Int = sensors.hashCode()
+
+        /** For logs. */
+        override fun toString(): String = "Silent($sensors)"
+    }
+
+    /**
+     * For a second no sample had an event of gravity or accelerometer near its own time: there is none, or its times are those of another
+     * clock. There is no heading.
+     */
+    public object NoVertical : StreamStatus() {
+        /** For logs. */
+        override fun toString(): String = "NoVertical"
+    }
+}

@@ -1,0 +1,5 @@
+package androidx.test.runner.intent;
+
+public class IntentMonitorRegistry {
+    public static void registerInstance(IntentMonitor monitor) { }
+}

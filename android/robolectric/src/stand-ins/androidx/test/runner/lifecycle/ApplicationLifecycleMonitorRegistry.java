@@ -1,0 +1,5 @@
+package androidx.test.runner.lifecycle;
+
+public class ApplicationLifecycleMonitorRegistry {
+    public static void registerInstance(ApplicationLifecycleMonitor monitor) { }
+}
