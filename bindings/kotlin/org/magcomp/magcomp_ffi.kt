@@ -5319,7 +5319,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `expected`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = sentence("field=${ `field` }, value=${ `value` }, expected=${ `expected` }")
+            get() = "field=${ `field` }, value=${ `value` }, expected=${ `expected` }"
     }
 
     /**
@@ -5333,7 +5333,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: RejectReason
         ) : MagcompException() {
         override val message
-            get() = sentence("reason=${ `reason` }")
+            get() = "reason=${ `reason` }"
     }
 
     /**
@@ -5347,7 +5347,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: EventRejection
         ) : MagcompException() {
         override val message
-            get() = sentence("reason=${ `reason` }")
+            get() = "reason=${ `reason` }"
     }
 
     /**
@@ -5361,7 +5361,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `problem`: FitProblem
         ) : MagcompException() {
         override val message
-            get() = sentence("problem=${ `problem` }")
+            get() = "problem=${ `problem` }"
     }
 
     /**
@@ -5375,7 +5375,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = sentence("why=${ `why` }")
+            get() = "why=${ `why` }"
     }
 
     /**
@@ -5389,7 +5389,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = sentence("why=${ `why` }")
+            get() = "why=${ `why` }"
     }
 
     /**
@@ -5403,7 +5403,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `found`: kotlin.Long
         ) : MagcompException() {
         override val message
-            get() = sentence("found=${ `found` }")
+            get() = "found=${ `found` }"
     }
 
     /**
@@ -5417,7 +5417,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = sentence("why=${ `why` }")
+            get() = "why=${ `why` }"
     }
 
     /**
@@ -5426,7 +5426,7 @@ sealed class MagcompException: kotlin.Exception() {
     class Closed(
         ) : MagcompException() {
         override val message
-            get() = sentence("")
+            get() = ""
     }
 
     /**
@@ -5440,7 +5440,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `what`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = sentence("what=${ `what` }")
+            get() = "what=${ `what` }"
     }
 
 
@@ -5683,148 +5683,6 @@ internal object FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer<MagcompL
 
 
 /**
-<<<<<<< HEAD
-=======
- * What a first calibration still lacks.
- */
-sealed class CollectingReason {
-
-    /**
-     * More samples before a first fit is tried.
-     */
-    data class Samples(
-        /**
-         * Samples so far.
-         */
-        val `have`: kotlin.Int,
-        /**
-         * Samples needed.
-         */
-        val `need`: kotlin.Int) : CollectingReason()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * The samples allow no fit yet.
-     */
-    data class Fit(
-        /**
-         * Why.
-         */
-        val `problem`: org.magcomp.FitProblem) : CollectingReason()
-
-    {
-
-
-        companion object
-    }
-
-    /**
-     * The device must be turned.
-     */
-    object Rotation : CollectingReason()
-
-
-    /**
-     * More directions, turned about more than one axis.
-     */
-    object Directions : CollectingReason()
-
-
-
-
-
-
-
-
-
-    companion object
-}
-
-/**
- * @suppress
- */
-internal object FfiConverterTypeMissing : FfiConverterRustBuffer<CollectingReason>{
-    override fun read(buf: ByteBuffer): CollectingReason {
-        return when(buf.getInt()) {
-            1 -> CollectingReason.Samples(
-                FfiConverterInt.read(buf),
-                FfiConverterInt.read(buf),
-                )
-            2 -> CollectingReason.Fit(
-                FfiConverterTypeFitProblem.read(buf),
-                )
-            3 -> CollectingReason.Rotation
-            4 -> CollectingReason.Directions
-            else -> throw RuntimeException("invalid enum value, something is very wrong!!")
-        }
-    }
-
-    override fun allocationSize(value: CollectingReason): ULong = when(value) {
-        is CollectingReason.Samples -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterInt.allocationSize(value.`have`)
-                + FfiConverterInt.allocationSize(value.`need`)
-            )
-        }
-        is CollectingReason.Fit -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-                + FfiConverterTypeFitProblem.allocationSize(value.`problem`)
-            )
-        }
-        is CollectingReason.Rotation -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-            )
-        }
-        is CollectingReason.Directions -> {
-            // Add the size for the Int that specifies the variant plus the size needed for all fields
-            (
-                4UL
-            )
-        }
-    }
-
-    override fun write(value: CollectingReason, buf: ByteBuffer) {
-        when(value) {
-            is CollectingReason.Samples -> {
-                buf.putInt(1)
-                FfiConverterInt.write(value.`have`, buf)
-                FfiConverterInt.write(value.`need`, buf)
-                Unit
-            }
-            is CollectingReason.Fit -> {
-                buf.putInt(2)
-                FfiConverterTypeFitProblem.write(value.`problem`, buf)
-                Unit
-            }
-            is CollectingReason.Rotation -> {
-                buf.putInt(3)
-                Unit
-            }
-            is CollectingReason.Directions -> {
-                buf.putInt(4)
-                Unit
-            }
-        }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }
-    }
-}
-
-
-
-
-
-/**
->>>>>>> refs/heads/android
  * Which of the nine parameters a change set free.
  */
 
