@@ -222,7 +222,8 @@ impl Compensator {
         }
         let Some(is_there) = self.presence.is_there(time_ns, previous_ns) else { return false };
         let belief = &self.belief;
-        let is_contradicted = self.tuning.axes && self.axes.is_wrong();
+        let is_there = is_there && !(self.tuning.axes && self.axes.is_dead());
+        let is_contradicted = self.tuning.axes && self.axes.is_contradicted();
         let others =
             self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
         others && is_there

@@ -153,9 +153,14 @@ impl Axes {
         self.still_rad > HAND_RAD
     }
 
-    /// Whether axes turn the other way, or one not at all, or are read in degrees. Of axes that were hardly turned about nothing is known.
-    pub fn is_wrong(&self) -> bool {
-        self.is_contradicted || self.is_frozen || self.repeats.iter().any(|repeats| *repeats >= REPEATS)
+    /// Whether gravity says that axes turn the other way, or are read in degrees. Of axes that were hardly turned about nothing is known.
+    pub fn is_contradicted(&self) -> bool {
+        self.is_contradicted
+    }
+
+    /// Whether an axis is dead, or all hang: that needs no other witness.
+    pub fn is_dead(&self) -> bool {
+        self.is_frozen || self.repeats.iter().any(|repeats| *repeats >= REPEATS)
     }
 
     /// Whether gravity stands still rather where the device turned like this.
@@ -174,6 +179,10 @@ fn signs(set: usize) -> Vector3<f64> {
 mod tests {
     use super::*;
     use nalgebra::Rotation3;
+
+    fn is_wrong(axes: &Axes) -> bool {
+        axes.is_contradicted() || axes.is_dead()
+    }
 
     /// What the gyroscope makes of a rate at 100 Hz, rad/s.
     fn read(rate_rad_s: Vector3<f64>) -> Rotation {
@@ -199,12 +208,12 @@ mod tests {
     fn a_flipped_axis_is_found_and_a_sound_one_is_not() {
         for axis in 0..3 {
             let mut reads = Vector3::repeat(1.0);
-            assert!(!turned(60.0, reads).is_wrong());
+            assert!(!is_wrong(&turned(60.0, reads)));
             reads[axis] = -1.0;
-            assert!(turned(20.0, reads).is_wrong(), "{axis}");
+            assert!(is_wrong(&turned(20.0, reads)), "{axis}");
             // a scale that is off by half is no flip
             reads[axis] = 0.5;
-            assert!(!turned(60.0, reads).is_wrong(), "{axis}");
+            assert!(!is_wrong(&turned(60.0, reads)), "{axis}");
         }
     }
 
@@ -220,14 +229,14 @@ mod tests {
             let up =
                 Rotation3::new(-Vector3::x() * tilt) * Vector3::new(0.0, 0.0, 9.81 + 2.0 * (11.4 * t).cos()) + noise;
             axes.see(&read(rate), 0.01, &up);
-            assert!(!axes.is_wrong(), "at {t} s");
+            assert!(!is_wrong(&axes), "at {t} s");
         }
     }
 
     #[test]
     fn degrees_for_radians_are_found_and_half_the_scale_is_not() {
         for (factor, is_wrong) in [(1.0_f64.to_degrees(), true), (0.5, false), (2.0, false)] {
-            assert_eq!(turned(20.0, Vector3::repeat(factor)).is_wrong(), is_wrong, "{factor}");
+            assert_eq!(is_wrong(&turned(20.0, Vector3::repeat(factor))), is_wrong, "{factor}");
         }
     }
 
@@ -245,10 +254,10 @@ mod tests {
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + shaken;
             let sign = if (20.0..60.0).contains(&t) { -1.0 } else { 1.0 };
             axes.see(&read(rate.component_mul(&Vector3::new(1.0, sign, 1.0))), 0.01, &up);
-            if axes.is_wrong() {
+            if is_wrong(&axes) {
                 wrong[usize::from(sign > 0.0)] += 1;
             }
-            assert!(!axes.is_wrong() || (20.0..110.0).contains(&t), "at {t} s");
+            assert!(!is_wrong(&axes) || (20.0..110.0).contains(&t), "at {t} s");
         }
         assert!(wrong[0] > 2000 && wrong[1] < 5000, "{wrong:?}");
     }
@@ -275,11 +284,11 @@ mod tests {
         for axis in 0..3 {
             let mut axes = Axes::default();
             carried(&mut axes, 40, 1e-3, Some(axis));
-            assert!(!axes.is_wrong(), "{axis}");
+            assert!(!is_wrong(&axes), "{axis}");
             carried(&mut axes, 60, 1e-3, Some(axis));
-            assert!(axes.is_wrong(), "{axis}");
+            assert!(is_wrong(&axes), "{axis}");
             carried(&mut axes, 2, 1e-3, None);
-            assert!(!axes.is_wrong(), "{axis}");
+            assert!(!is_wrong(&axes), "{axis}");
         }
     }
 
@@ -288,7 +297,7 @@ mod tests {
     fn a_gyroscope_with_a_coarse_last_bit_is_sound() {
         let mut axes = Axes::default();
         carried(&mut axes, 6000, 0.02, None);
-        assert!(!axes.is_wrong());
+        assert!(!is_wrong(&axes));
     }
 
     /// A gyroscope that hangs turns no gravity; one that rests on a table repeats its readings too.
@@ -302,9 +311,9 @@ mod tests {
                 let up = Rotation3::new(Vector3::x() * tilts * (0.8 * t).sin()) * Vector3::new(0.0, 0.0, 9.81);
                 axes.see(&read(Vector3::new(0.01, 0.0, -0.02)), 0.01, &(up + noise));
             }
-            assert_eq!(axes.is_wrong(), is_wrong, "tilted by {tilts}");
+            assert_eq!(is_wrong(&axes), is_wrong, "tilted by {tilts}");
             axes.see(&read(Vector3::new(0.01, 0.0, -0.01)), 0.01, &Vector3::new(0.0, 0.1, 9.81));
-            assert!(!axes.is_wrong());
+            assert!(!is_wrong(&axes));
         }
     }
 
@@ -331,7 +340,7 @@ mod tests {
                 let rate = Vector3::new(0.0, 0.64, 0.77) * (0.02 * f64::from(k)).sin();
                 axes.see(&read(rate), 0.01, &Vector3::new(noise_m_s2 * f64::from(k % 2), 0.0, 9.81));
             }
-            assert_eq!(axes.is_wrong(), is_wrong);
+            assert_eq!(is_wrong(&axes), is_wrong);
         }
     }
 
@@ -342,14 +351,14 @@ mod tests {
         for k in 0..1000 {
             axes.see(&read(Vector3::z() * f64::from(k % 11)), 0.01, &Vector3::new(0.0, 0.01 * f64::from(k % 2), 9.81));
         }
-        assert!(!axes.is_wrong());
+        assert!(!is_wrong(&axes));
     }
 
     /// Signs that an app takes from another system: two axes, or all three.
     #[test]
     fn several_flipped_axes_are_found() {
         for reads in [Vector3::new(-1.0, -1.0, 1.0), Vector3::new(1.0, -1.0, -1.0), Vector3::repeat(-1.0)] {
-            assert!(turned(20.0, reads).is_wrong(), "{reads}");
+            assert!(is_wrong(&turned(20.0, reads)), "{reads}");
         }
     }
 
@@ -366,7 +375,7 @@ mod tests {
                 let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
                 axes.see(&read(rate.component_mul(&reads) + noise), 0.01, &(up * 9.81 + shaken));
             }
-            axes.is_wrong()
+            is_wrong(&axes)
         };
         assert!(!walked(Vector3::repeat(1.0)));
         assert!(walked(Vector3::new(1.0, -1.0, 1.0)) && walked(Vector3::new(1.0, 1.0, -1.0)));
@@ -381,6 +390,6 @@ mod tests {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
             axes.see(&read(noise - Vector3::z()), 0.01, &(Vector3::z() * 9.81 + noise));
         }
-        assert!(!axes.is_wrong());
+        assert!(!is_wrong(&axes));
     }
 }

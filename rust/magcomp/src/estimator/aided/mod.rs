@@ -106,7 +106,7 @@ impl Aided {
 
     /// Whether the field vouches for the gyroscope: samples in motion have fitted its turns for long.
     pub fn vouches(&self) -> bool {
-        matches!(&self.phase, Phase::Running(running) if self.tuning.vouching && running.agreed_s > self.tuning.settled_s)
+        matches!(&self.phase, Phase::Running(running) if self.tuning.vouching && running.agreed_s > 2.0 * self.tuning.settled_s)
     }
 
     /// Whether the chain of rotations broke not long ago: it is younger than this.

@@ -179,8 +179,8 @@ fn every_mechanism_is_at_work_in_an_eventful_walk() {
         eventful(tuning) == with_all
     };
     let idle: Vec<_> = Tuning::MECHANISMS.iter().filter(is_idle).map(|it| it.name).collect();
-    // seen elsewhere: below, in `steps`, in tests/host/aided.rs, in `starts`
-    assert_eq!(idle, ["recall", "young", "vouching", "plausible"]);
+    // seen elsewhere: below, in `steps`, in `motion`, in tests/host/aided.rs, in `starts`
+    assert_eq!(idle, ["recall", "young", "long_up", "vouching", "plausible"]);
 }
 
 /// Any of them off together, the answers stay finite.
