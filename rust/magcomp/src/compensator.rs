@@ -27,7 +27,6 @@ use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::axes::Axes;
-use crate::sensing::gravity::Gravity;
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
@@ -74,7 +73,6 @@ pub struct Compensator {
     pairing: InertialPairing,
     presence: Presence,
     axes: Axes,
-    gravity: Gravity,
     tilt: Tilt,
     belief: Belief,
     estimator: Box<Estimator>,
@@ -106,7 +104,6 @@ impl Compensator {
             pairing: InertialPairing::default(),
             presence: Presence::default(),
             axes: Axes::default(),
-            gravity: Gravity::default(),
             tilt: Tilt::default(),
             belief: Belief::default(),
             estimator: Box::new(estimator(&config, tunings)),
@@ -128,7 +125,6 @@ impl Compensator {
         self.pairing = InertialPairing::default();
         self.presence = Presence::default();
         self.axes = Axes::default();
-        self.gravity = Gravity::default();
         self.tilt = Tilt::default();
         self.belief = Belief::default();
         self.estimator.restart();
@@ -241,12 +237,8 @@ impl Compensator {
                     // the gyroscope carries on where up is
                     paired.up_m_s2 = None;
                 }
-                paired.bias = self.gravity.see(&rotation, span_s, paired.up_m_s2.as_ref());
             }
-            _ => {
-                self.axes.pause();
-                self.gravity.pause();
-            }
+            _ => self.axes.pause(),
         }
         paired
     }

@@ -19,11 +19,6 @@ pub(crate) const IRON_PER_UT: f64 = 0.003;
 /// Choice: how far an element of M is off where M was never measured: phones have up to 10 %.
 pub(crate) const UNSEEN_IRON: f64 = 0.08;
 
-/// Choice: bias of a gyroscope before anything is known, standard deviation per axis, rad/s: phones were found with up to 0.095.
-pub(crate) const BIAS_SD_RAD_S: f64 = 0.05;
-/// Choice: scale error of a gyroscope's axis, and how far it is off, before anything is known: data sheets have 1 to 2 %.
-pub(crate) const GYROSCOPE_AXES: f64 = 0.01;
-
 // Places, and how long things last.
 
 /// Choice: standard deviation of a room's field about its mean, per axis, uT: walks with motion capture have 2.1.

@@ -3,7 +3,6 @@
 //! the gyroscope is missing (`stand_in`), and whether the gyroscope turns as gravity does (`axes`).
 
 pub(crate) mod axes;
-pub(crate) mod gravity;
 pub(crate) mod order;
 pub(crate) mod pairing;
 pub(crate) mod stand_in;

@@ -17,7 +17,7 @@ mod tests;
 use super::tuning::Tuning;
 use crate::math::elementary::{exp, quaternion, rotation_vector};
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::mem::take;
 
 /// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
@@ -63,15 +63,6 @@ pub(crate) struct PairedInertial {
     pub rotation: Option<Rotation>,
     /// What an accelerometer at rest reads (m/s^2, Android's sign), at the sample's time; `None` when absent.
     pub up_m_s2: Option<Vector3<f64>>,
-    /// What gravity says of the gyroscope's bias that is new.
-    pub bias: Option<BiasInformation>,
-}
-
-/// Information of the bias that is new: its precision, s^2/rad^2, and that times the bias, s/rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct BiasInformation {
-    pub precision: Matrix3<f64>,
-    pub weighted: Vector3<f64>,
 }
 
 /// Rotation between two magnetometer samples, device frame, the gyroscope's bias not removed.
@@ -212,7 +203,7 @@ impl InertialPairing {
         let rotation = self.rotation_at(time_ns, started);
         let up_m_s2 = self.up_at(time_ns);
         self.last_paired_ns = Some(time_ns);
-        PairedInertial { bias: None, rotation, up_m_s2 }
+        PairedInertial { rotation, up_m_s2 }
     }
 
     fn rotation_at(&mut self, time_ns: i64, started: bool) -> Option<Rotation> {

@@ -156,11 +156,6 @@ impl Trial {
     pub(crate) fn turn(&mut self, step: &Step<'_>) {
         self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
         self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
-        if let Some(bias) = &step.bias {
-            // whatever has changed, gravity shows it
-            self.device.learn_bias(bias);
-            self.place.learn_bias(bias);
-        }
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.

@@ -68,9 +68,6 @@ impl Aided {
             earth.step(step, filter, &self.tuning);
         }
         filter.propagate(step.increment_rad, step.dt_s, &step.noise);
-        if let Some(bias) = &step.bias {
-            filter.learn_bias(bias);
-        }
         self.quarantine.turn(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {

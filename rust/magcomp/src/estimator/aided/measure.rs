@@ -18,7 +18,6 @@ use super::tuning::Tuning;
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
-use crate::sensing::pairing::BiasInformation;
 
 /// What a raw sample says about the state, before it is used.
 #[derive(Clone, Copy)]
@@ -148,27 +147,6 @@ impl Filter {
             gain: ph * l_inverse.transpose(),
             whitened,
         })
-    }
-
-    /// New information of the bias from elsewhere: P <- P - P_.g (I + L P_gg)^-1 L P_g.,   L = its precision.
-    pub(crate) fn learn_bias(&mut self, new: &BiasInformation) {
-        let p = self.own(BIAS);
-        let Some(inner) = (Matrix3::identity() + new.precision * p).try_inverse() else { return };
-        let seen = inner * new.precision;
-        let towards = inner * (new.weighted - new.precision * self.part(BIAS));
-        let eigen = ((seen + seen.transpose()) * 0.5).symmetric_eigen();
-        let columns = self.columns(BIAS);
-        let mut gain = SMatrix::<f64, STATES, 3>::zeros();
-        let mut white = Vector3::zeros();
-        for k in 0..3 {
-            // what is told of an axis by next to nothing is nothing
-            if eigen.eigenvalues[k] > BIAS.least_variance() {
-                let (root, axis) = (eigen.eigenvalues[k].sqrt(), eigen.eigenvectors.column(k).into_owned());
-                gain.set_column(k, &(columns * axis * root));
-                white[k] = axis.dot(&towards) / root;
-            }
-        }
-        self.correct_soundly(gain, &white, NONE);
     }
 
     /// What the magnetometer should read at rest, uT.

@@ -201,7 +201,7 @@ impl Aided {
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
         let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
-            Some(self.sense(time_ns, &raw_ut, rotation, inertial, dt_s, is_blank))
+            Some(self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank))
         } else {
             self.adaptation.forget_previous();
             None

@@ -11,12 +11,14 @@
 
 use crate::math::elementary::cbrt;
 use crate::priors::TILT_RAD;
-use crate::sensing::gravity::LEAST_PULL;
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Known, gain};
 use super::tuning::Tuning;
+
+/// Choice: share of gravity below which an accelerometer falls with the device, and shows no vertical.
+const LEAST_PULL: f64 = 0.5;
 
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]

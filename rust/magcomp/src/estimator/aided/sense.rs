@@ -14,7 +14,7 @@ use super::phase::Phase;
 use super::propagate::ProcessNoise;
 use super::step::{Known, SAMPLE_S, Step};
 use crate::math::turn::Turn;
-use crate::sensing::pairing::{PairedInertial, Rotation};
+use crate::sensing::pairing::Rotation;
 
 impl Aided {
     /// What a rotation says of a sample.
@@ -23,7 +23,7 @@ impl Aided {
         time_ns: i64,
         raw_ut: &'a Vector3<f64>,
         rotation: &'a Rotation,
-        inertial: &PairedInertial,
+        up: Option<Vector3<f64>>,
         dt_s: f64,
         is_blank: bool,
     ) -> Step<'a> {
@@ -36,7 +36,7 @@ impl Aided {
         let turn = Turn::by(&-turned_rad).rotation;
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
-        self.motion.carry_up(&turn, inertial.up_m_s2, &known, dt_s, tuning);
+        self.motion.carry_up(&turn, up, &known, dt_s, tuning);
         if is_blank {
             self.adaptation.forget_previous();
         } else {
@@ -73,7 +73,6 @@ impl Aided {
             resting: self.motion.at_rest(),
             bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),
             motion,
-            bias: inertial.bias.filter(|_| tuning.gravity),
         }
     }
 }

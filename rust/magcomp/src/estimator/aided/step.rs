@@ -1,7 +1,6 @@
 //! One sample with a rotation, as the parts of the estimator share it.
 
 use crate::math::elementary::exp;
-use crate::sensing::pairing::BiasInformation;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
@@ -32,8 +31,6 @@ pub(crate) struct Step<'a> {
     /// Variance of the rate about the bias, (rad/s)^2, once the device has rested for long enough.
     pub(crate) bias_variance: Option<f64>,
     pub(crate) motion: f64,
-    /// What gravity says of the bias that is new.
-    pub(crate) bias: Option<BiasInformation>,
 }
 
 /// What a low-pass of `time_s` takes of a value that has lasted for `dt_s`.

@@ -6,11 +6,10 @@ use super::super::state::{AXES, DELAY, HARD_IRON, LOCAL};
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::EventKind;
-use crate::sensing::gravity::Gravity;
 use crate::tuning::Mechanism;
 
 /// What is for places that change, magnets, steps, poor starts and other sensors does nothing where nothing happens.
-const QUIET: [&str; 16] = [
+const QUIET: [&str; 15] = [
     "recall",
     "new_place",
     "quarantine",
@@ -22,7 +21,6 @@ const QUIET: [&str; 16] = [
     "young",
     "place_holds",
     "earth_found",
-    "gravity",
     "long_up",
     "vouching",
     "plausible",
@@ -137,7 +135,7 @@ fn noise_that_is_not_learned_is_that_of_the_start() {
 /// A walk of two minutes with everything in it: an uneven place at the start and a cover put on meanwhile, a magnet passed every few seconds, another place
 /// for a minute with a cover put on there, the way back, a car's acceleration. What comes out, each second.
 fn eventful(tuning: Tuning) -> Vec<[f64; 3]> {
-    let (mut world, mut aided, mut gravity) = (World::new(43), Aided::new(tuning, None), Gravity::default());
+    let (mut world, mut aided) = (World::new(43), Aided::new(tuning, None));
     let (earth_ut, own_ut) = (world.field_ut, world.hard_iron_ut);
     let mut told = Vec::new();
     for k in 0..13_000 {
@@ -156,8 +154,6 @@ fn eventful(tuning: Tuning) -> Vec<[f64; 3]> {
             let speeds_up = Vector3::new(3.0, 0.0, 0.0) * (0.5 * t).sin();
             sample.inertial.up_m_s2 = sample.inertial.up_m_s2.map(|up| up + world.attitude.inverse() * speeds_up);
         }
-        let rotation = sample.inertial.rotation.as_ref().unwrap();
-        sample.inertial.bias = gravity.see(rotation, 0.01, sample.inertial.up_m_s2.as_ref());
         let (_, answer) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
         if k % 100 == 0 {
             let f = answer.filtered_field_ut.unwrap_or_default();

@@ -32,7 +32,7 @@ fn garbage_never_panics_and_never_comes_out() {
         time_ns = time_ns.saturating_add(if pick < 0.01 { i64::MAX / 2_000_000 } else { (pick * 3e7) as i64 + 1 });
         let rotation =
             (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate, variance_rad2: 0.0 });
-        let (_, output) = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up), bias: None });
+        let (_, output) = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
         for v in [output.field_ut, output.filtered_field_ut, output.up].into_iter().flatten() {
             assert!(v.iter().all(|v| v.is_finite()), "sample {k}");
         }

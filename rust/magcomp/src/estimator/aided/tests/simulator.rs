@@ -113,7 +113,7 @@ impl World {
         Sample {
             time_ns: self.time_ns,
             raw_ut,
-            inertial: PairedInertial { rotation: Some(rotation), up_m_s2: Some(up), bias: None },
+            inertial: PairedInertial { rotation: Some(rotation), up_m_s2: Some(up) },
             field_ut,
         }
     }
