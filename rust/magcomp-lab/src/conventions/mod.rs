@@ -4,10 +4,13 @@
 //! Nothing here is tuned to a device: that a vector fixed in the world turns against the gyroscope holds for all of them.
 
 mod axes;
+mod finding;
 mod samples;
 mod windows;
 
 use axes::{Fits, typed};
+use finding::Add;
+pub use finding::Weight;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
 use windows::{Event, Series, Turns, fit, median, windows};
@@ -41,18 +44,6 @@ const AGREE_S: f64 = 0.015;
 const LEAST_DIP_DEG: f64 = 20.0;
 /// Share of the rows in which a phone faces down or hangs upside down, from which on that is odd.
 const ODD: f64 = 0.6;
-
-/// How much a finding says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Weight {
-    /// Worth knowing.
-    Note,
-    /// The result may be worse than it need be.
-    Doubt,
-    /// The result is wrong.
-    Fault,
-}
 
 /// One thing that was found, in a sentence with the option that mends it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -162,8 +153,6 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
     found.findings.sort_by_key(|finding| std::cmp::Reverse(finding.weight));
     found
 }
-
-type Add<'a> = dyn FnMut(&'static str, Weight, String) + 'a;
 
 /// Units and axes of gyroscope, field and gravity. One that stands alone against the other two is the guilty one.
 fn check_axes(field: Option<&Fits>, gravity: Option<&Fits>, events: &Series, up: &Series, add: &mut Add<'_>) {

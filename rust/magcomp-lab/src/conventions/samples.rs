@@ -1,8 +1,8 @@
 //! What a sensor's samples show by themselves: an axis that is dead, a field that was interpolated or held, two kinds of samples in one
 //! stream, a rate too low, another clock, an axis that points up.
 
+use super::finding::{Add, Weight};
 use super::windows::{Series, median};
-use super::{Add, Weight};
 use magcomp::nalgebra::Vector3;
 
 /// Fewer samples tell nothing.

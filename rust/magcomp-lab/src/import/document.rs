@@ -1,10 +1,9 @@
 //! The text files of a session: named files, those of a folder, those of a zip.
 
 use super::columnar::as_csv;
-use super::forms::{ZIP, is_columnar};
+use super::forms::is_columnar;
 use super::guard::guarded;
-use super::input::{Budget, Input};
-use super::sheet::header_of;
+use super::input::{Budget, Input, ZIP};
 use crate::error::LabError;
 use crate::recording::{GZIP, files_of};
 use flate2::read::MultiGzDecoder;
@@ -74,10 +73,10 @@ impl Document {
     }
 
     /// Without the lines before the first one of its beginning that `is_header`; how many there were.
-    pub fn begin_at(&mut self, is_header: impl Fn(&[String]) -> bool) -> Option<u64> {
+    pub fn begin_at(&mut self, is_header: impl Fn(&[u8]) -> bool) -> Option<u64> {
         let title = |line: &[u8]| line.len() <= LONGEST_TITLE;
         let found = self.lines().take(MOST_TITLES).take_while(|(_, line)| title(line));
-        let line = found.into_iter().find(|(_, line)| is_header(&header_of(line)))?.0;
+        let line = found.into_iter().find(|(_, line)| is_header(line))?.0;
         let before = line - 1 - self.lines_before;
         self.skip_lines(before);
         Some(before)

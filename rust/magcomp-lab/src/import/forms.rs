@@ -15,8 +15,6 @@ pub(super) const ARROW_FILE: &[u8] = b"ARROW1";
 const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
 /// An mcap file.
 const MCAP: &[u8] = b"\x89MCAP";
-/// A zip with something in it.
-pub(super) const ZIP: &[u8] = b"PK\x03\x04";
 /// A zip of any kind.
 const ANY_ZIP: &[u8] = b"PK";
 

@@ -1,11 +1,13 @@
 //! One input that the user named, and how much of it is taken into memory.
 
-use super::forms::ZIP;
 use crate::error::LabError;
 use crate::recording::Content;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+
+/// A zip with something in it.
+pub(super) const ZIP: &[u8] = b"PK\x03\x04";
 
 /// Bytes of text of a session and of a pipe, at most: it lies in memory while it is read. At 100 Hz ten sensors' CSV files are four hours.
 pub(super) const MOST_BYTES: u64 = 1 << 30;

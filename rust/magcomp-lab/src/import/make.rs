@@ -6,7 +6,7 @@ use super::input::Input;
 use super::options::ImportOptions;
 use super::ros::read_bags;
 use super::session::Session;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, header_of};
 use super::summary::Summary;
 use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger};
 use crate::error::{LabError, Place};
@@ -184,8 +184,9 @@ fn plain_session(documents: &mut [Document], options: &ImportOptions) -> Result<
     let units = options.units.unwrap_or_default();
     for document in documents.iter_mut() {
         // titles before a table whose header is in words
-        document.begin_at(|header| {
-            names::likeness(header) >= 3 || plain::is_header(header, &names, options.rate.is_some())
+        document.begin_at(|line| {
+            let header = header_of(line);
+            names::likeness(&header) >= 3 || plain::is_header(&header, &names, options.rate.is_some())
         });
     }
     let known = |document: &Document| {

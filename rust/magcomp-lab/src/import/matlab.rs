@@ -5,8 +5,9 @@
 
 use super::dates;
 use super::document::Document;
-use super::session::{Session, Stream};
+use super::session::Session;
 use super::sheet::{Cells, Sheet};
+use super::stream::Stream;
 use crate::error::LabError;
 use magcomp::nalgebra::Vector3;
 

@@ -6,6 +6,7 @@
 
 #[cfg(feature = "columnar")]
 mod arrow_lengths;
+mod column_names;
 #[cfg_attr(not(feature = "columnar"), path = "columnar_missing.rs")]
 mod columnar;
 mod dates;
@@ -35,13 +36,14 @@ mod ros;
 mod sensor_logger;
 mod session;
 mod sheet;
+mod stream;
 mod summary;
 mod units;
 
+pub use column_names::ColumnNames;
 pub use make::import;
 pub use open::{Opened, open, open_bytes};
 pub use options::ImportOptions;
-pub use plain::ColumnNames;
 pub use session::Sensor;
 pub use summary::Summary;
 pub use units::{Frame, Frames, Shifts, Units};

@@ -1,6 +1,6 @@
 //! How files that are no logger's own are read.
 
-use super::plain::ColumnNames;
+use super::column_names::ColumnNames;
 use super::units::{Frames, Shifts, Units};
 use clap::Args;
 

@@ -1,7 +1,7 @@
 //! The order of a sensor's events in time: where a session ends and the next begins, events that came late, times that were rounded,
 //! events that would be lost, and how loss is told.
 
-use super::session::Stream;
+use super::stream::Stream;
 use crate::error::LabError;
 use std::ops::Range;
 

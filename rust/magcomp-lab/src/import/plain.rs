@@ -1,73 +1,14 @@
 //! Any table: columns named by options, or by words in the header. Each file holds the sensors whose columns it has, so several files make
 //! one session, but no two of them the same sensor.
 
+use super::column_names::ColumnNames;
 use super::document::Document;
 use super::layout::{self, Kind, Layout, SECOND_NS, Taken, Time};
 use super::names::{guess, sensor_of_stem};
 use super::options::ImportOptions;
 use super::session::Session;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, header_of};
 use crate::error::{LabError, Place};
-use std::str::FromStr;
-
-/// The quantities of columns, and their names in a recording.
-const QUANTITIES: [(&str, &str); 17] = [
-    ("t", "t_s"),
-    ("mx", "mx"),
-    ("my", "my"),
-    ("mz", "mz"),
-    ("ax", "ax"),
-    ("ay", "ay"),
-    ("az", "az"),
-    ("gx", "gx"),
-    ("gy", "gy"),
-    ("gz", "gz"),
-    ("sx", "sys_mx"),
-    ("sy", "sys_my"),
-    ("sz", "sys_mz"),
-    ("qw", "qw"),
-    ("qx", "qx"),
-    ("qy", "qy"),
-    ("qz", "qz"),
-];
-
-/// Names of a file's columns, in the order of `QUANTITIES`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ColumnNames {
-    names: Vec<String>,
-    /// Those that were given.
-    given: Vec<usize>,
-}
-
-impl Default for ColumnNames {
-    fn default() -> Self {
-        Self { names: QUANTITIES.iter().map(|(_, name)| (*name).to_owned()).collect(), given: Vec::new() }
-    }
-}
-
-impl FromStr for ColumnNames {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let mut names = Self::default();
-        for part in text.split(',') {
-            let (what, name) = part.split_once('=').ok_or("expected such as t=time_ns,mx=mag_x,my=mag_y,mz=mag_z")?;
-            let index = QUANTITIES.iter().position(|(known, _)| *known == what.trim());
-            let known = || QUANTITIES.map(|(known, _)| known).join(", ");
-            let index = index.ok_or_else(|| format!("'{what}' is none of {}", known()))?;
-            names.names[index] = name.trim().to_owned();
-            names.given.push(index);
-        }
-        Ok(names)
-    }
-}
-
-impl ColumnNames {
-    /// Whether all of the columns that were given are numbers.
-    fn are_numbers(&self) -> bool {
-        !self.given.is_empty() && layout::are_numbers(self.given.iter().map(|index| self.names[*index].as_str()))
-    }
-}
 
 /// Whether a file has a time and some sensor under these names.
 pub(super) fn is_header(header: &[String], names: &ColumnNames, has_rate: bool) -> bool {
@@ -90,7 +31,10 @@ pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Resul
         let digits = |header: &[String]| {
             header.len() > 1 && header.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok())
         };
-        document.begin_at(|header| if numbers { digits(header) } else { is_header(header, &names, has_rate) });
+        document.begin_at(|line| {
+            let header = header_of(line);
+            if numbers { digits(&header) } else { is_header(&header, &names, has_rate) }
+        });
     }
     let mut session = Session::default();
     let stems = by_stems(documents, &names, options);

@@ -1,7 +1,8 @@
 //! Checks the units: each sensor's median step of time and median size must be those of a phone. The error about a wrong
 //! unit names the option that mends it.
 
-use super::session::{Session, Stream};
+use super::session::Session;
+use super::stream::Stream;
 use super::units::GRAVITY_M_S2;
 use crate::error::{LabError, Place};
 use magcomp::nalgebra::Vector3;

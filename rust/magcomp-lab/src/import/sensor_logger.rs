@@ -9,8 +9,9 @@
 use super::document::Document;
 use super::fix::course;
 use super::plausible::{BETWEEN_G_AND_M_S2, low_size};
-use super::session::{Session, Stream};
+use super::session::Session;
 use super::sheet::Sheet;
+use super::stream::Stream;
 use super::units::{GRAVITY_M_S2, Units};
 use crate::error::LabError;
 use crate::recording::Course;

@@ -2,9 +2,10 @@
 
 use super::document::Document;
 use super::order::{Order, sessions};
+use super::stream::Stream;
 use super::units::{Frames, Shifts};
 use crate::conventions::{self, Conventions, Streams};
-use crate::error::{LabError, Place};
+use crate::error::{LabError};
 use crate::place::GeoPoint;
 use crate::recording::Course;
 use crate::time::MOST_NS;
@@ -18,59 +19,8 @@ use std::path::PathBuf;
 /// Times below this (ns) keep their nanoseconds when they are read as seconds; others are counted from the first event.
 const EXACT_NS: i64 = 4_000_000_000_000_000;
 
-/// Events of one sensor, at most: they wait in memory until all sensors are merged. At 100 Hz they are 23 hours.
-const MOST_EVENTS: usize = 1 << 23;
-
 /// Sessions that a message tells, at most.
 const MOST_TOLD: usize = 5;
-
-/// One sensor's events.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Stream<T> {
-    /// Time, ns, and value; in the order of time once the session is sorted.
-    pub events: Vec<(i64, T)>,
-    /// The cells of time and value of its first event.
-    pub first: Option<[Place; 2]>,
-    /// Why the last row of its file was left out.
-    pub cut: Option<String>,
-}
-
-// not derived, which would ask for a default of the values
-impl<T> Default for Stream<T> {
-    fn default() -> Self {
-        Self { events: Vec::new(), first: None, cut: None }
-    }
-}
-
-impl<T> Stream<T> {
-    /// One more event. The error is that there are too many.
-    pub fn add(&mut self, time_ns: i64, value: T, places: impl FnOnce() -> [Place; 2]) -> Result<(), LabError> {
-        if self.events.len() == MOST_EVENTS {
-            let ([place, _], expected) = (places(), format!("at most {MOST_EVENTS} events of a sensor"));
-            return Err(LabError::Recording { place, expected, found: "more; import a shorter session".to_owned() });
-        }
-        self.first.get_or_insert_with(places);
-        self.events.push((time_ns, value));
-        Ok(())
-    }
-
-    /// These events alone.
-    fn keep(&mut self, part: &Range<usize>) {
-        self.events.truncate(part.end);
-        self.events.drain(..part.start.min(self.events.len()));
-    }
-
-    /// The value at this time, if the event at `next` has it; then `next` moves on.
-    fn take(&self, next: &mut usize, time_ns: i64) -> Option<&T> {
-        let (_, value) = self.events.get(*next).filter(|(at_ns, _)| *at_ns == time_ns)?;
-        *next += 1;
-        Some(value)
-    }
-
-    fn next_ns(&self, next: usize) -> Option<i64> {
-        self.events.get(next).map(|(time_ns, _)| *time_ns)
-    }
-}
 
 /// All sensors of a session, in the device's axes, uT, rad/s, m/s^2 with Android's sign.
 #[derive(Clone, Debug, Default, PartialEq)]

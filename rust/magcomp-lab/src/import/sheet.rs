@@ -2,7 +2,7 @@
 
 use super::dates;
 use super::document::Document;
-use super::session::Stream;
+use super::stream::Stream;
 use crate::error::{LabError, Place, shorten};
 use crate::recording::{Delimiter, Record};
 use crate::time::MOST_NS;
