@@ -5,7 +5,7 @@ use super::order::{Order, sessions};
 use super::stream::Stream;
 use super::units::{Frames, Shifts};
 use crate::conventions::{self, Conventions, Streams};
-use crate::error::{LabError};
+use crate::error::LabError;
 use crate::place::GeoPoint;
 use crate::recording::Course;
 use crate::time::MOST_NS;

@@ -111,9 +111,9 @@ impl Moves {
     pub fn of(units: &[&Unit], setting: usize) -> Self {
         let of = |is_trial: bool| units.iter().copied().filter(move |unit| unit.is_trial == is_trial);
         let trials: Vec<&Unit> = of(true).collect();
-        let change =
-            |unit: &Unit, figure: fn(&Outcome) -> f64| figure(&unit.outcomes[setting]) - figure(&unit.outcomes[0]);
-        let figures: [(&'static str, fn(&Outcome) -> f64); 2] = [("error", |it| it.error), ("z2", |it| it.z2)];
+        let change = |unit: &Unit, figure: Figure| figure(&unit.outcomes[setting]) - figure(&unit.outcomes[0]);
+        type Figure = fn(&Outcome) -> f64;
+        let figures: [(&'static str, Figure); 2] = [("error", |it| it.error), ("z2", |it| it.z2)];
         let both = |found: [Option<Moved>; 2]| found[0].zip(found[1]).map(|(error, z2)| [error, z2]);
         let mut groups: Vec<(bool, &str)> = units.iter().map(|unit| (unit.is_trial, unit.group.as_str())).collect();
         groups.sort_unstable();

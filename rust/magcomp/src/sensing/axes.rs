@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use nalgebra::Rotation3;
 
-    fn is_wrong(axes: &Axes) -> bool {
+    fn is_out(axes: &Axes) -> bool {
         axes.is_contradicted() || axes.is_dead()
     }
 
@@ -208,12 +208,12 @@ mod tests {
     fn a_flipped_axis_is_found_and_a_sound_one_is_not() {
         for axis in 0..3 {
             let mut reads = Vector3::repeat(1.0);
-            assert!(!is_wrong(&turned(60.0, reads)));
+            assert!(!is_out(&turned(60.0, reads)));
             reads[axis] = -1.0;
-            assert!(is_wrong(&turned(20.0, reads)), "{axis}");
+            assert!(is_out(&turned(20.0, reads)), "{axis}");
             // a scale that is off by half is no flip
             reads[axis] = 0.5;
-            assert!(!is_wrong(&turned(60.0, reads)), "{axis}");
+            assert!(!is_out(&turned(60.0, reads)), "{axis}");
         }
     }
 
@@ -229,14 +229,14 @@ mod tests {
             let up =
                 Rotation3::new(-Vector3::x() * tilt) * Vector3::new(0.0, 0.0, 9.81 + 2.0 * (11.4 * t).cos()) + noise;
             axes.see(&read(rate), 0.01, &up);
-            assert!(!is_wrong(&axes), "at {t} s");
+            assert!(!is_out(&axes), "at {t} s");
         }
     }
 
     #[test]
     fn degrees_for_radians_are_found_and_half_the_scale_is_not() {
         for (factor, is_wrong) in [(1.0_f64.to_degrees(), true), (0.5, false), (2.0, false)] {
-            assert_eq!(is_wrong(&turned(20.0, Vector3::repeat(factor))), is_wrong, "{factor}");
+            assert_eq!(is_out(&turned(20.0, Vector3::repeat(factor))), is_wrong, "{factor}");
         }
     }
 
@@ -254,10 +254,10 @@ mod tests {
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + shaken;
             let sign = if (20.0..60.0).contains(&t) { -1.0 } else { 1.0 };
             axes.see(&read(rate.component_mul(&Vector3::new(1.0, sign, 1.0))), 0.01, &up);
-            if is_wrong(&axes) {
+            if is_out(&axes) {
                 wrong[usize::from(sign > 0.0)] += 1;
             }
-            assert!(!is_wrong(&axes) || (20.0..110.0).contains(&t), "at {t} s");
+            assert!(!is_out(&axes) || (20.0..110.0).contains(&t), "at {t} s");
         }
         assert!(wrong[0] > 2000 && wrong[1] < 5000, "{wrong:?}");
     }
@@ -284,11 +284,11 @@ mod tests {
         for axis in 0..3 {
             let mut axes = Axes::default();
             carried(&mut axes, 40, 1e-3, Some(axis));
-            assert!(!is_wrong(&axes), "{axis}");
+            assert!(!is_out(&axes), "{axis}");
             carried(&mut axes, 60, 1e-3, Some(axis));
-            assert!(is_wrong(&axes), "{axis}");
+            assert!(is_out(&axes), "{axis}");
             carried(&mut axes, 2, 1e-3, None);
-            assert!(!is_wrong(&axes), "{axis}");
+            assert!(!is_out(&axes), "{axis}");
         }
     }
 
@@ -297,7 +297,7 @@ mod tests {
     fn a_gyroscope_with_a_coarse_last_bit_is_sound() {
         let mut axes = Axes::default();
         carried(&mut axes, 6000, 0.02, None);
-        assert!(!is_wrong(&axes));
+        assert!(!is_out(&axes));
     }
 
     /// A gyroscope that hangs turns no gravity; one that rests on a table repeats its readings too.
@@ -311,9 +311,9 @@ mod tests {
                 let up = Rotation3::new(Vector3::x() * tilts * (0.8 * t).sin()) * Vector3::new(0.0, 0.0, 9.81);
                 axes.see(&read(Vector3::new(0.01, 0.0, -0.02)), 0.01, &(up + noise));
             }
-            assert_eq!(is_wrong(&axes), is_wrong, "tilted by {tilts}");
+            assert_eq!(is_out(&axes), is_wrong, "tilted by {tilts}");
             axes.see(&read(Vector3::new(0.01, 0.0, -0.01)), 0.01, &Vector3::new(0.0, 0.1, 9.81));
-            assert!(!is_wrong(&axes));
+            assert!(!is_out(&axes));
         }
     }
 
@@ -340,7 +340,7 @@ mod tests {
                 let rate = Vector3::new(0.0, 0.64, 0.77) * (0.02 * f64::from(k)).sin();
                 axes.see(&read(rate), 0.01, &Vector3::new(noise_m_s2 * f64::from(k % 2), 0.0, 9.81));
             }
-            assert_eq!(is_wrong(&axes), is_wrong);
+            assert_eq!(is_out(&axes), is_wrong);
         }
     }
 
@@ -351,14 +351,14 @@ mod tests {
         for k in 0..1000 {
             axes.see(&read(Vector3::z() * f64::from(k % 11)), 0.01, &Vector3::new(0.0, 0.01 * f64::from(k % 2), 9.81));
         }
-        assert!(!is_wrong(&axes));
+        assert!(!is_out(&axes));
     }
 
     /// Signs that an app takes from another system: two axes, or all three.
     #[test]
     fn several_flipped_axes_are_found() {
         for reads in [Vector3::new(-1.0, -1.0, 1.0), Vector3::new(1.0, -1.0, -1.0), Vector3::repeat(-1.0)] {
-            assert!(is_wrong(&turned(20.0, reads)), "{reads}");
+            assert!(is_out(&turned(20.0, reads)), "{reads}");
         }
     }
 
@@ -375,7 +375,7 @@ mod tests {
                 let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
                 axes.see(&read(rate.component_mul(&reads) + noise), 0.01, &(up * 9.81 + shaken));
             }
-            is_wrong(&axes)
+            is_out(&axes)
         };
         assert!(!walked(Vector3::repeat(1.0)));
         assert!(walked(Vector3::new(1.0, -1.0, 1.0)) && walked(Vector3::new(1.0, 1.0, -1.0)));
@@ -390,6 +390,6 @@ mod tests {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
             axes.see(&read(noise - Vector3::z()), 0.01, &(Vector3::z() * 9.81 + noise));
         }
-        assert!(!is_wrong(&axes));
+        assert!(!is_out(&axes));
     }
 }
