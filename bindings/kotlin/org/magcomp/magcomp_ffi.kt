@@ -5319,7 +5319,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `expected`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "field=${ `field` }, value=${ `value` }, expected=${ `expected` }"
+            get() = sentence("field=${ `field` }, value=${ `value` }, expected=${ `expected` }")
     }
 
     /**
@@ -5333,7 +5333,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: RejectReason
         ) : MagcompException() {
         override val message
-            get() = "reason=${ `reason` }"
+            get() = sentence("reason=${ `reason` }")
     }
 
     /**
@@ -5347,7 +5347,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `reason`: EventRejection
         ) : MagcompException() {
         override val message
-            get() = "reason=${ `reason` }"
+            get() = sentence("reason=${ `reason` }")
     }
 
     /**
@@ -5361,7 +5361,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `problem`: FitProblem
         ) : MagcompException() {
         override val message
-            get() = "problem=${ `problem` }"
+            get() = sentence("problem=${ `problem` }")
     }
 
     /**
@@ -5375,7 +5375,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -5389,7 +5389,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -5403,7 +5403,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `found`: kotlin.Long
         ) : MagcompException() {
         override val message
-            get() = "found=${ `found` }"
+            get() = sentence("found=${ `found` }")
     }
 
     /**
@@ -5417,7 +5417,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `why`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "why=${ `why` }"
+            get() = sentence("why=${ `why` }")
     }
 
     /**
@@ -5426,7 +5426,7 @@ sealed class MagcompException: kotlin.Exception() {
     class Closed(
         ) : MagcompException() {
         override val message
-            get() = ""
+            get() = sentence("")
     }
 
     /**
@@ -5440,7 +5440,7 @@ sealed class MagcompException: kotlin.Exception() {
         val `what`: kotlin.String
         ) : MagcompException() {
         override val message
-            get() = "what=${ `what` }"
+            get() = sentence("what=${ `what` }")
     }
 
 
