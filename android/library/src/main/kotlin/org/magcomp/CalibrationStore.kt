@@ -17,9 +17,9 @@ public interface CalibrationStore {
      * Keeps a text in the place of the one before. Never called while nothing was learned from live samples, so neither the system's
      * hard iron nor what [load] gave is ever saved as learned. Called on a background thread, one call at a time: when the
      * status is first `Tracking`, then when the calibration has changed and 10 s have passed since the save before,
-     * when the last collector leaves, and at the end of the readings. A change of hard iron or soft iron counts. A
-     * change of the field strength alone does not, because it follows the noise of a device at rest. Never called when
-     * [load] or the save before has kept the same.
+     * when the last collector leaves, and at the end of the readings. A change of hard iron by more than 0.01 microtesla or of soft iron
+     * by more than 0.0002 counts: at rest both wander by less. A change of the field strength alone does not, because it follows the noise
+     * of a device at rest. Never called when [load] or the save before has kept the same.
      */
     public fun save(text: String)
 }

@@ -19,8 +19,13 @@ internal class Clocks(periodNs: Long, latencyNs: Long) {
     private val behindNs = LongArray(KINDS)
     private val shownNs = LongArray(KINDS)
 
+    /** Whether the latest event was the first of other times of a sensor: those before it were out of step. */
+    var hasChanged = false
+        private set
+
     /** The time of an event on the magnetometer's clock. */
     fun magnetometersNs(kind: Int, timeNs: Long, nowNs: Long): Long {
+        hasChanged = false
         if (nowNs - beganNs !in 0..spanNs) {
             // over a pause the lags of before tell nothing
             if (nowNs - beganNs in 0..2 * spanNs) endSpan()
@@ -38,7 +43,10 @@ internal class Clocks(periodNs: Long, latencyNs: Long) {
         for (kind in 0 until KINDS) {
             if (kind == RawEvent.MAGNETIC || events[kind] < LEAST_EVENTS) continue
             val foundNs = (leastNs[kind] - leastNs[RawEvent.MAGNETIC]).let { if (isAnother(it, 0)) it else 0 }
-            if (isAnother(foundNs, behindNs[kind]) && !isAnother(foundNs, shownNs[kind])) behindNs[kind] = foundNs
+            if (isAnother(foundNs, behindNs[kind]) && !isAnother(foundNs, shownNs[kind])) {
+                behindNs[kind] = foundNs
+                hasChanged = true
+            }
             shownNs[kind] = foundNs
         }
     }

@@ -281,6 +281,8 @@ public class Compass @JvmOverloads constructor(
             if (sensors.magnetometer.isSilent) tell(estimation.silent(sensors))
         }
 
+        override fun anotherClock() = estimation.anotherClock()
+
         override fun failed(error: Throwable) = Unit
     }
 

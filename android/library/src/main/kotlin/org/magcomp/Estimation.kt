@@ -66,11 +66,14 @@ internal class Estimation(
         vertical.begin()
     }
 
+    /** What the latest events have taught of turns and of the vertical is wrong. */
+    fun anotherClock() = renew(null)
+
     fun push(event: RawEvent): CompensatedReading? {
         if (begun) {
             begun = false
             // one that is only late is none of another clock
-            if (latestNs != Long.MIN_VALUE && latestNs.toDouble() - event.timeNs.toDouble() > ANOTHER_CLOCK_NS) renew()
+            if (latestNs != Long.MIN_VALUE && latestNs.toDouble() - event.timeNs.toDouble() > ANOTHER_CLOCK_NS) renew(endedS)
         }
         with(event) {
             when (kind) {
@@ -126,9 +129,9 @@ internal class Estimation(
         unconfirmed = true
     }
 
-    /** Keeps the calibration alone, as old as the time since the latest run makes it: all else belongs to the times before. */
-    private fun renew() {
-        val kept = compensator.keep(endedS ?: unixTimeS()) ?: text
+    /** Keeps the calibration alone, as old as the time since then makes it: all else belongs to the times before. */
+    private fun renew(sinceS: Long?) {
+        val kept = compensator.keep(sinceS ?: unixTimeS()) ?: text
         compensator.reset()
         currentFrame = configFrame
         kept?.let(::adopt)
@@ -218,7 +221,7 @@ internal class Estimation(
     fun save(): Boolean {
         if (keeping == null) return false
         val found = correction()
-        if (found == null || found == keeping.kept) return false
+        if (found == null || keeping.kept?.let(found::isNear) == true) return false
         val kept = compensator.keep(unixTimeS()) ?: return false
         keptError = null
         keeping.save(kept, found)
@@ -228,7 +231,24 @@ internal class Estimation(
     private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
 
     /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
-    private data class Correction(val softIron: SoftIron, val hardIronUt: DeviceVector)
+    private class Correction(private val softIron: SoftIron, private val hardIronUt: DeviceVector) {
+        /** Whether both correct a sample of the Earth's field to the same, as a phone's magnetometer resolves it; at rest it wanders by less. */
+        fun isNear(other: Correction): Boolean {
+            val (one, two) = Pair(softIron, other.softIron)
+            val soft = listOf(one.xx - two.xx, one.yy - two.yy, one.zz - two.zz, one.xy - two.xy, one.xz - two.xz, one.yz - two.yz)
+            val (here, there) = Pair(hardIronUt, other.hardIronUt)
+            val hardUt = listOf(here.x - there.x, here.y - there.y, here.z - there.z)
+            return soft.all { abs(it) <= SAME_SOFT_IRON } && hardUt.all { abs(it) <= SAME_UT }
+        }
+
+        private companion object {
+            /** A phone's magnetometer resolves 0.1 uT and more. */
+            const val SAME_UT = 0.01
+
+            /** About as much of a field of 50 uT. */
+            const val SAME_SOFT_IRON = 0.0002
+        }
+    }
 
     /** Saves at the end of a run. */
     fun end() {

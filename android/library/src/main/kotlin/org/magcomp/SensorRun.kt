@@ -14,6 +14,9 @@ internal interface EventTaker {
     /** Another sensor is silent now, or one has spoken again. */
     fun heard(sensors: SensorsInUse) = Unit
 
+    /** The events before this were out of step: a sensor's clock is another one than was thought. */
+    fun anotherClock() = Unit
+
     /** What one of the calls threw; none follows. */
     fun failed(error: Throwable)
 }
@@ -176,6 +179,10 @@ internal class SensorRun(
             val nowNs = continuousNs()
             if (kind == RawEvent.MAGNETIC) sleep.see(event.timestamp, nowNs)
             val timeNs = clocks.magnetometersNs(kind, event.timestamp, nowNs)
+            if (clocks.hasChanged) {
+                order.flush(release)
+                for (taker in takers) call(taker) { anotherClock() }
+            }
             val reported = if (type == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && v.size >= 6) bias(v) else null
             val raw = free.removeLastOrNull() ?: RawEvent()
             raw.set(kind, timeNs, v[0].toDouble(), v[1].toDouble(), v[2].toDouble(), reported)

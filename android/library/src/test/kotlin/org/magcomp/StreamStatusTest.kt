@@ -6,6 +6,8 @@ import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.Executor
 import java.util.concurrent.LinkedBlockingQueue
 import java.util.concurrent.TimeUnit
+import kotlin.math.IEEErem
+import kotlin.math.abs
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.Job
@@ -156,6 +158,8 @@ class StreamStatusTest {
     @Test
     fun `a sensor with another clock is brought to the magnetometer's within about a second`() {
         val hours = 10_800_000_000_000L
+        val same = StreamStatusTest()
+        same.collected { same.play(1500) }
         for (off in listOf(
             mapOf(PhoneSensor.MAGNETOMETER to -1_000_000_000L),
             mapOf(PhoneSensor.MAGNETOMETER to hours),
@@ -172,7 +176,12 @@ class StreamStatusTest {
                 assertEquals(StreamStatus.Live, found.last().stream, "$off")
                 assertEquals(SensorMode.GYROSCOPE_AND_GRAVITY, last.mode, "$off")
                 assertEquals(CompensationStatus.Tracking, last.status, "$off")
-                assertNotNull(last.heading, "$off")
+                // soon as good as with one clock
+                for (k in listOf(599, 1199)) {
+                    val (one, theirs) = Pair(same.readings[k].reading.heading!!, other.readings[k].reading.heading!!)
+                    val apartDeg = abs((one.headingDeg - theirs.headingDeg).IEEErem(360.0))
+                    assertTrue(apartDeg < 3 && theirs.headingSigmaDeg!! < 1.3 * one.headingSigmaDeg!!, "$off, $k: $one, $theirs")
+                }
             }
         }
     }
