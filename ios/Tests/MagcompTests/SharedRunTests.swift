@@ -84,8 +84,7 @@ import Testing
         #expect(source.state.value.starts == 1)
     }
 
-    @Test(.disabled("retry() came before the run waited for it, and was lost; not run again since that was mended"))
-    func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
+    @Test func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
         let source = Live()
         let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
         let views = [view(model), view(model)]
