@@ -23,7 +23,7 @@ options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
 options+=(-Xswiftc -emit-symbol-graph -Xswiftc -emit-symbol-graph-dir -Xswiftc "$target/swift/symbols")
 # documentation MODULE [CATALOG]
 documentation() {
-    mkdir -p "$target/swift/symbols/$1"
+    mkdir -p "$target/swift/symbols/$1" "$target/swift/documentation"
     cp "$target/swift/symbols/$1.symbols.json" "$target/swift/symbols/$1/"
     swift_tool docc convert "${@:2}" --warnings-as-errors --fallback-display-name "$1" --fallback-bundle-identifier "org.magcomp.$1" \
         --additional-symbol-graph-dir "$target/swift/symbols/$1" --output-path "$target/swift/documentation/$1"

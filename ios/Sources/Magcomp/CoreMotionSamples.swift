@@ -19,7 +19,9 @@ extension SensorSample {
     /// The events of a device motion: gyroscope, gravity, which Core Motion reports in g and pointing down, as `up` in m/s^2, and the
     /// system's own field, which is there in the frame `.xArbitraryCorrectedZVertical` alone.
     ///
-    /// - Parameter options: which of them
+    /// - Parameters:
+    ///   - motion: as `CMMotionManager` gives it
+    ///   - options: which of them
     public static func events(of motion: CMDeviceMotion, _ options: SensorOptions = SensorOptions()) -> [SensorSample] {
         guard let timeNs = nanoseconds(motion.timestamp) else { return [] }
         var events: [SensorSample] = []

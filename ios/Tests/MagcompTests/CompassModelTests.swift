@@ -391,6 +391,7 @@ import Testing
         try await source.started(1)
         source.play(tumbling(900))
         try await eventually { model.reading?.sample.timeNs == 900 * stepNs }
+        await model.compass.settled()
         let saved = store.kept.value
         model.save()
         await model.compass.settled()

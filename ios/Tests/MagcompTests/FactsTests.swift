@@ -180,7 +180,7 @@ import Testing
 
     func said(_ name: String) -> String? {
         switch name {
-        case "CompensationConfig":
+        case "Config":
             failure { _ = try Compensator(config: CompensationConfig(windowed: WindowedConfig(nMin: 3))) }
         case "KeptDamaged": failure { try Compensator().adoptKept("nonsense", unixTimeS: nil) }
         case "KeptNewer": failure { throw MagcompError.keptNewer(found: 99) }

@@ -88,6 +88,29 @@ import Testing
         #expect(readings.map(\.systemField?.fieldUt.x) == [4, 4] && readings.allSatisfy { $0.reading.fieldUt == nil })
     }
 
+    /// A phone that lies flat, its calibration hardly known. A gyroscope carries north from one course to the next; without it none counts.
+    @Test func coursesLeadTheHeadingWhereTheyAreAskedFor() async throws {
+        let rows = (1...1500).map { k in
+            let course = k % 50 == 0 ? "30,1" : ","
+            return "\(Double(k) * 0.02),\(k % 2 == 0 ? 0.2 : -0.2),20,-45,0,0,9.81,0,0,0,\(course)"
+        }
+        let text = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz,course_deg,course_sigma_deg\n" + rows.joined(separator: "\n")
+        let config = CompensationConfig(
+            initial: MagnetometerCalibration(
+                softIron: SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0),
+                hardIronUt: DeviceVector(x: 0, y: 0, z: 0), fieldStrengthUt: 49.244),
+            initialSigmaUt: 30, heading: HeadingConfig(declinationDeg: 0))
+        func last(_ headed: HeadedAxis?) async throws -> CompensatedReading {
+            let source = RecordingSource(name: "r.csv", courses: headed) { Data(text.utf8) }
+            return try #require(try await Compass(source: source, config: config).readings().collected().last)
+        }
+        let (led, alone) = (try await last(.device(axis: DeviceVector(x: 0, y: 1, z: 0))), try await last(nil))
+        #expect(led.headingAid == .leads && alone.headingAid == nil)
+        #expect(abs(try #require(led.reading.headingDeg) - 30) < 5)
+        let own = try #require(alone.reading.headingDeg)
+        #expect(min(own, 360 - own) < 5)
+    }
+
     @Test func aRowIsGyroscopeThenUpThenMagnetometer() async throws {
         let source = source("t_s,mx,my,mz,ax,ay,az,gx,gy,gz\n1,1,2,3,4,5,6,7,8,nan\n")
         let kinds = try await source.samples().collected().map { sample in

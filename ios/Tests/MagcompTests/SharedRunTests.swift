@@ -84,8 +84,7 @@ import Testing
         #expect(source.state.value.starts == 1)
     }
 
-    @Test(.disabled("retry() came before the run waited for it, and was lost; not run again since that was mended"))
-    func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
+    @Test func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
         let source = Live()
         let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
         let views = [view(model), view(model)]
@@ -203,8 +202,10 @@ import Testing
         // the first state is the one that is shown already
         #expect(changes.value == 0)
         source.play(tumbling(900))
-        try await eventually { object.state.reading?.sample.timeNs == 891 * stepNs }
+        // readings that it does not come to are left out, so which of the last 0.1 s it shows is open
+        try await eventually { object.state.reading.map { $0.sample.timeNs > 890 * stepNs } ?? false }
         #expect((1...90).contains(changes.value), "\(changes.value) at 10 Hz")
+        await object.compass.settled()
         let saved = store.kept.value
         object.save()
         await object.compass.settled()
