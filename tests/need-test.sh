@@ -158,7 +158,7 @@ within() { # COMMAND...: in that root
 ! swift setpriv --bounding-set -sys_admin --inh-caps -sys_admin || fail "mounts without CAP_SYS_ADMIN"
 grep -q 'missing: Swift 6.*may not mount.*CAP_SYS_ADMIN' "$work/out" || fail "does not say that it may not mount"
 ! within bash /project/tests/swift.sh || fail "goes on without cargo"
-for tool in cargo cc; do printf '#!/bin/sh\n' >"$root/given/$tool" && chmod +x "$root/given/$tool"; done
+for tool in cargo cc python3 zip; do printf '#!/bin/sh\n' >"$root/given/$tool" && chmod +x "$root/given/$tool"; done
 install -D /dev/null "$root/usr/include/stdio.h"
 ! within bash /project/tests/swift.sh || fail "mounts in a chroot"
 if unshare -m true 2>/dev/null; then
