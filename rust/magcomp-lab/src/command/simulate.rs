@@ -177,7 +177,8 @@ impl Simulate {
             other_changes: Vec::new(),
             pause_s: None,
             magnetometer: Magnetometer { spikes, ..Magnetometer::plain(self.rate, noise) },
-            gyroscope: Some(InertialSensor {
+            // from one random attitude to the next no gyroscope follows
+            gyroscope: (self.motion != Motion::Uniform).then(|| InertialSensor {
                 rate_hz: self.rate,
                 noise: self.gyro_noise,
                 bias: self.gyro_bias.vector(),

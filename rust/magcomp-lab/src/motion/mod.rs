@@ -37,7 +37,7 @@ const STEPS_HZ: f64 = 1.9;
 /// Kinds of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Motion {
-    /// Every sample at a random attitude of its own; the gyroscope says nothing
+    /// Every sample at a random attitude of its own; no gyroscope follows that
     #[default]
     Uniform,
     /// A hand turning the device about: smooth random body rate, 1 rad/s rms
