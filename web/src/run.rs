@@ -130,7 +130,8 @@ impl Run {
         let extent = *source.extent();
         let gathering = Gathering::new(&extent, usual_part(&extent), axis, &[], true);
         let rows = source.rows().map_err(words)?;
-        let conventions = Conventions { findings: conventions.findings.into_iter().map(plain).collect(), ..conventions };
+        let conventions =
+            Conventions { findings: conventions.findings.into_iter().map(plain).collect(), ..conventions };
         let warnings = warnings.iter().map(|warning| without_options(warning)).collect();
         let known = Known { session: session.as_ref().map(|session| session.table()), conventions, warnings };
         let command = quoted(command.into_iter());
@@ -183,7 +184,10 @@ mod tests {
     #[test]
     fn a_page_names_no_option() {
         for (text, expected) in [
-            ("the gyroscope is in deg/s, not rad/s: --units g=deg/s and --frame g=y,x,-z", "the gyroscope is in deg/s, not rad/s"),
+            (
+                "the gyroscope is in deg/s, not rad/s: --units g=deg/s and --frame g=y,x,-z",
+                "the gyroscope is in deg/s, not rad/s",
+            ),
             ("the Earth has 22 to 67: milligauss? --units m=mG", "the Earth has 22 to 67: milligauss?"),
             ("it is of Apple's sign: --units a=-m/s2 (or all axes: --frame m=-x,-y,-z)", "it is of Apple's sign"),
             ("it holds 2 sessions (1: a; 2: b); name one by --session N", "it holds 2 sessions (1: a; 2: b)"),
