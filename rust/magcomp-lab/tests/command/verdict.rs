@@ -1,6 +1,6 @@
 //! The verdict that a replay begins with.
 
-use crate::{run, simulated, text};
+use crate::{run, text};
 use std::fs;
 
 /// The same recording, each row's cells of these columns changed.
@@ -48,6 +48,8 @@ fn a_replay_begins_with_its_verdict() {
     assert_eq!(run(&["replay", text(&bad), "--frame", "m=-x,y,z"]).0, 0);
 
     // too short to answer is no fault of the recording
-    let (code, table, _) = run(&["replay", text(&simulated(folder.path(), "1"))]);
+    let short = folder.path().join("short.csv");
+    assert_eq!(run(&["simulate", text(&short), "--seconds", "1", "--motion", "text"]).0, 0);
+    let (code, table, _) = run(&["replay", text(&short)]);
     assert!(code == 0 && table.contains("Verdict: doubtful: no row was answered"), "{table}");
 }
