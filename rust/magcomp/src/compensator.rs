@@ -27,12 +27,14 @@ use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::axes::Axes;
+use crate::sensing::dip::Dip;
 use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
-use crate::sensing::tilt::Tilt;
+use crate::sensing::tilt::{GRAVITY_M_S2, Tilt};
+use crate::sensing::turning::Turning;
 use belief::Belief;
 use check::Stream;
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, Vector3};
 use presence::Presence;
 use tuning::Tuning;
 pub use tunings::Tunings;
@@ -73,6 +75,10 @@ pub struct Compensator {
     pairing: InertialPairing,
     presence: Presence,
     axes: Axes,
+    turning: Turning,
+    dip: Dip,
+    /// The latest sample was refused for its axes.
+    has_wrong_axes: bool,
     tilt: Tilt,
     belief: Belief,
     estimator: Box<Estimator>,
@@ -104,6 +110,9 @@ impl Compensator {
             pairing: InertialPairing::default(),
             presence: Presence::default(),
             axes: Axes::default(),
+            turning: Turning::default(),
+            dip: Dip::default(),
+            has_wrong_axes: false,
             tilt: Tilt::default(),
             belief: Belief::default(),
             estimator: Box::new(estimator(&config, tunings)),
@@ -125,6 +134,9 @@ impl Compensator {
         self.pairing = InertialPairing::default();
         self.presence = Presence::default();
         self.axes = Axes::default();
+        self.turning = Turning::default();
+        self.dip = Dip::default();
+        self.has_wrong_axes = false;
         self.tilt = Tilt::default();
         self.belief = Belief::default();
         self.estimator.restart();
@@ -183,17 +195,28 @@ impl Compensator {
             Err(reason) => return self.rejected(sample.time_ns, reason),
         }
         let previous_ns = self.stream.accept(sample);
-        let mut paired = self.pair(sample.time_ns, previous_ns);
+        let mut paired = self.pair(sample.time_ns, previous_ns, Some(&sample.field_ut));
         if let Some(up) = paired.up_m_s2 {
             self.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
+        let were_wrong = self.has_wrong_axes;
+        if let Some(reason) = self.wrong_axes() {
+            return self.rejected(sample.time_ns, reason);
+        }
+        // a vertical whose axes are not those of the field is none
+        let up_m_s2 = paired.up_m_s2;
+        paired.up_m_s2 = up_m_s2.filter(|_| !self.has_wrong_up());
         self.judge_adopted(&sample, paired.up_m_s2);
-        if self.hand_over(sample.time_ns, previous_ns) {
+        if self.hand_over(sample.time_ns, previous_ns) || were_wrong {
             // it does not know yet where the field points: this sample goes in as one after a pause
             paired.rotation = None;
         }
-        let (status, answer) = self.estimator.push(&sample, &paired);
+        let (status, mut answer) = self.estimator.push(&sample, &paired);
+        answer.up = answer.up.filter(|_| !self.has_wrong_up());
         self.note(&sample, &answer);
+        if let (Status::Tracking, Some(up_m_s2), Some(previous_ns)) = (status, up_m_s2, previous_ns) {
+            self.see_dip(&answer, &up_m_s2, (sample.time_ns - previous_ns) as f64 * 1e-9);
+        }
         let answer = self.north.step(sample.time_ns, answer, self.config.heading.declination_deg);
         let reading = self.assemble(sample.time_ns, status, answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
@@ -219,14 +242,14 @@ impl Compensator {
         let Some(is_there) = self.presence.is_there(time_ns, previous_ns) else { return false };
         let belief = &self.belief;
         let is_there = is_there && !(self.tuning.axes && self.axes.is_dead());
-        let is_contradicted = self.tuning.axes && self.axes.is_contradicted();
+        let is_contradicted = self.is_gyroscope_contradicted();
         let others =
             self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
         others && is_there
     }
 
     /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
-    fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>) -> PairedInertial {
+    fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
         let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         match (paired.rotation, previous_ns, paired.up_m_s2) {
@@ -240,7 +263,37 @@ impl Compensator {
             }
             _ => self.axes.pause(),
         }
+        match (&paired.rotation, previous_ns, field_ut) {
+            (Some(rotation), Some(previous_ns), Some(field_ut)) => {
+                self.turning.see(field_ut, rotation, (time_ns - previous_ns) as f64 * 1e-9);
+            }
+            _ => self.turning.pause(),
+        }
         paired
+    }
+
+    /// Whether the angle between gravity and the corrected field tells that their axes differ. The gyroscope carries nothing that was wrong.
+    fn has_wrong_up(&self) -> bool {
+        self.tuning.gravity_axes && self.dip.has_other_axes()
+    }
+
+    fn see_dip(&mut self, answer: &Answer, up_m_s2: &Vector3<f64>, span_s: f64) {
+        if let Some(field_ut) = answer.filtered_field_ut.or(answer.field_ut) {
+            self.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, span_s);
+        }
+    }
+
+    /// Why a sample is refused whose field does not turn with a gyroscope that gravity does turn with.
+    fn wrong_axes(&mut self) -> Option<RejectReason> {
+        let axes = self.turning.verdict().axes.filter(|_| self.tuning.field_axes && !self.axes.is_contradicted());
+        self.has_wrong_axes = axes.is_some();
+        axes.map(|[x, y, z]| RejectReason::Axes { x, y, z })
+    }
+
+    /// Whether neither gravity nor the field turns as the gyroscope says.
+    fn is_gyroscope_contradicted(&self) -> bool {
+        let consents = !self.tuning.vouching || self.turning.verdict().contradicts;
+        self.tuning.axes && self.axes.is_contradicted() && consents
     }
 
     /// What an answer tells the other parts.
@@ -264,7 +317,7 @@ impl Compensator {
     /// The field of a sample is of no use: the gyroscope carries on what is known.
     fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
         let previous_ns = self.stream.pass(time_ns);
-        let mut paired = self.pair(time_ns, previous_ns);
+        let mut paired = self.pair(time_ns, previous_ns, None);
         if self.hand_over(time_ns, previous_ns) {
             paired.rotation = None;
         }

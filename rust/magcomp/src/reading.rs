@@ -267,6 +267,19 @@ pub enum RejectReason {
         /// How many times in a row the value was accepted before.
         repeats: usize,
     },
+    /// The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+    #[error(
+        "the field turns with the gyroscope only if the magnetometer's axes are {} (or all three the other way); give both sensors the same axes",
+        typed([*.x, *.y, *.z])
+    )]
+    Axes {
+        /// The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
+        x: i8,
+        /// Along y.
+        y: i8,
+        /// Along z.
+        z: i8,
+    },
 }
 
 impl Status {
@@ -282,4 +295,10 @@ impl Status {
             Self::Rejected(_) => "rejected",
         }
     }
+}
+
+/// Axes as one types them: `y,-x,z`.
+fn typed(axes: [i8; 3]) -> String {
+    let name = |axis: i8| ["x", "y", "z"][usize::from(axis.unsigned_abs().clamp(1, 3)) - 1];
+    axes.map(|axis| format!("{}{}", if axis < 0 { "-" } else { "" }, name(axis))).join(",")
 }

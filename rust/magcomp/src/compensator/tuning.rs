@@ -21,6 +21,12 @@ choices! {
     } mechanisms {
         /// Gravity contradicts a gyroscope whose axes are flipped or dead, or that is read in degrees
         axes;
+        /// The field vouches for a gyroscope that gravity contradicts
+        vouching;
+        /// A magnetometer whose axes are not the gyroscope's is refused
+        field_axes;
+        /// An accelerometer whose axes are not the field's is no vertical
+        gravity_axes;
         /// A full scale that nobody told is found
         rails;
         /// A sensor that hangs is refused

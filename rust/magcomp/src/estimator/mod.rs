@@ -56,7 +56,7 @@ impl Estimator {
         }
     }
 
-    /// The gyroscope is there now (or no longer), and whether gravity contradicts it: whether it is another estimator's turn. One that comes begins from
+    /// The gyroscope is there now (or no longer), and whether it is contradicted: whether it is another estimator's turn. One that comes begins from
     /// what is in force, as `given` makes it.
     pub fn follow_gyroscope(
         &mut self,

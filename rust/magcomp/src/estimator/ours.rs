@@ -1,8 +1,7 @@
 //! Our two estimators, and which of them answers: with a gyroscope the aided one, without one the adaptive one, and of both while a start
 //! tries them the one that knows more. Each begins anew in memory that was taken once.
 //!
-//! Gyroscope, gravity and field are three witnesses: a gyroscope that gravity contradicts is out of use only while the field does not vouch for it, by samples
-//! that fit its turns. Out of use it is tried beside the magnetometer alone, so that the field can still vouch.
+//! A gyroscope that is contradicted, as the other two witnesses have it (`compensator`), is tried beside the magnetometer alone, until it no longer is.
 
 use super::EstimatorTunings;
 use super::adaptive::Adaptive;
@@ -25,7 +24,7 @@ pub(crate) struct Ours {
     strength_ut: Option<f64>,
     adaptive: Adaptive,
     gyroscope: Gyroscope,
-    /// Gravity does not turn as the gyroscope says.
+    /// The other sensors do not turn as the gyroscope says.
     is_contradicted: bool,
     figures: Figures,
 }
@@ -35,7 +34,7 @@ pub(crate) struct Ours {
 enum Gyroscope {
     /// To the adaptive one.
     Missing,
-    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does; or gravity contradicts it.
+    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does; or it is contradicted.
     Starting(Aided),
     /// To the aided one.
     InUse(Aided),
@@ -77,7 +76,7 @@ impl Ours {
         self.figures.look_through(given.map(|given| given.calibration));
     }
 
-    /// The gyroscope is there now (or no longer), and whether gravity contradicts it: whether it is another estimator's turn. One that comes begins from `given`.
+    /// The gyroscope is there now (or no longer), and whether it is contradicted: whether it is another estimator's turn. One that comes begins from `given`.
     pub fn follow_gyroscope(
         &mut self,
         is_there: bool,
@@ -85,11 +84,9 @@ impl Ours {
         given: impl FnOnce(&Self) -> Option<Given>,
     ) -> bool {
         self.is_contradicted = is_contradicted;
-        let is_used = matches!(self.gyroscope, Gyroscope::InUse(_));
-        let is_in_doubt = is_used && !self.is_trusted();
         self.gyroscope = match (&self.gyroscope, is_there) {
             (Gyroscope::Missing, true) => self.begin_aided(given(self)),
-            (Gyroscope::InUse(_), true) if is_in_doubt => {
+            (Gyroscope::InUse(_), true) if is_contradicted => {
                 let given = given(self);
                 self.adaptive.restart(given);
                 self.begin_aided(given)
@@ -113,14 +110,6 @@ impl Ours {
         Gyroscope::Starting(aided)
     }
 
-    /// Whether gravity and gyroscope agree, or gyroscope and field do.
-    fn is_trusted(&self) -> bool {
-        match &self.gyroscope {
-            Gyroscope::InUse(aided) | Gyroscope::Starting(aided) => !self.is_contradicted || aided.vouches(),
-            Gyroscope::Missing => false,
-        }
-    }
-
     /// One sample that was checked, with what the other sensors said.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
@@ -136,7 +125,7 @@ impl Ours {
         };
         if let Gyroscope::Starting(aided) = &self.gyroscope
             && aided.has_learned()
-            && self.is_trusted()
+            && !self.is_contradicted
         {
             self.gyroscope = Gyroscope::InUse(aided.clone());
         }
@@ -228,10 +217,10 @@ impl Gyroscope {
     }
 }
 
-/// Which of the two of a start answers: the one with the gyroscope, unless gravity contradicts that, or it keeps breaking off and the other one alone
+/// Which of the two of a start answers: the one with the gyroscope, unless that is contradicted, or it keeps breaking off and the other one alone
 /// knows a calibration, or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive, is_contradicted: bool) -> bool {
-    if is_contradicted && !aided.vouches() {
+    if is_contradicted {
         return false;
     }
     if !aided.broke_within(SETTLED_S) {

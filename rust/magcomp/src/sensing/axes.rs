@@ -11,7 +11,7 @@
 //! for one gyroscope in a hundred that is wrong. Of 45 walks and runs with sound gyroscopes the most was 5.
 //! A device that is carried turns about the vertical, where gravity does not turn: a flipped axis then shows since gravity would have to turn. Of axes that
 //! were hardly turned about all rivals say the same. A device that is tilted to and fro and moved in step with it looks flipped to gravity alone: it takes the
-//! field, too, to put a gyroscope out of use (`estimator/ours`).
+//! field, too, to put a gyroscope out of use (`turning`).
 //!
 //! To gravity an arm that swings hardly turns: an accelerometer at the end of a string reads the string. It turns to and fro. So degrees are told only where
 //! the device would have turned on by more than a whole turn a second, root mean square of all windows; arms and runners have 1.4 rad.
@@ -24,13 +24,12 @@
 use super::pairing::Rotation;
 use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
+use super::turning::LARGEST_BIAS_RAD_S;
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
 use crate::priors::{HAND_RAD, OUTLYING, RARE};
 use nalgebra::{Matrix3, Vector3};
 
-/// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
-const LARGEST_BIAS_RAD_S: f64 = 0.1;
 /// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
 const REPEATS: u32 = 50;
 /// Choice: rounding moves what a made up stream reads of gravity by less, the noise of a sensor by more, m/s^2.

@@ -90,7 +90,7 @@ impl Aided {
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
-            running.moved(step.dt_s, !gated);
+            running.moved_s += step.dt_s;
             self.bursts.pass(gated, step.dt_s, &self.tuning);
         }
         let filter = &mut running.filter;

@@ -104,11 +104,6 @@ impl Aided {
         self.phase.running().is_some()
     }
 
-    /// Whether the field vouches for the gyroscope: samples in motion have fitted its turns for long.
-    pub fn vouches(&self) -> bool {
-        matches!(&self.phase, Phase::Running(running) if self.tuning.vouching && running.agreed_s > 2.0 * self.tuning.settled_s)
-    }
-
     /// Whether the chain of rotations broke not long ago: it is younger than this.
     pub fn broke_within(&self, seconds: f64) -> bool {
         self.was_broken && self.chain_s < seconds

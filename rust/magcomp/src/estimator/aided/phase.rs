@@ -37,8 +37,6 @@ pub(super) struct Running {
     pub(super) watch: Watch,
     /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
     pub(super) moved_s: f64,
-    /// Seconds of motion with samples that fit, since the last doubt.
-    pub(super) agreed_s: f64,
     /// The Earth's field, while that of the place is another.
     pub(super) earth: Option<Earth>,
     /// |m| before the chain of rotations broke.
@@ -88,7 +86,7 @@ impl Phase {
         *self = match self.take() {
             Self::Undecided(running, trial) => Self::Running(match winner {
                 Some(winner) => Running { filter: winner(trial), ..running.gone_on() },
-                None => Running { agreed_s: 0.0, ..running },
+                None => running,
             }),
             other => other,
         };
@@ -102,12 +100,12 @@ impl Phase {
 
 impl Running {
     pub(super) fn of(filter: Filter) -> Self {
-        Self { filter, watch: Watch::default(), moved_s: 0.0, agreed_s: 0.0, earth: None, lost_strength_ut: None }
+        Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
     }
 
     /// Goes on after a break or a decision: nothing is known to misfit.
     pub(super) fn gone_on(self) -> Self {
-        Self { watch: Watch::default(), agreed_s: 0.0, ..self }
+        Self { watch: Watch::default(), ..self }
     }
 
     /// Whether it is not known where the field points.
@@ -119,12 +117,6 @@ impl Running {
     pub(super) fn earth_ut(&self) -> Gaussian<3> {
         let m = self.filter.part(FIELD);
         self.earth.as_ref().map_or_else(|| Gaussian { mean: m, covariance: Matrix3::zeros() }, |earth| earth.mixed(&m))
-    }
-
-    /// The device moved for so long, and the sample fits or does not.
-    pub(super) fn moved(&mut self, dt_s: f64, fits: bool) {
-        self.moved_s += dt_s;
-        self.agreed_s += dt_s * f64::from(fits);
     }
 
     /// Whether what does not fit is likelier an error of one's own than a change.

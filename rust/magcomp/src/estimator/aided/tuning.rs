@@ -115,8 +115,6 @@ choices! {
         earth_found;
         /// The accelerometer is averaged for longer where motion lasts
         long_up;
-        /// The field vouches for a gyroscope that gravity contradicts
-        vouching;
         /// First fit: what a place leaves widens it
         misfit;
         /// First fit: information that a bias of the gyroscope would feign
