@@ -227,7 +227,7 @@ impl From<&magcomp_core::Reading> for Reading {
             heading_deg: number(heading.map(|it| it.heading_deg)),
             heading_sigma_deg: number(heading.and_then(|it| it.heading_sigma_deg)),
             true_heading_deg: number(heading.and_then(|it| it.true_heading_deg)),
-            inclination_deg: number(heading.map(|it| it.inclination_deg)),
+            inclination_deg: number(heading.and_then(|it| it.inclination_deg)),
             attitude: attitude.map_or([f64::NAN; 4], |it| {
                 let q = it.to_world;
                 [q.w, q.i, q.j, q.k]

@@ -184,7 +184,7 @@ proptest! {
             let (Some(one), Some(other)) = (at(attitude), at(turned)) else { continue };
             let off = (other.heading_deg - one.heading_deg - angle + 540.0).rem_euclid(360.0) - 180.0;
             prop_assert!(off.abs() < 1e-7, "{axis:?}: {off}");
-            prop_assert!((one.inclination_deg - dip).abs() < 1e-9);
+            prop_assert!((one.inclination_deg.unwrap() - dip).abs() < 1e-9);
         }
     }
 }
@@ -222,7 +222,7 @@ proptest! {
             for rotation in [ScreenRotation::Deg0, ScreenRotation::Deg270] {
                 if let Some(found) = heading(&field, &up, axis, rotation) {
                     prop_assert!((0.0..360.0).contains(&found.heading_deg));
-                    prop_assert!((-90.0..=90.0).contains(&found.inclination_deg));
+                    prop_assert!(found.inclination_deg.is_some_and(|dip_deg| (-90.0..=90.0).contains(&dip_deg)));
                 }
                 if let Some(sigma) = heading_sigma_deg(&field, &up, axis, rotation, &Matrix3::identity(), tilt) {
                     prop_assert!(sigma.is_finite());

@@ -299,7 +299,7 @@ fn sound(reading: &Reading) -> Result<(), TestCaseError> {
         prop_assert!((0.0..360.0).contains(&found.heading_deg), "{reading:?}");
         prop_assert!(found.true_heading_deg.is_none_or(|v| (0.0..360.0).contains(&v)), "{reading:?}");
         prop_assert!(found.heading_sigma_deg.is_none_or(|v| (0.0..=180.0).contains(&v)), "{reading:?}");
-        prop_assert!((-90.0..=90.0).contains(&found.inclination_deg), "{reading:?}");
+        prop_assert!(found.inclination_deg.is_some_and(|dip_deg| (-90.0..=90.0).contains(&dip_deg)), "{reading:?}");
     }
     prop_assert!(!reading.status.to_string().contains("NaN"), "{}", reading.status);
     Ok(())

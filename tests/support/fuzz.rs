@@ -251,7 +251,7 @@ fn finite(reading: &Reading) {
             fine(heading.heading_sigma_deg, 0.0, 180.0) && fine(heading.true_heading_deg, 0.0, 360.0),
             "{heading:?}"
         );
-        assert!((-90.0..=90.0).contains(&heading.inclination_deg), "{heading:?}");
+        assert!(heading.inclination_deg.is_none_or(|dip_deg| (-90.0..=90.0).contains(&dip_deg)), "{heading:?}");
     }
     if let Some(attitude) = reading.attitude {
         assert!((attitude.to_world.norm() - 1.0).abs() < 1e-9 && fine(attitude.sigma_deg, 0.0, 180.0), "{attitude:?}");

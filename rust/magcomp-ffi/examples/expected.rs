@@ -60,7 +60,7 @@ fn write_reading(reading: &Reading, out: &mut String) -> std::fmt::Result {
     bits(reading.total_field_ut, out)?;
     bits(reading.heading.map(|heading| heading.heading_deg), out)?;
     bits(reading.heading.and_then(|heading| heading.heading_sigma_deg), out)?;
-    bits(reading.heading.map(|heading| heading.inclination_deg), out)?;
+    bits(reading.heading.and_then(|heading| heading.inclination_deg), out)?;
     for k in [3, 0, 1, 2] {
         bits(reading.attitude.map(|attitude| attitude.to_world.coords[k]), out)?;
     }

@@ -140,7 +140,7 @@ impl FlatReading {
             heading_deg: number(heading.map(|heading| heading.heading_deg)),
             heading_sigma_deg: number(heading.and_then(|heading| heading.heading_sigma_deg)),
             true_heading_deg: number(heading.and_then(|heading| heading.true_heading_deg)),
-            inclination_deg: number(heading.map(|heading| heading.inclination_deg)),
+            inclination_deg: number(heading.and_then(|heading| heading.inclination_deg)),
             attitude: attitude.map_or([f64::NAN; 4], |attitude| {
                 let q = attitude.to_world;
                 [q.w, q.i, q.j, q.k]

@@ -88,7 +88,7 @@ pub struct Heading {
     /// Clockwise from true north, 0 to 360 degrees. None without a declination.
     pub true_heading_deg: Option<f64>,
     /// Angle of the field below the horizon, -90 to 90 degrees.
-    pub inclination_deg: f64,
+    pub inclination_deg: Option<f64>,
 }
 
 impl From<magcomp::Heading> for Heading {

@@ -188,7 +188,7 @@ impl Compensator {
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         match self.check(&sample) {
             Ok(()) => {}
-            Err(reason @ RejectReason::Saturated { .. }) if self.estimator.carries() => {
+            Err(reason @ (RejectReason::Saturated { .. } | RejectReason::NotFinite)) if self.can_carry() => {
                 return self.carry(sample.time_ns, reason);
             }
             Err(reason) if self.stream.stray(sample.time_ns, reason) => self.begin_another_clock(),
@@ -312,6 +312,11 @@ impl Compensator {
         if let Some(gyroscope) = self.estimator.gyroscope() {
             self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
         }
+    }
+
+    /// Whether a gyroscope can carry on what is known.
+    fn can_carry(&self) -> bool {
+        matches!(self.config.method, Method::Auto | Method::Aided) && (self.estimator.carries() || self.pairing.turns())
     }
 
     /// The field of a sample is of no use: the gyroscope carries on what is known.

@@ -98,8 +98,8 @@ pub struct Heading {
     pub heading_sigma_deg: Option<f64>,
     /// Clockwise from true north, 0 to 360: heading_deg + declination. None without a declination.
     pub true_heading_deg: Option<f64>,
-    /// Angle of the field below the horizon, -90 to 90.
-    pub inclination_deg: f64,
+    /// Angle of the field below the horizon, -90 to 90. None where no field is known and north comes from outside.
+    pub inclination_deg: Option<f64>,
 }
 
 choices! {
@@ -141,7 +141,7 @@ pub fn heading(
         heading_deg: wrap_360(atan2(level.east, level.north).to_degrees()),
         heading_sigma_deg: None,
         true_heading_deg: None,
-        inclination_deg,
+        inclination_deg: Some(inclination_deg),
     })
 }
 

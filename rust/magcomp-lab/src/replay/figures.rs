@@ -167,7 +167,7 @@ impl Figures {
         self.system.add(time_s, row.system_ut.map_or(f64::NAN, |system| system.norm()));
         self.raw_field.add(row.field_ut.norm());
         reading.field_ut.iter().for_each(|c| self.total_field.add(c.norm()));
-        self.dip.add(time_s, reading.heading.map_or(f64::NAN, |heading| heading.inclination_deg));
+        self.dip.add(time_s, reading.heading.and_then(|heading| heading.inclination_deg).unwrap_or(f64::NAN));
 
         let azimuth = |vector: Option<Vector3<f64>>| azimuth_deg(row, &vector?);
         self.raw_error.add(time_s, azimuth(Some(row.field_ut)));

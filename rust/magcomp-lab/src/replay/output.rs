@@ -74,7 +74,7 @@ fn line(out: &mut dyn Write, step: &Step) -> io::Result<()> {
     let heading = reading.heading;
     cell(out, heading.map(|heading| heading.heading_deg), 4)?;
     cell(out, heading.and_then(|heading| heading.heading_sigma_deg), 4)?;
-    cell(out, heading.map(|heading| heading.inclination_deg), 4)?;
+    cell(out, heading.and_then(|heading| heading.inclination_deg), 4)?;
     cell(out, reading.sigma_t, 6)?;
     write!(out, ",{},{:.4},{}", reading.window, reading.coverage, reading.status.label())?;
     // in force before there is a calibration: no correction

@@ -2,7 +2,7 @@
 
 use super::Compensator;
 use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
-use crate::estimator::answer::Answer;
+use crate::estimator::answer::{Answer, KnownNorth};
 use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
 use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};
@@ -22,6 +22,17 @@ impl Pointing {
         let (field_ut, up) = answer.filtered_field_ut.or(answer.field_ut).zip(up)?;
         let covariance_ut2 = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
         Some(Self { field_ut, covariance_ut2, up, tilt_sigma_deg })
+    }
+
+    /// North alone, as a level field.
+    fn to(known: &KnownNorth, at_rest_deg: f64) -> Self {
+        let east = known.north.cross(&known.up);
+        Self {
+            field_ut: known.north,
+            covariance_ut2: Some(east * east.transpose() * known.variance_rad2),
+            up: known.up,
+            tilt_sigma_deg: hypot(at_rest_deg, known.tilt_rad2.sqrt().to_degrees()),
+        }
     }
 
     fn heading(&self, config: &HeadingConfig) -> Option<Heading> {
@@ -58,14 +69,22 @@ impl Compensator {
             None => (answer.up.and_then(|_| self.tilt.up()), self.tilt.variance_rad2()),
         };
         let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
-        let pointing = Pointing::of(&answer, up, tilt_sigma_deg);
+        let by_field = Pointing::of(&answer, up, tilt_sigma_deg);
+        let by_north = answer.north.map(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
+        let heading = |it: &Pointing| it.heading(&self.heading_config());
+        let own = by_field.as_ref().and_then(heading);
+        let told = by_north.as_ref().and_then(heading);
+        // a north from outside knows nothing of the field's dip
+        let inclination_deg = own.and_then(|own| own.inclination_deg);
+        let heading = told.map(|told| Heading { inclination_deg, ..told }).or(own);
+        let pointing = by_north.or(by_field);
         Reading {
             time_ns,
             field_ut: answer.field_ut,
             field_sigma_ut: answer.field_covariance_ut2.map(|covariance| (covariance.trace().max(0.0) / 3.0).sqrt()),
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
-            heading: pointing.as_ref().and_then(|it| it.heading(&self.heading_config())),
+            heading,
             attitude: pointing.as_ref().and_then(Pointing::attitude),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,

@@ -30,8 +30,9 @@ impl Belief {
 
     /// The dip that is kept is a mean over some time: a walk's accelerations pass.
     pub fn see_dip(&mut self, heading: &Heading, since_s: f64) {
-        let dip_deg = self.inclination_deg.get_or_insert(heading.inclination_deg);
-        *dip_deg += (heading.inclination_deg - *dip_deg) * (1.0 - exp(-since_s / SETTLED_S));
+        let Some(seen_deg) = heading.inclination_deg else { return };
+        let dip_deg = self.inclination_deg.get_or_insert(seen_deg);
+        *dip_deg += (seen_deg - *dip_deg) * (1.0 - exp(-since_s / SETTLED_S));
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.

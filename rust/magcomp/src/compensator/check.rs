@@ -7,6 +7,7 @@ use super::rails::Rails;
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
+use nalgebra::Vector3;
 
 /// Limit: largest step ahead in time, s: a week is longer than an app's pause, and shorter than the jump of a time in the wrong unit.
 const LONGEST_GAP_S: f64 = 604_800.0;
@@ -49,7 +50,10 @@ impl Stream {
     /// A sample's field is of no use, but its time is; the time of the one before, ns.
     pub fn pass(&mut self, time_ns: i64) -> Option<i64> {
         (self.astray, self.astray_ns) = (0, 0);
-        let latest = self.latest.as_mut()?;
+        let Some(latest) = &mut self.latest else {
+            self.latest = Some(MagneticSample { time_ns, field_ut: Vector3::zeros() });
+            return None;
+        };
         Some(std::mem::replace(&mut latest.time_ns, time_ns))
     }
 
@@ -73,10 +77,10 @@ impl Stream {
         tuning: &Tuning,
     ) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
+        self.check_time(sample.time_ns)?;
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
         }
-        self.check_time(sample.time_ns)?;
         let largest = field.iamax();
         let value_ut = field[largest];
         if let Some(rail_ut) = rail_ut.filter(|rail| value_ut.abs() >= *rail) {

@@ -29,6 +29,8 @@ pub(crate) struct Answer {
     pub counted: Counted,
     /// How the gyroscope has turned the device since the sample before; `None` where that is not known.
     pub carry: Option<Carry>,
+    /// North as headings from outside have it, where the field tells nothing of it.
+    pub north: Option<KnownNorth>,
 }
 
 /// A turn, and how well it is known.
@@ -36,10 +38,24 @@ pub(crate) struct Answer {
 pub(crate) struct Carry {
     /// Takes a vector of the device frame at the sample before to that at this one.
     pub turn: Matrix3<f64>,
-    /// One standard deviation of what the gyroscope's bias adds to the turn about the worst axis, rad. It lasts.
-    pub drift_rad: f64,
+    /// Where up is, and its variance about a horizontal axis, rad^2.
+    pub up: Option<Vector3<f64>>,
+    pub tilt_rad2: f64,
+    /// Variance of the gyroscope's bias about the worst axis, (rad/s)^2; whether it is what samples have told, and how long the turn took, s.
+    pub bias_rad2_s2: f64,
+    pub is_bias_told: bool,
+    pub span_s: f64,
     /// Variance of what its noise adds, per axis, rad^2.
     pub noise_rad2: f64,
+}
+
+/// A horizontal direction of magnetic north, device frame, of length 1, with up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct KnownNorth {
+    pub north: Vector3<f64>,
+    pub variance_rad2: f64,
+    pub up: Vector3<f64>,
+    pub tilt_rad2: f64,
 }
 
 /// What the directions that were seen are counted over.

@@ -120,7 +120,12 @@ impl Ours {
             Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
                 let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
-                if knows_more(aided, adaptive, self.is_contradicted) { told } else { other }
+                if knows_more(aided, adaptive, self.is_contradicted) {
+                    told
+                } else {
+                    let carry = told.1.carry.filter(|_| !self.is_contradicted);
+                    (other.0, Answer { carry, ..other.1 })
+                }
             }
         };
         if let Gyroscope::Starting(aided) = &self.gyroscope

@@ -65,18 +65,32 @@ pub(super) struct Told {
     pub is_vehicle: bool,
 }
 
-/// What the magnetometer says of north at a sample.
+/// What the magnetometer says of north at a sample, if anything.
 pub(super) struct Own {
     pub level: Level,
     pub variance_rad2: f64,
 }
 
 impl Own {
-    pub fn of(answer: &Answer) -> Option<Self> {
+    /// A field that dips deep turns with an `up` that leans.
+    pub fn of(answer: &Answer, tilt_rad2: f64) -> Option<Self> {
         let field_ut = answer.filtered_field_ut?;
         let level = Level::of(&field_ut, &answer.up?)?;
         let across_ut2 = across_ut2(&field_ut, &level.up, &answer.filtered_covariance_ut2?)?;
-        Some(Self { variance_rad2: across_ut2 / field_ut.cross(&level.up).norm_squared(), level })
+        let horizontal_ut2 = field_ut.cross(&level.up).norm_squared();
+        let variance_rad2 = (across_ut2 + tilt_rad2 * field_ut.dot(&level.up).powi(2)) / horizontal_ut2;
+        Some(Self { level, variance_rad2 })
+    }
+
+    /// Nothing of north: of the level directions any is called so.
+    pub fn unknown(up: Vector3<f64>) -> Option<Self> {
+        let level = Level::of(&Vector3::ith(up.iamin(), 1.0), &up)?;
+        Some(Self { level, variance_rad2: f64::INFINITY })
+    }
+
+    /// Whether it says anything.
+    pub fn is_known(&self) -> bool {
+        self.variance_rad2.is_finite()
     }
 }
 
@@ -86,6 +100,11 @@ pub(super) struct Carried {
     level: Level,
     /// s^2 but for what all headings have in common, rad^2.
     own_rad2: f64,
+    /// What is left of the gyroscope's bias about the vertical, as headings have shown it, rad/s; its variance, and its covariance with north's.
+    drift_rad_s: f64,
+    drift_rad2_s2: f64,
+    shared_rad2_s: f64,
+    is_bias_told: bool,
     /// Variance of the mounting or the declination that the headings were read with, rad^2.
     common_rad2: f64,
     /// Seconds of headings that speak for it.
@@ -98,16 +117,25 @@ impl Carried {
     /// What the magnetometer says.
     pub fn of(own: &Own) -> Self {
         let support_s = Tuning::USED.own_support_s;
-        Self { level: own.level, own_rad2: own.variance_rad2, common_rad2: 0.0, support_s, leads: false }
+        Self::new(own.level, own.variance_rad2, 0.0, support_s)
     }
 
     /// What a heading says alone.
     pub fn told(own: &Level, told: &Told) -> Self {
+        Self::new(own.turned(told.own_bearing_rad - told.bearing_rad), told.own_rad2, told.common_rad2, told.new_s)
+    }
+
+    fn new(level: Level, own_rad2: f64, common_rad2: f64, support_s: f64) -> Self {
         Self {
-            level: own.turned(told.own_bearing_rad - told.bearing_rad),
-            own_rad2: told.own_rad2,
-            common_rad2: told.common_rad2,
-            support_s: told.new_s,
+            level,
+            own_rad2,
+            drift_rad_s: 0.0,
+            // until the first turn says how large it may be
+            drift_rad2_s2: f64::INFINITY,
+            shared_rad2_s: 0.0,
+            is_bias_told: false,
+            common_rad2,
+            support_s,
             leads: false,
         }
     }
@@ -126,10 +154,23 @@ impl Carried {
     pub fn step(&mut self, carry: &Carry, up: Option<&Vector3<f64>>) {
         let north = carry.turn * self.level.north;
         let up = up.copied().unwrap_or(carry.turn * self.level.up);
-        if let Some(level) = Level::of(&north, &up) {
-            self.level = level;
+        if carry.is_bias_told != self.is_bias_told {
+            (self.is_bias_told, self.drift_rad2_s2) = (carry.is_bias_told, f64::INFINITY);
         }
-        self.own_rad2 = (self.own_rad2.sqrt() + carry.drift_rad).powi(2) + carry.noise_rad2;
+        let Carry { bias_rad2_s2, span_s, .. } = *carry;
+        if self.drift_rad2_s2 > bias_rad2_s2 {
+            // the turn has it off
+            let left = bias_rad2_s2 / self.drift_rad2_s2;
+            (self.drift_rad_s, self.shared_rad2_s) = (self.drift_rad_s * left, self.shared_rad2_s * left);
+            self.drift_rad2_s2 = bias_rad2_s2;
+        }
+        if let Some(level) = Level::of(&north, &up) {
+            self.level = level.turned(-self.drift_rad_s * span_s);
+        }
+        self.own_rad2 += span_s * (2.0 * self.shared_rad2_s + self.drift_rad2_s2 * span_s) + carry.noise_rad2;
+        self.shared_rad2_s += self.drift_rad2_s2 * span_s;
+        // it wanders, and turns with the device
+        self.drift_rad2_s2 += (bias_rad2_s2 - self.drift_rad2_s2) * (span_s / Tuning::USED.own_support_s).min(1.0);
     }
 
     /// Whether a heading that is off by so much, with this variance, may be right.
@@ -142,10 +183,18 @@ impl Carried {
         if told.common_rad2 == 0.0 {
             self.own_rad2 += self.common_rad2;
         }
-        let gain = self.own_rad2 / (self.own_rad2 + told.own_rad2 * Tuning::USED.repeat_s / told.new_s);
+        // one that repeats the error of the last counts for little, but north is as well known as it says
+        let repeated_rad2 = told.own_rad2 * Tuning::USED.repeat_s / told.new_s;
+        let beyond_rad2 = self.own_rad2 - told.own_rad2;
+        let as_told_rad2 = if beyond_rad2 > 0.0 { self.own_rad2 * told.own_rad2 / beyond_rad2 } else { f64::INFINITY };
+        let expected_rad2 = self.own_rad2 + repeated_rad2.min(as_told_rad2);
+        let gain = self.own_rad2 / expected_rad2;
         // the axis' heading grows as north turns back
         self.level = self.level(up).turned(-gain * off_rad);
+        self.drift_rad_s += self.shared_rad2_s / expected_rad2 * off_rad;
+        self.drift_rad2_s2 -= self.shared_rad2_s.powi(2) / expected_rad2;
         self.own_rad2 *= 1.0 - gain;
+        self.shared_rad2_s *= 1.0 - gain;
         self.common_rad2 = told.common_rad2;
         self.support_s += told.new_s;
     }
@@ -168,7 +217,7 @@ impl Carried {
     pub fn published(&self, own: &Own) -> (Level, f64) {
         let carried = self.level(&own.level.up);
         let (mine_rad2, own_rad2) = (self.variance_rad2(), own.variance_rad2);
-        match own.level.bearing(&carried.north).filter(|off_rad| self.agrees(*off_rad, own_rad2)) {
+        match own.level.bearing(&carried.north).filter(|off_rad| own.is_known() && self.agrees(*off_rad, own_rad2)) {
             Some(off_rad) => {
                 let share = mine_rad2 / (mine_rad2 + own_rad2);
                 let sd_rad = mine_rad2.sqrt() * (1.0 - share) + own_rad2.sqrt() * share;
@@ -180,7 +229,8 @@ impl Carried {
 
     /// Goes on from what the magnetometer says.
     pub fn begin_at(&mut self, own: &Own) {
-        *self = Self { support_s: self.support_s, ..Self::of(own) };
+        let (level, own_rad2) = (own.level, own.variance_rad2);
+        *self = Self { level, own_rad2, shared_rad2_s: 0.0, common_rad2: 0.0, leads: false, ..*self };
     }
 }
 

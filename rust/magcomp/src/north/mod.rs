@@ -2,9 +2,10 @@
 //! where it is known better than by the magnetometer.
 //!
 //! ```text
-//! n <- R n,   s <- s + s_g dt,   s^2 <- s^2 + q^2                  between samples: R the turn, s_g: what the gyroscope's bias is known to
-//! r = heading - angle(n, axis),   v = sigma^2 T / dt               a heading; those of less than T = 10 s repeat one another's errors
-//! n <- turn by K r,   s^2 <- (1 - K) s^2,   K = s^2 / (s^2 + v)    where r^2 < 9 (s^2 + sigma^2); else it speaks for a rival of n
+//! n <- R n turned by -d dt,   P <- F P F' + diag(q^2, 0)           between samples: R the turn, d what is left of the gyroscope's bias about up, P of (n, d)
+//! r = heading - angle(n, axis),   v = sigma^2 T / dt               a heading; those of less than T = 10 s repeat one another's
+//!                                                                  errors; v is less where s would stay above sigma
+//! (n, d) corrected by K r,   K = P_n / (s^2 + v),   s^2 = P_nn     where r^2 < 9 (s^2 + sigma^2); else it speaks for a rival of n
 //! f <- f turned about up by w (n - f),   w = s_f^2 / (s^2 + s_f^2),   its sigma w s + (1 - w) s_f        while s < s_f, its own sigma
 //! ```
 //! Where n and f exclude each other, f is turned all the way. Where n is known no better than f, it begins anew at f.
@@ -18,13 +19,14 @@ mod offset;
 mod tests;
 mod tuning;
 
-use crate::estimator::answer::Answer;
+use crate::estimator::answer::{Answer, Carry, KnownNorth};
 use crate::explanation::OutsideTest;
+use crate::priors::{BEYOND_CHANCE, OF_USE_DEG};
 use crate::reading::HeadingAid;
 use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
-use carried::{Carried, Own, Told, wrap};
+use carried::{Carried, Level, Own, Told, wrap};
 use history::{History, LATEST_S, NANO};
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
@@ -108,7 +110,7 @@ impl North {
             return answer;
         };
         self.history.turn(time_ns, &carry.turn);
-        let own = Own::of(&answer);
+        let own = Own::of(&answer, carry.tilt_rad2).or_else(|| Own::unknown(carry.up?));
         for it in [&mut self.carried, &mut self.rival].into_iter().flatten() {
             it.step(&carry, own.as_ref().map(|own| &own.level.up));
         }
@@ -122,7 +124,7 @@ impl North {
             carried.begin_at(&own);
             return answer;
         }
-        led(answer, &own, carried)
+        led(answer, &own, carried, &carry)
     }
 
     /// What the latest headings are worth, unless it is long ago.
@@ -150,6 +152,17 @@ impl North {
     fn hear(&mut self, heading: &HeadingSample, own: &Own, declination_deg: Option<f64>) {
         let Some(told) = self.read(heading, own, declination_deg) else { return };
         let up = own.level.up;
+        if self.carried.is_none() && !own.is_known() {
+            let north = Carried::told(&own.level, &told);
+            self.heard = Some(Heard {
+                time_ns: heading.time_ns,
+                was: HeadingAid::Used,
+                off_rad: 0.0,
+                expected_rad2: north.variance_rad2(),
+            });
+            self.carried = Some(north);
+            return;
+        }
         let north = self.carried.get_or_insert_with(|| Carried::of(own));
         let Some(off_rad) = told.off_rad(north, &up) else { return };
         let agrees = north.agrees(off_rad, told.angle_rad2());
@@ -238,18 +251,25 @@ impl Told {
 
     /// Learns an offset from it, and takes that off.
     fn less(&mut self, offset: &mut Offset, own: &Own) {
-        offset.learn(self.bearing_rad - self.own_bearing_rad, self.own_bearing_rad, own.variance_rad2 + self.own_rad2);
+        if own.is_known() {
+            let difference_rad = self.bearing_rad - self.own_bearing_rad;
+            offset.learn(difference_rad, self.own_bearing_rad, own.variance_rad2 + self.own_rad2);
+        }
         self.bearing_rad -= offset.angle_rad;
         self.common_rad2 = offset.variance_rad2;
     }
 }
 
-/// The answer with its field turned about the vertical to where `north` is.
-fn led(answer: Answer, own: &Own, north: &Carried) -> Answer {
+/// The answer with its field turned about the vertical to where `north` is; without a field, with that alone once it is of some use.
+fn led(answer: Answer, own: &Own, north: &Carried, carry: &Carry) -> Answer {
+    let (towards, variance_rad2) = north.published(own);
+    let is_of_use = variance_rad2.sqrt().to_degrees() < BEYOND_CHANCE * OF_USE_DEG;
+    let Level { north: direction, up, .. } = towards;
+    let known = KnownNorth { north: direction, variance_rad2, up, tilt_rad2: carry.tilt_rad2 };
+    let answer = Answer { north: is_of_use.then_some(known), ..answer };
     let (Some(field_ut), Some(covariance)) = (answer.filtered_field_ut, answer.filtered_covariance_ut2) else {
         return answer;
     };
-    let (towards, variance_rad2) = north.published(own);
     let (own, up) = (&own.level, own.level.up);
     let horizontal_ut = field_ut.cross(&up).norm();
     let field_ut = towards.north * horizontal_ut + up * field_ut.dot(&up);

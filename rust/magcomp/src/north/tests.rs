@@ -15,13 +15,13 @@ struct Device {
     rate_rad_s: f64,
     off_deg: f64,
     sigma_deg: f64,
-    drift_rad: f64,
+    bias_rad_s: f64,
 }
 
 impl Device {
     fn new(off_deg: f64, sigma_deg: f64) -> Self {
         let attitude = Rotation3::new(Vector3::from(TILT));
-        Self { attitude, time_ns: 0, rate_rad_s: 0.4, off_deg, sigma_deg, drift_rad: 0.0 }
+        Self { attitude, time_ns: 0, rate_rad_s: 0.4, off_deg, sigma_deg, bias_rad_s: 0.0 }
     }
 
     fn answer(&mut self) -> Answer {
@@ -37,7 +37,7 @@ impl Device {
             filtered_field_ut: Some(field),
             filtered_covariance_ut2: Some(Matrix3::identity() * across * across),
             up: Some(self.attitude.inverse() * Vector3::z()),
-            carry: Some(Carry { turn: turn.inverse().into_inner(), drift_rad: self.drift_rad, noise_rad2: 0.0 }),
+            carry: Some(carry(turn.inverse().into_inner(), self.bias_rad_s, STEP_NS as f64 * 1e-9, up)),
             ..Answer::default()
         }
     }
@@ -62,6 +62,12 @@ impl Device {
         let north = self.attitude * answer.filtered_field_ut.unwrap();
         north.x.atan2(north.y).to_degrees()
     }
+}
+
+/// A turn of a gyroscope whose bias is known to so much.
+fn carry(turn: Matrix3<f64>, bias_rad_s: f64, span_s: f64, up: Vector3<f64>) -> Carry {
+    let (bias_rad2_s2, up) = (bias_rad_s * bias_rad_s, Some(up));
+    Carry { turn, up, tilt_rad2: 0.0, bias_rad2_s2, is_bias_told: true, span_s, noise_rad2: 0.0 }
 }
 
 /// Plays `seconds`; `tell` makes a heading every second.
@@ -101,7 +107,7 @@ fn independent_headings_are_averaged_with_the_magnetometers() {
     let answer = north.step(device.time_ns + 1, device.answer(), None);
     let error_deg = device.error_deg(&answer);
     assert!((error_deg - 8.0).abs() < 0.4, "a third of the way back from 6 to 12: {error_deg}");
-    let sigma_deg = Own::of(&answer).unwrap().variance_rad2.sqrt().to_degrees();
+    let sigma_deg = Own::of(&answer, 0.0).unwrap().variance_rad2.sqrt().to_degrees();
     assert!(
         (7.9..8.7).contains(&sigma_deg),
         "two thirds of 7.1 and one of 10, and what the curvature adds: {sigma_deg}"
@@ -217,12 +223,14 @@ fn without_headings_nothing_changes_and_north_ends_with_the_chain() {
 #[test]
 fn a_gyroscope_that_drifts_makes_north_less_sure_until_the_magnetometer_knows_more() {
     let (mut north, mut device) = (North::default(), Device::new(-9.0, 10.0));
-    device.drift_rad = 0.01_f64.to_radians();
+    device.bias_rad_s = 0.5_f64.to_radians();
     play(&mut north, &mut device, 1, |device| Some(device.told(0.0, 2.0)));
     let sigma_deg = |north: &North| north.carried.as_ref().unwrap().variance_rad2().sqrt().to_degrees();
     let first = sigma_deg(&north);
     play(&mut north, &mut device, 10, |_| None);
-    assert!((sigma_deg(&north) - first - 5.0).abs() < 0.01, "0.01 deg a sample, 500 of them: {}", sigma_deg(&north));
+    // what its bias adds is no part of what the headings are off by
+    let expected_deg = (first * first - 0.5 * 0.5 + 5.5 * 5.5).sqrt();
+    assert!((sigma_deg(&north) - expected_deg).abs() < 0.1, "0.5 deg/s for 11 s: {} {expected_deg}", sigma_deg(&north));
     let error_deg = play(&mut north, &mut device, 10, |_| None);
     assert!((error_deg + 9.0).abs() < 1e-6, "{error_deg}");
     assert_ne!(north.aid(device.time_ns), Some(HeadingAid::Leads));

@@ -143,6 +143,11 @@ impl InertialPairing {
         (self.bias_rad_s, self.scale) = (bias_rad_s.cast(), scale.cast());
     }
 
+    /// Whether a gyroscope has told how the device turns of late.
+    pub fn turns(&self) -> bool {
+        self.anchor.is_some() || !self.rates.is_empty()
+    }
+
     /// How the device turns in `span_s` when the gyroscope reads `rate_rad_s`, rad.
     fn turned(&self, rate_rad_s: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
         (rate_rad_s - rate_rad_s.component_mul(&self.scale.cast()) - self.bias_rad_s.cast()) * span_s

@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector, Vector3};
 #[test]
 fn the_dip_is_a_mean_over_five_seconds() {
     let mut belief = Belief::default();
-    let dip = |inclination_deg| Heading {
+    let dip = |dip_deg: f64| Heading {
         heading_deg: 0.0,
         heading_sigma_deg: None,
         true_heading_deg: None,
-        inclination_deg,
+        inclination_deg: Some(dip_deg),
     };
     belief.see_dip(&dip(60.0), 0.1);
     assert_eq!(belief.inclination_deg, Some(60.0));

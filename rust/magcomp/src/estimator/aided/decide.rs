@@ -22,8 +22,7 @@ impl Aided {
     /// The hypotheses start from the filter; `is_blind`: after a pause.
     pub(super) fn begin_trial(&mut self, is_blind: bool) {
         let Phase::Running(running) = &self.phase else { return };
-        let hold_s = self.bursts.hold_s(&self.tuning);
-        let began = Began { is_blind, is_young: running.is_young(&self.tuning), hold_s };
+        let began = Began { is_blind, hold_s: self.bursts.hold_s(&self.tuning) };
         self.bursts.begin();
         self.phase.doubt(Trial::start(&running.filter, &running.watch, self.former.as_ref(), began, &self.tuning));
     }

@@ -15,7 +15,6 @@ use super::state::{BIAS, FIELD, Filter};
 use super::step::Step;
 use super::tuning::Tuning;
 use crate::math::gaussian::Gaussian;
-use crate::priors::BEYOND_CHANCE;
 
 /// The Earth's field in a place whose field is another.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +27,6 @@ pub(crate) struct Earth {
     sd_ut: f64,
     /// w.
     probability: f64,
-    /// Seconds of motion for which the field of the place has been as strong and as deep.
-    alike_s: f64,
     /// A break of the chain has made h but a sample.
     is_lost: bool,
 }
@@ -47,7 +44,6 @@ impl Earth {
             field_ut,
             sd_ut: variance_ut2.sqrt(),
             probability: 1.0,
-            alike_s: 0.0,
             is_lost: before.is_some_and(|it| it.is_lost),
         }
     }
@@ -60,16 +56,6 @@ impl Earth {
         self.sd_ut = hypot(drifted_ut, size_ut * step.noise.turn_rad2(step.dt_s).sqrt());
         self.probability *= exp(-step.dt_s * step.motion / tuning.new_place_time_s);
         self.field_ut = step.turn * self.field_ut;
-    }
-
-    /// Whether m has been as strong and as deep as h for long, and is no further from it than h may have drifted: then m is h, and what was
-    /// carried has been led astray.
-    pub(crate) fn is_astray(&mut self, step: &Step<'_>, m: &Vector3<f64>, up: &Vector3<f64>, tuning: &Tuning) -> bool {
-        let off_ut = hypot(m.norm() - self.field_ut.norm(), (m - self.field_ut).dot(up));
-        let may_have_drifted = (m - self.field_ut).norm() < BEYOND_CHANCE * self.sd_ut;
-        let is_alike = !self.is_lost && may_have_drifted && off_ut < 0.5 * tuning.smallest_step_ut;
-        self.alike_s = if is_alike { self.alike_s + step.dt_s * step.motion } else { 0.0 };
-        self.alike_s > tuning.settled_s
     }
 
     /// The chain of rotations is broken, and the field of the place, which was `m`, is `now`: how far it is off is still known,

@@ -44,8 +44,6 @@ pub(crate) enum Verdict {
 pub(crate) struct Began {
     /// With a pause, in which the turn was guessed: `place` is then that nothing but it changed.
     pub(crate) is_blind: bool,
-    /// While the calibration was young: no step is told then, only relearned.
-    pub(crate) is_young: bool,
     /// How long a change must hold, s.
     pub(crate) hold_s: f64,
 }
@@ -125,7 +123,7 @@ impl Trial {
         // after a pause b may have walked
         let least_ut = if self.began.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
         let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-        (!self.began.is_young && moved_ut > least_ut).then_some(kind)
+        (moved_ut > least_ut).then_some(kind)
     }
 
     /// Whether it was nothing, or is over: the filter's own samples fit again.

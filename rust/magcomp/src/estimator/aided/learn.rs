@@ -90,7 +90,6 @@ impl Aided {
         let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
         running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
-            running.moved_s += step.dt_s;
             self.bursts.pass(gated, step.dt_s, &self.tuning);
         }
         let filter = &mut running.filter;
@@ -130,7 +129,6 @@ impl Aided {
             }
             self.begin_trial(false);
         } else if running.watch.share() < 0.5 * self.tuning.suspect_share {
-            running.look_for_earth(step, self.motion.up.as_ref(), &self.tuning);
             self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }

@@ -176,9 +176,9 @@ impl Aided {
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
         let (_, answer) = self.step(time_ns, expected_ut, inertial, true);
-        let Answer { up, mode, event, filtered_field_ut: carried_ut, .. } = answer;
+        let Answer { up, mode, event, carry, filtered_field_ut: carried_ut, .. } = answer;
         if carried_ut.is_none() {
-            return Answer { up, mode, event, ..Answer::default() };
+            return Answer { up, mode, event, carry, ..Answer::default() };
         }
         // there is no sample that could be corrected
         Answer { field_ut: None, field_covariance_ut2: None, ..answer }
@@ -219,13 +219,20 @@ impl Aided {
             (false, true) => SensorMode::GravityOnly,
             (false, false) => SensorMode::MagnetometerOnly,
         };
-        let carry = step.as_ref().zip(self.phase.known()).map(|(step, filter)| {
-            // where m follows the place beyond what the filter believes, g is drawn along by as much
-            let published_ut2 = answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
-            let beyond = (published_ut2 / filter.variances(FIELD).sum()).max(1.0);
+        let carry = step.as_ref().map(|step| {
+            let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
+                // where m follows the place beyond what the filter believes, g is drawn along by as much
+                let published_ut2 =
+                    answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
+                filter.variances(BIAS).max() * (published_ut2 / filter.variances(FIELD).sum()).max(1.0)
+            });
             Carry {
                 turn: step.turn,
-                drift_rad: (filter.variances(BIAS).max() * beyond).sqrt() * step.dt_s,
+                up: self.motion.up,
+                tilt_rad2: self.motion.tilt_rad2,
+                bias_rad2_s2,
+                is_bias_told: self.phase.known().is_some(),
+                span_s: step.dt_s,
                 noise_rad2: step.noise.turn_rad2(step.dt_s),
             }
         });

@@ -12,7 +12,6 @@ use super::earth::Earth;
 use super::events::Trial;
 use super::first_fit::{Before, FirstFit};
 use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
-use super::step::Step;
 use super::tuning::Tuning;
 use super::watch::Watch;
 use crate::math::gaussian::Gaussian;
@@ -35,8 +34,6 @@ pub(super) enum Phase {
 pub(super) struct Running {
     pub(super) filter: Filter,
     pub(super) watch: Watch,
-    /// Seconds of motion since the first calibration: what does not fit at first is likelier that one's own error than a change.
-    pub(super) moved_s: f64,
     /// The Earth's field, while that of the place is another.
     pub(super) earth: Option<Earth>,
     /// |m| before the chain of rotations broke.
@@ -100,7 +97,7 @@ impl Phase {
 
 impl Running {
     pub(super) fn of(filter: Filter) -> Self {
-        Self { filter, watch: Watch::default(), moved_s: 0.0, earth: None, lost_strength_ut: None }
+        Self { filter, watch: Watch::default(), earth: None, lost_strength_ut: None }
     }
 
     /// Goes on after a break or a decision: nothing is known to misfit.
@@ -119,11 +116,6 @@ impl Running {
         self.earth.as_ref().map_or_else(|| Gaussian { mean: m, covariance: Matrix3::zeros() }, |earth| earth.mixed(&m))
     }
 
-    /// Whether what does not fit is likelier an error of one's own than a change.
-    pub(super) fn is_young(&self, tuning: &Tuning) -> bool {
-        tuning.young && self.moved_s < tuning.settled_s
-    }
-
     /// The field of the place is another since then: the Earth's is carried beside it.
     pub(super) fn carry_earth(&mut self, since_ns: i64, tuning: &Tuning) {
         self.earth = tuning.new_place.then(|| Earth::of(&self.filter, self.earth.as_ref(), since_ns));
@@ -132,12 +124,6 @@ impl Running {
     /// Whether the field of `found` is the Earth's again. Then it is carried alone.
     pub(super) fn is_back_on_earth(&mut self, found: &Filter, tuning: &Tuning) -> bool {
         self.earth.take_if(|it| it.is_that_of(found, &self.filter, tuning)).is_some()
-    }
-
-    /// A sample that fits: where its field has long been as strong and as deep as the Earth's that is carried beside it, it is that.
-    pub(super) fn look_for_earth(&mut self, step: &Step<'_>, up: Option<&Vector3<f64>>, tuning: &Tuning) {
-        let (Some(up), m) = (up.filter(|_| tuning.earth_found), self.filter.part(FIELD)) else { return };
-        let _ = self.earth.take_if(|earth| earth.is_astray(step, &m, up, tuning));
     }
 
     /// After the first sample of a new chain of rotations: the field is as strong as it was before.

@@ -27,6 +27,8 @@ pub(crate) struct Step<'a> {
     pub(crate) dt_s: f64,
     pub(crate) noise: ProcessNoise,
     pub(crate) sigma_ut: f64,
+    /// Standard deviation of the gyroscope's bias about the worst axis before this sample, rad/s.
+    pub(crate) bias_sd_rad_s: f64,
     pub(crate) resting: bool,
     /// Variance of the rate about the bias, (rad/s)^2, once the device has rested for long enough.
     pub(crate) bias_variance: Option<f64>,

@@ -107,12 +107,8 @@ choices! {
         recent;
         /// A change takes a while: the hypotheses' unknown walks meanwhile
         ramp;
-        /// A misfit of a young calibration is no event
-        young;
         /// A step of the device is sought from a place that held
         place_holds;
-        /// A field that is long as strong and deep as the Earth's is the Earth's
-        earth_found;
         /// The accelerometer is averaged for longer where motion lasts
         long_up;
         /// First fit: what a place leaves widens it

@@ -39,9 +39,11 @@ fn an_axis_has_a_bearing_below_an_elevation_of_60_degrees_whatever_its_length() 
 fn a_turn_takes_north_along_and_adds_drift_to_its_sigma_and_noise_to_its_variance() {
     let mut north = carried(0.04, 0.01);
     let turn = Rotation3::new(Vector3::z() * 0.3).into_inner();
-    north.step(&Carry { turn, drift_rad: 0.1, noise_rad2: 0.02 }, None);
-    // (0.2 + 0.1)^2 + 0.02, and what is common stays
-    assert!((north.variance_rad2() - 0.12).abs() < 1e-12);
+    let carry =
+        Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 0.01, is_bias_told: true, span_s: 1.0, noise_rad2: 0.02 };
+    north.step(&carry, None);
+    // 0.04 + 0.1^2 + 0.02, and what is common stays
+    assert!((north.variance_rad2() - 0.08).abs() < 1e-12);
     let expected = Vector3::new(-0.3_f64.sin(), 0.3_f64.cos(), 0.0);
     assert!((north.level(&Vector3::z()).north - expected).norm() < 1e-12);
 }

@@ -34,7 +34,7 @@ fn a_heading_may_be_ten_seconds_ahead_and_five_late() {
 fn a_heading_is_judged_by_all_that_is_not_known_of_it_and_told_of_for_two_minutes() {
     let (mut north, mut device) = (North::default(), Device::new(12.0, 10.0));
     let answer = device.answer();
-    let own_deg2 = Own::of(&answer).unwrap().variance_rad2 * 180.0_f64.powi(2) / PI.powi(2);
+    let own_deg2 = Own::of(&answer, 0.0).unwrap().variance_rad2 * 180.0_f64.powi(2) / PI.powi(2);
     let time_ns = device.time_ns;
     let heading = HeadingSample { reference: NorthReference::True, ..device.told(2.0, 5.0) };
     north.push(heading, Some(time_ns)).unwrap();
@@ -83,9 +83,10 @@ fn a_field_that_is_led_takes_its_covariance_along() {
         up: Some(Vector3::z()),
         ..Answer::default()
     };
-    let own = Own::of(&answer).unwrap();
+    let own = Own::of(&answer, 0.0).unwrap();
     let east = Own { level: Level::of(&Vector3::x(), &Vector3::z()).unwrap(), variance_rad2: 1e-4 };
-    let led = led(answer, &own, &Carried::of(&east));
+    let still = carry(Matrix3::identity(), 0.0, 0.01, Vector3::z());
+    let led = led(answer, &own, &Carried::of(&east), &still);
     assert!((led.filtered_field_ut.unwrap() - Vector3::new(20.0, 0.0, -40.0)).norm() < 1e-12);
     let expected = Matrix3::new(2.0, 0.0, 0.4, 0.0, 1e-4 * 400.0, 0.0, 0.4, 0.0, 3.0);
     assert!((led.filtered_covariance_ut2.unwrap() - expected).amax() < 1e-12, "{:?}", led.filtered_covariance_ut2);

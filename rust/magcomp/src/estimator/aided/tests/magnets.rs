@@ -20,6 +20,7 @@ const NOISE: ProcessNoise = ProcessNoise { bridged_rad2: 1e-8, offset_ut: 0.3, l
 /// A step of the gyroscope; what a quarantine does not look at is zero.
 fn step<'a>(increment_rad: &'a Vector3<f64>) -> Step<'a> {
     Step {
+        bias_sd_rad_s: 0.0,
         time_ns: 0,
         raw_ut: increment_rad,
         is_blank: false,

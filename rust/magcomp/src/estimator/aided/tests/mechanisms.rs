@@ -9,7 +9,7 @@ use crate::reading::EventKind;
 use crate::tuning::Mechanism;
 
 /// What is for places that change, magnets, steps, poor starts and other sensors does nothing where nothing happens.
-const QUIET: [&str; 15] = [
+const QUIET: [&str; 12] = [
     "recall",
     "new_place",
     "quarantine",
@@ -18,11 +18,8 @@ const QUIET: [&str; 15] = [
     "followed",
     "local_gate",
     "ramp",
-    "young",
     "place_holds",
-    "earth_found",
     "long_up",
-    "vouching",
     "plausible",
     "forget",
 ];
@@ -176,7 +173,7 @@ fn every_mechanism_is_at_work_in_an_eventful_walk() {
     };
     let idle: Vec<_> = Tuning::MECHANISMS.iter().filter(is_idle).map(|it| it.name).collect();
     // seen elsewhere: below, in `steps`, in `motion`, in tests/host/aided.rs, in `starts`
-    assert_eq!(idle, ["recall", "young", "long_up", "vouching", "plausible"]);
+    assert_eq!(idle, ["recall", "long_up", "plausible"]);
 }
 
 /// Any of them off together, the answers stay finite.

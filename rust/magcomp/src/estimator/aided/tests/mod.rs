@@ -1,6 +1,5 @@
 //! Tests of the aided estimator that look inside it.
 
-mod astray;
 mod filter;
 mod jacobians;
 mod magnets;
