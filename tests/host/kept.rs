@@ -263,7 +263,12 @@ fn a_system_calibration_is_heard_while_nothing_was_learned() {
 fn is_sound(reading: &Reading, compensator: &Compensator) -> bool {
     let heading = reading.heading.map_or([0.0; 4], |found| {
         let or_zero = |value: Option<f64>| value.unwrap_or(0.0);
-        [found.heading_deg, or_zero(found.inclination_deg), or_zero(found.heading_sigma_deg), or_zero(found.true_heading_deg)]
+        [
+            found.heading_deg,
+            or_zero(found.inclination_deg),
+            or_zero(found.heading_sigma_deg),
+            or_zero(found.true_heading_deg),
+        ]
     });
     let fields = [reading.field_ut, reading.filtered_field_ut].into_iter().flatten().flat_map(<[f64; 3]>::from);
     let numbers = [reading.field_sigma_ut, reading.total_field_ut, reading.sigma_t, reading.direction_sigma_deg];

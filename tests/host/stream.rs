@@ -123,9 +123,10 @@ proptest! {
             prop_assert!(matches!(reading.status, Status::Rejected(_)), "{:?}: {}", refused, reading.status);
             prop_assert_eq!((reading.field_ut, reading.total_field_ut), (None, None));
             prop_assert_eq!(reading.time_ns, refused.time_ns);
-            let is_saturated = matches!(reading.status, Status::Rejected(RejectReason::Saturated { .. }));
-            if is_saturated && compensator != before {
-                // a gyroscope carries on (tests/host/misbehaving.rs)
+            let Status::Rejected(reason) = reading.status else { unreachable!() };
+            let is_carried = matches!(reason, RejectReason::Saturated { .. } | RejectReason::NotFinite);
+            if is_carried && compensator != before {
+                // a gyroscope carries on (tests/host/misbehaving.rs, witnesses.rs)
                 prop_assert!(matches!(method, Method::Auto | Method::Aided));
                 compensator = before.clone();
                 continue;

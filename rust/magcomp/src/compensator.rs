@@ -188,7 +188,9 @@ impl Compensator {
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
         match self.check(&sample) {
             Ok(()) => {}
-            Err(reason @ (RejectReason::Saturated { .. } | RejectReason::NotFinite)) if self.can_carry() => {
+            Err(reason @ (RejectReason::Saturated { .. } | RejectReason::NotFinite))
+                if self.can_carry(sample.time_ns) =>
+            {
                 return self.carry(sample.time_ns, reason);
             }
             Err(reason) if self.stream.stray(sample.time_ns, reason) => self.begin_another_clock(),
@@ -314,9 +316,11 @@ impl Compensator {
         }
     }
 
-    /// Whether a gyroscope can carry on what is known.
-    fn can_carry(&self) -> bool {
-        matches!(self.config.method, Method::Auto | Method::Aided) && (self.estimator.carries() || self.pairing.turns())
+    /// Whether a gyroscope can carry on what is known to this time.
+    fn can_carry(&self, time_ns: i64) -> bool {
+        matches!(self.config.method, Method::Auto | Method::Aided)
+            && (self.estimator.carries() || self.pairing.turns())
+            && self.stream.check_time(time_ns).is_ok()
     }
 
     /// The field of a sample is of no use: the gyroscope carries on what is known.

@@ -100,7 +100,9 @@ impl Sphere {
         let course = &mut self.course;
         course.heading.push(reading.heading.map(|heading| rounded(heading.heading_deg, 100.0)));
         course.sigma.push(reading.heading.and_then(|heading| heading.heading_sigma_deg).map(|s| rounded(s, 100.0)));
-        course.dip.push(reading.heading.and_then(|heading| heading.inclination_deg).map(|dip_deg| rounded(dip_deg, 100.0)));
+        course
+            .dip
+            .push(reading.heading.and_then(|heading| heading.inclination_deg).map(|dip_deg| rounded(dip_deg, 100.0)));
         course.status.push(reading.status.label());
     }
 

@@ -77,10 +77,10 @@ impl Stream {
         tuning: &Tuning,
     ) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
-        self.check_time(sample.time_ns)?;
         if !field.iter().all(|v| v.is_finite()) {
             return Err(RejectReason::NotFinite);
         }
+        self.check_time(sample.time_ns)?;
         let largest = field.iamax();
         let value_ut = field[largest];
         if let Some(rail_ut) = rail_ut.filter(|rail| value_ut.abs() >= *rail) {
@@ -100,7 +100,8 @@ impl Stream {
         Ok(())
     }
 
-    fn check_time(&self, time_ns: i64) -> Result<(), RejectReason> {
+    /// Whether its time can be.
+    pub fn check_time(&self, time_ns: i64) -> Result<(), RejectReason> {
         let Some(latest_ns) = self.latest_ns() else { return Ok(()) };
         if time_ns <= latest_ns {
             return Err(RejectReason::TimeNotAfter { time_ns, latest_ns });
