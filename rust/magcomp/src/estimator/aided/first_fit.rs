@@ -25,7 +25,7 @@ use crate::heading::across_ut2;
 use crate::math::gaussian::Gaussian;
 use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
-use crate::strength::{EARTH_UT, STRONGEST_AXIS_UT};
+use crate::strength::{EARTH_UT, POSSIBLE_UT, STRONGEST_AXIS_UT};
 
 /// Choice: what the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
 /// nothing, rad.
@@ -193,7 +193,7 @@ impl FirstFit {
             return None;
         }
         let found = filter(&x, &covariance, tuning)?;
-        self.refused = impossible_field(&found);
+        self.refused = impossible_field(&found, &POSSIBLE_UT);
         let is_earthly = self.earth_ut.contains(&self.field().norm());
         if self.refused.is_some() || !is_earthly || tuning.plausible && !is_plausible(&x, &prior, self.given.is_some())
         {

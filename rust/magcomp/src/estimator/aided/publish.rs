@@ -20,6 +20,7 @@ use crate::estimator::answer::Answer;
 use crate::math::gaussian::Gaussian;
 use crate::math::turn::Turn;
 use crate::reading::{HoldReason, Missing, Status};
+use crate::strength::EARTH_UT;
 
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value.
@@ -95,7 +96,7 @@ impl Aided {
             Phase::Running(running) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
                     Status::Disturbed { since_ns: earth.since_ns }
-                } else if let Some(error) = impossible_field(&running.filter) {
+                } else if let Some(error) = impossible_field(&running.filter, &EARTH_UT) {
                     Status::Held(HoldReason::FitRefused(error))
                 } else if at_rest {
                     Status::Held(HoldReason::AtRest)
