@@ -62,6 +62,8 @@ pub enum Reason {
     TimeJump = 15,
     /// Rejected: the same value to the last bit for too long: the sensor hangs.
     Stuck = 16,
+    /// Rejected: the field turns as if the magnetometer had other axes than the gyroscope; the status' text says which.
+    Axes = 17,
 }
 
 /// Why samples allow no fit.
@@ -295,6 +297,7 @@ fn told(status: &magcomp_core::Status) -> (Status, Reason, FitProblem, i64) {
                 RejectReason::TimeNotAfter { .. } => Reason::TimeNotAfter,
                 RejectReason::TimeJump { .. } => Reason::TimeJump,
                 RejectReason::Stuck { .. } => Reason::Stuck,
+                RejectReason::Axes { .. } => Reason::Axes,
             };
             because(Status::Rejected, reason)
         }

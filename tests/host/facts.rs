@@ -139,6 +139,7 @@ fn statuses() {
         RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 8 },
         RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
         RejectReason::Stuck { repeats: 50 },
+        RejectReason::Axes { x: 2, y: -1, z: 3 },
     ];
     let mut ours = vec![Status::Collecting(Missing::Samples { have: 60, need: 100 })];
     ours.extend(problems.map(|problem| Status::Collecting(Missing::Fit(problem))));

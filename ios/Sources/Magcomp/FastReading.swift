@@ -129,7 +129,7 @@ extension HoldReason {
 
 extension RejectReason {
     fileprivate init(_ c: MagcompStatus) {
-        let (a, b) = (c.real.0, c.real.1)
+        let (a, b, third) = c.real
         self =
             switch c.reason {
             case 0: .notFinite
@@ -138,6 +138,7 @@ extension RejectReason {
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
             case 5: .stuck(repeats: Int32(c.whole.0))
+            case 6: .axes(x: Int8(a), y: Int8(b), z: Int8(third))
             default: unknown("reject reason", c.reason)
             }
     }

@@ -93,8 +93,14 @@ extension RejectReason {
         case .timeNotAfter(let timeNs, let latestNs): say("rejected_time_not_after", timeNs, latestNs)
         case .timeJump(let gapS, let limitS): say("rejected_time_jump", gapS, limitS)
         case .stuck(let repeats): say("rejected_stuck", Int64(repeats))
+        case .axes(let x, let y, let z): say("rejected_axes", [x, y, z].map(typed).joined(separator: ","))
         }
     }
+}
+
+/// An axis as one types it: `-x`.
+private func typed(_ axis: Int8) -> String {
+    (axis < 0 ? "-" : "") + ["x", "y", "z"][Int(axis.magnitude) - 1]
 }
 
 extension FitProblem {

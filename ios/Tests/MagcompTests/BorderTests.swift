@@ -73,7 +73,7 @@ import Testing
         let rejected: [RejectReason] = [
             .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .z, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
-            .stuck(repeats: 50),
+            .stuck(repeats: 50), .axes(x: 2, y: -1, z: 3),
         ]
         var expected: [CompensationStatus] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
         expected += [.samples(have: 60, need: 100), .rotation, .directions].map { .collecting(missing: $0) }

@@ -153,6 +153,7 @@ import Testing
         let rejected: [RejectReason] = [
             .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .x, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
+            .axes(x: 2, y: -1, z: 3),
         ]
         var ours: [CompensationStatus] = [.collecting(missing: .samples(have: 60, need: 100))]
         ours += problems.map { .collecting(missing: .fit(problem: $0)) }

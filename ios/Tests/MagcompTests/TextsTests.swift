@@ -17,6 +17,7 @@ struct TextsTests {
         // never half way between two decimals
         func real() -> Double { .random(in: -3000...3000, using: &random) }
         func whole() -> Int32 { .random(in: 0...10_000, using: &random) }
+        let axes = ([1, 2, 3] as [Int8]).shuffled(using: &random).map { Bool.random(using: &random) ? $0 : -$0 }
         let problems: [FitProblem] = [
             .tooFewSamples(have: whole()), .planar(thicknessUt: real()),
             .poorCoverage(directionSigmaDeg: real(), limitDeg: real()),
@@ -29,6 +30,7 @@ struct TextsTests {
             .saturated(axis: [.x, .y, .z].randomElement(using: &random)!, valueUt: real(), railUt: real()),
             .timeNotAfter(timeNs: .random(in: .min ... .max), latestNs: .random(in: .min ... .max)),
             .timeJump(gapS: real(), limitS: 604_800), .stuck(repeats: whole()),
+            .axes(x: axes[0], y: axes[1], z: axes[2]),
         ]
         var all: [CompensationStatus] = [.tracking, .suspect(sinceNs: 1), .disturbed(sinceNs: 1)]
         all.append(.collecting(missing: .samples(have: whole(), need: whole())))

@@ -19,7 +19,7 @@ enum {
 
 /// What the compensator is doing. `kind` and `reason` count the cases of `Status` and of the enum it carries, in the order
 /// of their declaration, from 0; `problem` those of `FitProblem` where `reason` carries one. -1: none.
-/// Whole numbers and reals are the case's fields, in order; an axis is a whole number, 0 to 2.
+/// Whole numbers and reals are the case's fields, in order; an axis is a whole number, 0 to 2, and three axes are reals.
 typedef struct MagcompStatus {
     int32_t kind;
     int32_t reason;

@@ -243,6 +243,7 @@ impl From<Status> for FlatStatus {
                 RejectReason::TimeNotAfter { time_ns, latest_ns } => Self::of(5, 3).whole(time_ns, latest_ns),
                 RejectReason::TimeJump { gap_s, limit_s } => Self::of(5, 4).real(gap_s, limit_s, none),
                 RejectReason::Stuck { repeats } => Self::of(5, 5).whole(repeats.into(), 0),
+                RejectReason::Axes { x, y, z } => Self::of(5, 6).real(x.into(), y.into(), z.into()),
             },
         }
     }

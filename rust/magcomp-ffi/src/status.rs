@@ -127,6 +127,15 @@ pub enum RejectReason {
         /// How many times in a row the value was accepted before.
         repeats: i32,
     },
+    /// The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+    Axes {
+        /// The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
+        x: i8,
+        /// Along y.
+        y: i8,
+        /// Along z.
+        z: i8,
+    },
 }
 
 /// Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
@@ -300,6 +309,7 @@ pub(crate) fn examples() -> Vec<Status> {
         RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 9_007_199_254_740_993 },
         RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
         RejectReason::Stuck { repeats: 50 },
+        RejectReason::Axes { x: 2, y: -1, z: 3 },
     ];
     let mut examples = vec![Status::Tracking, Status::Suspect { since_ns: -9_007_199_254_740_993 }];
     examples.push(collecting(Missing::Samples { have: 60, need: 100 }));

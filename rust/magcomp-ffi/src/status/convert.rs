@@ -108,6 +108,7 @@ impl From<magcomp::RejectReason> for RejectReason {
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: count(repeats) },
+            R::Axes { x, y, z } => Self::Axes { x, y, z },
         }
     }
 }
@@ -122,6 +123,7 @@ impl From<RejectReason> for magcomp::RejectReason {
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: size(repeats) },
+            R::Axes { x, y, z } => Self::Axes { x, y, z },
         }
     }
 }

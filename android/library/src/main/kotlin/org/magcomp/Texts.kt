@@ -3,6 +3,7 @@
 package org.magcomp
 
 import android.content.res.Resources
+import kotlin.math.abs
 import kotlin.math.ceil
 import kotlin.math.roundToInt
 
@@ -112,7 +113,11 @@ private fun RejectReason.text(strings: Strings): String = when (this) {
     is RejectReason.TimeNotAfter -> strings.say(R.string.magcomp_rejected_time_not_after, timeNs, latestNs)
     is RejectReason.TimeJump -> strings.say(R.string.magcomp_rejected_time_jump, gapS, limitS)
     is RejectReason.Stuck -> strings.say(R.string.magcomp_rejected_stuck, repeats)
+    is RejectReason.Axes -> strings.say(R.string.magcomp_rejected_axes, listOf(x, y, z).joinToString(",", transform = ::typed))
 }
+
+/** An axis as one types it: `-x`. */
+private fun typed(axis: Byte): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis.toInt()) - 1]
 
 private fun FitProblem.text(strings: Strings): String = when (this) {
     is FitProblem.TooFewSamples -> strings.say(R.string.magcomp_fit_too_few_samples, have)

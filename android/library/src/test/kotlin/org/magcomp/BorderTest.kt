@@ -108,6 +108,7 @@ class BorderTest {
             RejectReason.TimeNotAfter(7, 9_007_199_254_740_993),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
+            RejectReason.Axes(2, -1, 3),
         )
         val missing = listOf(CollectingReason.Samples(60, 100), CollectingReason.Rotation, CollectingReason.Directions)
         val expected = listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(-9_007_199_254_740_993)) +

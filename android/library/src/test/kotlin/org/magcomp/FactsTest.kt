@@ -124,6 +124,7 @@ class FactsTest {
             RejectReason.TimeNotAfter(7, 8),
             RejectReason.TimeJump(1e6, 604_800.0),
             RejectReason.Stuck(50),
+            RejectReason.Axes(2, -1, 3),
         )
         val ours = missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) +
             held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) + rejected.map { CompensationStatus.Rejected(it) }

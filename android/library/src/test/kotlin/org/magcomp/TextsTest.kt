@@ -25,7 +25,7 @@ class TextsTest {
         }
         val all = listOf(CompensationStatus::class, CollectingReason::class, HoldReason::class, RejectReason::class, FitProblem::class)
             .flatMap { kind -> kind.java.declaredClasses.filter { kind.java.isAssignableFrom(it) } }
-        assertEquals(29, all.size)
+        assertEquals(30, all.size)
         assertEquals(all.toSet(), seen, "every kind was asked")
         val events = JSONObject(repository.resolve("tests/vectors/facts.json").readText()).getJSONArray("events")
         val asked = (0 until events.length()).map(events::getJSONObject).map { case ->
@@ -85,6 +85,7 @@ class TextsTest {
         // never half way between two decimals
         fun real() = random.nextDouble(-3000.0, 3000.0)
         fun whole() = random.nextInt(0, 10_000)
+        val axes = listOf(1, 2, 3).shuffled(random).map { (if (random.nextBoolean()) it else -it).toByte() }
         val problems = listOf(
             FitProblem.TooFewSamples(whole()), FitProblem.Planar(real()), FitProblem.PoorCoverage(real(), real()),
             FitProblem.Inconsistent(real(), real()), FitProblem.NotAnEllipsoid, FitProblem.FieldOutOfRange(real(), real(), real()),
@@ -96,7 +97,7 @@ class TextsTest {
         val rejected = listOf(
             RejectReason.NotFinite, RejectReason.OutOfRange(real(), real()), RejectReason.Saturated(DeviceAxis.entries.random(random), real(), real()),
             RejectReason.TimeNotAfter(random.nextLong(), random.nextLong()), RejectReason.TimeJump(real(), 604_800.0),
-            RejectReason.Stuck(whole()),
+            RejectReason.Stuck(whole()), axes.let { (x, y, z) -> RejectReason.Axes(x, y, z) },
         )
         return missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) + held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) +
             rejected.map { CompensationStatus.Rejected(it) }
