@@ -154,7 +154,7 @@ pub struct Reading {
     pub heading_sigma_deg: f64,
     /// Clockwise from true north, 0 to 360 deg; where the setting `heading.declination_deg` is.
     pub true_heading_deg: f64,
-    /// Angle of the field below the horizon, -90 to 90 deg.
+    /// Angle of the field below the horizon, -90 to 90 deg; where a field is known: a north from outside needs none.
     pub inclination_deg: f64,
     /// The unit quaternion w, x, y, z that takes device axes to east, north (magnetic) and up; w is at least 0.
     pub attitude: [f64; 4],

@@ -8,7 +8,7 @@ extension MagneticReading {
         let heading = known(c.heading_deg).map {
             CompassHeading(
                 headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
-                inclinationDeg: c.inclination_deg)
+                inclinationDeg: known(c.inclination_deg))
         }
         let (w, x, y, z) = c.attitude
         let attitude = known(w).map { DeviceAttitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }

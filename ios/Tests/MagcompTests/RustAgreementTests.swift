@@ -121,7 +121,7 @@ import Testing
                 #expect((found == nil) == (wanted == nil), "\(fact.name)")
                 guard let found, let wanted else { continue }
                 #expect(abs((found.headingDeg - wanted).remainder(dividingBy: 360)) < 1e-9, "\(fact.name)")
-                #expect(abs(found.inclinationDeg - fact.inclinationDeg) < 1e-9, "\(fact.name)")
+                #expect(abs(try #require(found.inclinationDeg) - fact.inclinationDeg) < 1e-9, "\(fact.name)")
             }
         }
     }

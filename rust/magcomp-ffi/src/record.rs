@@ -87,7 +87,7 @@ pub struct Heading {
     pub heading_sigma_deg: Option<f64>,
     /// Clockwise from true north, 0 to 360 degrees. None without a declination.
     pub true_heading_deg: Option<f64>,
-    /// Angle of the field below the horizon, -90 to 90 degrees.
+    /// Angle of the field below the horizon, -90 to 90 degrees. None where no field is known and north comes from outside.
     pub inclination_deg: Option<f64>,
 }
 

@@ -46,7 +46,7 @@ public class ReadingBuffer {
     /** Clockwise from true north, degrees, 0 to 360; NaN without a declination. */
     public val trueHeadingDeg: Double get() = slots[TRUE_HEADING]
 
-    /** Angle of the field below the horizon, degrees. */
+    /** Angle of the field below the horizon, degrees; NaN where no field is known and north comes from outside. */
     public val inclinationDeg: Double get() = slots[INCLINATION]
 
     /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
@@ -134,7 +134,7 @@ public class ReadingBuffer {
                 headingDeg = it,
                 headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
                 trueHeadingDeg = known(slots[at + TRUE_HEADING]),
-                inclinationDeg = slots[at + INCLINATION],
+                inclinationDeg = known(slots[at + INCLINATION]),
             )
         }
 

@@ -63,7 +63,7 @@ class FactsTest {
             val found = heading(vector(case.getJSONArray("field_ut")), vector(case.getJSONArray("up")), frame)!!
             assertEquals(case.getDouble("heading_deg"), found.headingDeg, 1e-9, case.getString("name"))
             assertEquals(case.getDouble("true_heading_deg"), found.trueHeadingDeg!!, 1e-9, case.getString("name"))
-            assertEquals(case.getDouble("inclination_deg"), found.inclinationDeg, 1e-9, case.getString("name"))
+            assertEquals(case.getDouble("inclination_deg"), found.inclinationDeg!!, 1e-9, case.getString("name"))
             val (w, x, y, z) = attitude(vector(case.getJSONArray("field_ut")), vector(case.getJSONArray("up")))!!
             val q = case.getJSONArray("attitude")
             // a quaternion and its negative are the same attitude
@@ -189,7 +189,7 @@ class FactsTest {
             val found = heading(field.fieldUt, up.upMS2, HeadingFrame(axis, ScreenRotation.DEG0))!!
             val off = Math.IEEEremainder(found.headingDeg - case.getDouble("heading_deg"), 360.0)
             assertTrue(abs(off) < 1e-4, "${case.getString("name")}: $found")
-            assertEquals(shared.getDouble("inclination_deg"), found.inclinationDeg, 1e-4)
+            assertEquals(shared.getDouble("inclination_deg"), found.inclinationDeg!!, 1e-4)
         }
     }
 

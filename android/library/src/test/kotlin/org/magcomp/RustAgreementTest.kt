@@ -117,7 +117,7 @@ class RustAgreementTest {
                 } else {
                     val off = Math.IEEEremainder(found!!.headingDeg - fact.getDouble(key), 360.0)
                     assertEquals(0.0, off, 1e-9, name)
-                    assertEquals(fact.getDouble("inclination_deg"), found.inclinationDeg, 1e-9, name)
+                    assertEquals(fact.getDouble("inclination_deg"), found.inclinationDeg!!, 1e-9, name)
                 }
             }
         }
