@@ -1,7 +1,8 @@
 //! What the filter learns about its own noise while it runs.
 //!
 //! ```text
-//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)
+//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)       of samples, and over 5 s of
+//!                                                the means of frames: what a logger has interpolated or held is no better known than it says
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
@@ -17,6 +18,7 @@ use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
+use super::state::Parts;
 use super::step::{Known, Step, gain};
 use super::tuning::Tuning;
 
@@ -26,7 +28,9 @@ const LEAST_NOISE_UT: f64 = 0.2;
 /// Noise levels, learned.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Adaptation {
-    variance_ut2: f64,
+    /// Of a sample, and of a frame's mean.
+    sample: White,
+    mean: White,
     local_ut: f64,
     /// q_b, uT per root of a second.
     walk_ut: f64,
@@ -36,7 +40,6 @@ pub(crate) struct Adaptation {
     walked_s: f64,
     /// tr P_bb when the window began, uT^2.
     walk_began_ut2: f64,
-    previous_raw_ut: Option<Vector3<f64>>,
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
@@ -49,10 +52,46 @@ pub(crate) struct Adaptation {
     followed_ut2: f64,
 }
 
+/// White noise, from one sample or frame to the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct White {
+    variance_ut2: f64,
+    previous_ut: Option<Vector3<f64>>,
+}
+
+impl White {
+    fn new(tuning: &Tuning) -> Self {
+        Self { variance_ut2: tuning.noise_start_ut.powi(2), previous_ut: None }
+    }
+
+    /// A sample or a mean, with the turn from the one before.
+    fn step(
+        &mut self,
+        raw_ut: &Vector3<f64>,
+        x: &Parts,
+        turn: &Matrix3<f64>,
+        dt_s: f64,
+        memory_s: f64,
+        tuning: &Tuning,
+    ) {
+        let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
+        if let (Some(previous), Some(w)) = (self.previous_ut, soft_iron.try_inverse()) {
+            let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
+            let size = e.norm();
+            let share = if tuning.noise_learning { (dt_s / memory_s).min(1.0) } else { 0.0 };
+            let variance = self.variance_ut2;
+            self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
+            self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
+        }
+        self.previous_ut = Some(*raw_ut);
+    }
+}
+
 impl Adaptation {
     pub(crate) fn new(tuning: &Tuning) -> Self {
         Self {
-            variance_ut2: tuning.noise_start_ut.powi(2),
+            sample: White::new(tuning),
+            mean: White::new(tuning),
             local_ut: if tuning.unevenness { tuning.local_most_ut } else { 0.0 },
             walk_ut: tuning.offset_walk_ut,
             walk_began_ut2: f64::MAX,
@@ -63,8 +102,14 @@ impl Adaptation {
         }
     }
 
+    /// sigma of a sample.
     pub(crate) fn sigma_ut(&self) -> f64 {
-        self.variance_ut2.sqrt()
+        self.sample.variance_ut2.sqrt()
+    }
+
+    /// sigma of a frame's mean.
+    pub(crate) fn mean_sigma_ut(&self) -> f64 {
+        self.mean.variance_ut2.sqrt()
     }
 
     /// s_d, uT.
@@ -89,15 +134,15 @@ impl Adaptation {
         let quick = gain(dt_s, tuning.quick_s);
         self.slow_ut += (difference_ut - self.slow_ut) * quick;
         // what white noise alone would leave after this low-pass
-        let white = self.variance_ut2 * quick / (2.0 - quick);
+        let white = self.mean.variance_ut2 * quick / (2.0 - quick);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white)
-            .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.variance_ut2));
+            .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.mean.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = (dt_s / self.slow_age_s).min(1.0);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
         self.lasting_ut += (difference_ut - self.lasting_ut) * (dt_s / tuning.walk_s).min(1.0);
-        let power =
-            (difference_ut.norm_squared() / 3.0).min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.variance_ut2));
+        let power = (difference_ut.norm_squared() / 3.0)
+            .min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.mean.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
         // f remembers what it has followed
         self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * exp(-dt_s / tuning.settled_s));
@@ -117,7 +162,7 @@ impl Adaptation {
         if !tuning.followed {
             return 1.0;
         }
-        let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + self.variance_ut2 * step.dt_s;
+        let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + self.mean.variance_ut2 * step.dt_s;
         (density(self.followed_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
     }
 
@@ -148,7 +193,7 @@ impl Adaptation {
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).
     pub(crate) fn forget_previous(&mut self) {
-        self.previous_raw_ut = None;
+        (self.sample.previous_ut, self.mean.previous_ut) = (None, None);
     }
 
     /// One sample, with the step from the one before.
@@ -160,16 +205,17 @@ impl Adaptation {
         dt_s: f64,
         tuning: &Tuning,
     ) {
-        let (offset_ut, soft_iron) = (known.x.hard_iron, known.x.soft_iron());
-        if let (Some(previous), Some(w)) = (self.previous_raw_ut, soft_iron.try_inverse()) {
-            let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
-            let size = e.norm();
-            let share = if tuning.noise_learning { (dt_s / tuning.memory_s).min(1.0) } else { 0.0 };
-            let variance = self.variance_ut2;
-            self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
-            self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
-        }
-        self.previous_raw_ut = Some(*raw_ut);
+        self.sample.step(raw_ut, &known.x, turn, dt_s, tuning.memory_s, tuning);
+    }
+
+    /// A sample stands for itself: nothing else is known of the mean of several.
+    pub(crate) fn stand_alone(&mut self) {
+        self.mean = self.sample.clone();
+    }
+
+    /// One frame, with the turn from the one before.
+    pub(crate) fn step_mean(&mut self, step: &Step<'_>, x: &Parts, turn: &Matrix3<f64>, tuning: &Tuning) {
+        self.mean.step(step.raw_ut, x, turn, step.dt_s, tuning.settled_s, tuning);
     }
 
     /// The local field's standard deviation, from the size of an innovation and of its slow part.
@@ -180,7 +226,7 @@ impl Adaptation {
             return;
         }
         let trace_ut2 = innovation.variance_ut2.sum();
-        let share = (3.0 * (self.variance_ut2 + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
+        let share = (3.0 * (self.mean.variance_ut2 + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
         let quick = gain(dt_s, tuning.quick_s);
         self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * quick;
@@ -189,7 +235,7 @@ impl Adaptation {
         let excess = if excess < 0.0 { excess * motion } else { excess };
         let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));
         // what shows in the mean of the noise over its own duration: from less it rises too slowly where an uneven place is entered
-        let least_ut = (self.variance_ut2 * dt_s / tuning.local_time_s).sqrt();
+        let least_ut = (self.mean.variance_ut2 * dt_s / tuning.local_time_s).sqrt();
         self.local_ut = grown_ut.min(tuning.local_most_ut).max(least_ut);
     }
 

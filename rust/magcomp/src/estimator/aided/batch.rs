@@ -149,7 +149,7 @@ pub(super) fn parts(x: &Vector) -> Parts {
 
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
 pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
-    let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s);
+    let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s, 0.0);
     let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD.start()).copy_from(&(model.by_field * mean.back));

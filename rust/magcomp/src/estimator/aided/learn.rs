@@ -1,7 +1,7 @@
-//! One sample with a known rotation: predict, gate, rest, hypotheses or update, adopt.
+//! One sample with a known rotation: the field turns, and once a frame of them is full: predict, gate, rest, hypotheses or update, adopt.
 //!
 //! ```text
-//! predict always;  v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U, 2 uT)^2
+//! v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U, 2 uT)^2
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
@@ -17,6 +17,7 @@ use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
 use super::step::Step;
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
+use crate::math::elementary::exp;
 use crate::math::turn::Turn;
 use crate::reading::Status;
 
@@ -43,6 +44,7 @@ impl Aided {
     fn collect(&mut self, step: &Step<'_>) {
         let Phase::Starting(first) = &mut self.phase else { return };
         first.turn(step);
+        self.adaptation.stand_alone();
         if let Some(variance) = step.bias_variance {
             first.rest(step.rate_rad_s, variance);
         }
@@ -58,7 +60,6 @@ impl Aided {
 
     /// The filter's part of one sample.
     fn learn(&mut self, step: &Step<'_>) {
-        let is_open = self.phase.trial().is_some();
         let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
         if step.dt_s > self.tuning.walk_s {
             running.drift(step.dt_s, &self.tuning);
@@ -67,7 +68,27 @@ impl Aided {
         if let Some(earth) = &mut running.earth {
             earth.step(step, filter, &self.tuning);
         }
-        filter.propagate(step.increment_rad, step.dt_s, &step.noise);
+        filter.turn(&step.turn, exp(-step.dt_s / step.noise.local_time_s));
+        let delay_s = filter.delay_s();
+        if let Some(whole) = self.frame.add(step, running.is_lost()) {
+            let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
+            self.learn_whole(&step.whole(&whole, delayed_rad_s));
+        }
+    }
+
+    /// The filter's part of a frame.
+    fn learn_whole(&mut self, step: &Step<'_>) {
+        let is_open = self.phase.trial().is_some();
+        let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
+        let filter = &mut running.filter;
+        let x = filter.parts();
+        let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
+        filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
+        let sigma_ut = self.adaptation.mean_sigma_ut();
+        let step = &Step { sigma_ut, ..*step };
+        if !step.is_blank {
+            self.adaptation.step_mean(step, &x, &turn.rotation, &self.tuning);
+        }
         self.quarantine.turn(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
@@ -153,5 +174,5 @@ impl Aided {
 /// What c and f differ by.
 fn unevenness(step: &Step<'_>, x: &Parts) -> Option<Vector3<f64>> {
     let still = x.corrected(step.raw_ut)?.field_ut;
-    Some(Turn::by(&-(x.true_rate(&step.delayed_rad_s) * x.delay)).rotation * still - x.field)
+    Some(Turn::by(&-(x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s))).rotation * still - x.field)
 }

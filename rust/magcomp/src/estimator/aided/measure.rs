@@ -82,8 +82,9 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>) -> Self {
-        let (h0, w, tau, m) = (x.field + x.local, x.true_rate(rate_rad_s), x.delay, x.soft_iron());
+    /// Of samples that are late by `late_s` beside the delay.
+    pub(crate) fn of(x: &Parts, rate_rad_s: &Vector3<f64>, late_s: f64) -> Self {
+        let (h0, w, tau, m) = (x.field + x.local, x.true_rate(rate_rad_s), x.delay + late_s, x.soft_iron());
         let Turn { rotation: back, left_jacobian: j } = Turn::by(&(w * tau));
         let seen = back * h0;
         Self {
@@ -128,7 +129,7 @@ impl Filter {
     /// The innovation of a sample; `None` when S has no Cholesky factor.
     pub(crate) fn innovation(&self, step: &Step<'_>, tuning: &Tuning) -> Option<Innovation> {
         let (raw_ut, sigma_ut) = (step.raw_ut, step.sigma_ut);
-        let model = Model::of(&self.parts(), &step.delayed_rad_s);
+        let model = Model::of(&self.parts(), &step.delayed_rad_s, step.late_s);
         let bilinear_ut2 = if tuning.second_order { self.second_order() } else { Vector3::zeros() };
         let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
         let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
@@ -151,7 +152,7 @@ impl Filter {
 
     /// What the magnetometer should read at rest, uT.
     pub(crate) fn expected_ut(&self) -> Vector3<f64> {
-        Model::of(&self.parts(), &Vector3::zeros()).raw_ut
+        Model::of(&self.parts(), &Vector3::zeros(), 0.0).raw_ut
     }
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.

@@ -12,6 +12,7 @@ mod earth;
 mod events;
 mod explain;
 mod first_fit;
+mod frame;
 mod groups;
 mod learn;
 mod measure;
@@ -42,6 +43,7 @@ use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use bursts::Bursts;
 use first_fit::FirstFit;
+use frame::Frame;
 use measure::Judged;
 use motion::Motion;
 use phase::{Phase, Running};
@@ -68,6 +70,7 @@ pub(crate) struct Aided {
     /// Of the filter, empty while there is none or the hypotheses run.
     quarantine: Quarantine,
     recent: Recent,
+    frame: Frame,
     motion: Motion,
     former: Option<Former>,
     event: Option<Event>,
@@ -89,6 +92,7 @@ impl Aided {
             bursts: Bursts::default(),
             quarantine: Quarantine::default(),
             recent: Recent::default(),
+            frame: Frame::default(),
             motion: Motion::new(),
             former: None,
             event: None,

@@ -77,8 +77,21 @@ impl Filter {
     pub(crate) fn propagate(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let x = self.parts();
         let turn = Turn::by(&-x.turned(increment_rad, dt_s));
+        self.turn(&turn.rotation, exp(-dt_s / noise.local_time_s));
+        self.spread(&turn, increment_rad, dt_s, noise);
+    }
+
+    /// m and d turn, d fades; what is known of them stays behind until `spread`.
+    pub(super) fn turn(&mut self, rotation: &Matrix3<f64>, fade: f64) {
+        let x = self.parts();
+        self.set_part(FIELD, &(rotation * x.field));
+        self.set_part(LOCAL, &(rotation * x.local * fade));
+    }
+
+    /// What is known follows m and d, which have turned.
+    pub(super) fn spread(&mut self, turn: &Turn, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let fade = exp(-dt_s / noise.local_time_s);
-        self.carry(&turn, fade, |dx| dx.axes * increment_rad + dx.bias * dt_s);
+        self.carry_covariance(turn, fade, |dx| dx.axes * increment_rad + dx.bias * dt_s);
         self.widen(&StepNoise {
             turn_rad2: noise.turn_rad2(dt_s),
             hard_iron_ut2: noise.offset_ut.powi(2) * dt_s,
@@ -90,11 +103,14 @@ impl Filter {
     /// Turns m and d; d fades. `added` is what an error dx of the gyroscope adds to the vector of the turn, rad.
     #[inline(always)]
     pub(super) fn carry(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
-        let x = self.parts();
+        self.turn(&turn.rotation, fade);
+        self.carry_covariance(turn, fade, added);
+    }
+
+    #[inline(always)]
+    fn carry_covariance(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
         let (m_by_m, d_by_d) = (turn.rotation, turn.rotation * fade);
-        let (m, d) = (m_by_m * x.field, d_by_d * x.local);
-        self.set_part(FIELD, &m);
-        self.set_part(LOCAL, &d);
+        let Parts { field: m, local: d, .. } = self.parts();
         let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
         let f = Transition { m_by_m, d_by_d, m_by_turn, d_by_turn, added };
         let p = &mut self.covariance;

@@ -36,7 +36,9 @@ impl Aided {
         let timing = swing * swing.transpose() * filter.delay_s2();
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
-        let mut unseen = self.adaptation.local_ut2(noise.trace() / 3.0, &self.tuning) + floor;
+        // what c and f differ by is learned from frames
+        let of_means_ut2 = (w * w.transpose()).trace() / 3.0 * self.adaptation.mean_sigma_ut().powi(2);
+        let mut unseen = self.adaptation.local_ut2(of_means_ut2, &self.tuning) + floor;
         if let Phase::Undecided(running, _) = &self.phase {
             // c is wrong by the step if it is the device's
             unseen += running.watch.misfit_ut().powi(2) / 3.0;

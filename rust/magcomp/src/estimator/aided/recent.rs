@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 /// Choice: steps that are kept: delays of up to 80 ms at 100 Hz.
-const STEPS: usize = 8;
+const STEPS: usize = 16;
 
 /// The latest steps of the gyroscope, in a ring.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -70,6 +70,7 @@ impl Aided {
             dt_s,
             noise,
             sigma_ut: self.adaptation.sigma_ut(),
+            late_s: 0.0,
             bias_sd_rad_s: known.bias_sd_rad_s,
             resting: self.motion.at_rest(),
             bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
+use super::frame::Frame;
 use super::phase::Phase;
 use super::quarantine::Quarantine;
 use super::recent::Recent;
@@ -55,6 +56,7 @@ impl Aided {
     ) -> (Status, Answer) {
         self.motion.without_rotation(up);
         self.recent = Recent::default();
+        self.frame = Frame::default();
         self.quarantine = Quarantine::default();
         let dt_s = dt_s.unwrap_or(0.0);
         match self.phase.take() {

@@ -75,14 +75,15 @@ fn measurement_jacobian_is_the_derivative() {
     for _ in 0..100 {
         let state = random_state(&mut random);
         let rate = random.vector(3.0);
-        let h = Model::of(&state.parts(), &rate);
+        let h = Model::of(&state.parts(), &rate, 0.02);
         let h = covariance::<STATES, 3>(|k, i| f64::from(k == i), |dx| h.times(dx));
         for j in 0..STATES {
             let step = 1e-5 * scale(j);
             let (mut low, mut high) = (state.clone(), state.clone());
             low.mean[j] -= step;
             high.mean[j] += step;
-            let slope = (Model::of(&high.parts(), &rate).raw_ut - Model::of(&low.parts(), &rate).raw_ut) / (2.0 * step);
+            let slope = (Model::of(&high.parts(), &rate, 0.02).raw_ut - Model::of(&low.parts(), &rate, 0.02).raw_ut)
+                / (2.0 * step);
             for i in 0..3 {
                 let error = (h[(j, i)] - slope[i]).abs() * scale(j);
                 assert!(error < 1e-7, "({i}, {j}): {} against {}", h[(j, i)], slope[i]);

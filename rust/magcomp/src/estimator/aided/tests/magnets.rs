@@ -21,6 +21,7 @@ const NOISE: ProcessNoise = ProcessNoise { bridged_rad2: 1e-8, offset_ut: 0.3, l
 fn step<'a>(increment_rad: &'a Vector3<f64>) -> Step<'a> {
     Step {
         bias_sd_rad_s: 0.0,
+        late_s: 0.0,
         time_ns: 0,
         raw_ut: increment_rad,
         is_blank: false,
@@ -169,7 +170,7 @@ fn the_mean_over_the_delay_is_the_integral_of_the_rate() {
         let from_s = f64::from(k) * DT_S;
         recent.add(&Vector3::new(turned(from_s + DT_S) - turned(from_s), 0.0, 0.0), DT_S);
     }
-    for delay_s in [0.01, 0.02, 0.05, 0.08] {
+    for delay_s in [0.01, 0.02, 0.05, 0.16] {
         let mean = recent.mean_rad_s(delay_s).expect("late").x;
         let expected = (turned(0.3) - turned(0.3 - delay_s)) / delay_s;
         assert!((mean - expected).abs() < 1e-12, "{delay_s} s: {mean}, {expected}");
@@ -177,7 +178,7 @@ fn the_mean_over_the_delay_is_the_integral_of_the_rate() {
     // half a step is half of its turn; beyond what is known the mean is that of what is known
     let half = recent.mean_rad_s(0.015).expect("late").x * 0.015;
     assert!((half - (turned(0.3) - turned(0.29) + 0.5 * (turned(0.29) - turned(0.28)))).abs() < 1e-12);
-    let [known, all] = [0.08, 1.0].map(|delay_s| recent.mean_rad_s(delay_s).expect("late").x);
+    let [known, all] = [0.16, 1.0].map(|delay_s| recent.mean_rad_s(delay_s).expect("late").x);
     assert!((known - all).abs() < 1e-12);
     for early_s in [0.0, -0.01] {
         assert_eq!(recent.mean_rad_s(early_s), None);
