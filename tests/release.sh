@@ -72,7 +72,7 @@ c() {
 }
 
 wheel() {
-    tests/python.sh
+    PROFILE=release tests/python.sh
     cp "$CARGO_TARGET_DIR"/python/wheels/magcomp-*.whl "$out/"
     parts_of "$(cd "$out" && ls magcomp-*.whl)" python magcomp-python "$host"
 }

@@ -1,15 +1,25 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts, `tests/run.sh rust bindings` some. Needs Rust 1.89 or newer; what else a part needs
-# it installs as root on Debian (tests/need.sh), or it fails and names what is missing. Mobile libraries are built for one
-# architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all with the argument `all`.
+# Every test. `tests/run.sh` runs all parts but `night`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a table
+# at the end says how each went. Needs Rust 1.89 or newer; what else a part needs it installs as root on Debian (tests/need.sh), or it fails and
+# names what is missing. Mobile libraries are built for one architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all
+# with the argument `all`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust bindings kotlin swift python c web mobile aar xcframework)
+
+# Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
+# In a lane a part comes after what it needs: Kotlin and the AAR write the same folders. Seconds are those of two cores with nothing built,
+# then of a second run.
+lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" night)
+seconds() { # PART
+    case "$1" in
+        *) echo "? ?" ;;
+    esac
+}
 
 rust() {
     tests/need-test.sh
     . tests/need.sh
-    need rust "${rust_tools[@]}" python3:python3
+    need rust "${rust_tools[@]}" "${rust_checks[@]}" python3:python3
     tests/versions.sh
     tests/circles.py
     tests/choices-test.py
@@ -38,16 +48,67 @@ mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }
 xcframework() { tests/xcframework.sh; }
 
-part=
-trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT
-for part in "${@:-${parts[@]}}"; do
-    case " ${parts[*]} " in
-        *" $part "*) ;;
-        *) echo "unknown part '$part'; parts are: ${parts[*]}" >&2; exit 2 ;;
-    esac
-    echo "== $part"
-    begin=$SECONDS
-    "$part"
-    echo "== $part passed in $((SECONDS - begin)) s"
+# part NAME: in a shell of its own, where the first failure is the end
+part() {
+    local begin=$SECONDS status
+    times >"$work/$1.times" # its second line: of all that this shell has waited for
+    echo "== $1"
+    set +e
+    (set -e; "$1")
+    status=$?
+    set -e
+    [ $status -eq 0 ] && status=passed || status=FAILED
+    echo "== $1 $status in $((SECONDS - begin)) s"
+    times >>"$work/$1.times"
+    echo "$1 $status $((SECONDS - begin)) $(awk 'NR % 2 == 0 { split($1 $2, t, /[ms]/); all = t[1] * 60 + t[2] + t[3] * 60 + t[4] - all }
+        END { printf "%d", all }' "$work/$1.times")" >>"$work/results"
+}
+
+wanted=()
+for name in "${@:-${lanes[0]} ${lanes[1]}}"; do
+    for name in $name; do
+        case " ${lanes[*]} " in
+            *" $name "*) wanted+=("$name") ;;
+            *) echo "unknown part '$name'; parts are: ${lanes[*]}" >&2; exit 2 ;;
+        esac
+    done
 done
-echo "== all passed in $SECONDS s"
+of_lane() { # LANE: its parts that are wanted, in the lane's order
+    local name
+    for name in $1; do case " ${wanted[*]} " in *" $name "*) echo "$name" ;; esac; done
+}
+work=$(mktemp -d)
+beside=
+trap '[ -z "$beside" ] || kill -- "-$beside" 2>/dev/null || true; rm -rf "$work"' EXIT
+
+echo "== on two cores, with nothing built (built before):"
+for lane in "${lanes[@]}"; do
+    line=
+    for name in $(of_lane "$lane"); do
+        set -- $(seconds "$name")
+        line+="${line:+, }$name $1 s ($2 s)"
+    done
+    [ -z "$line" ] || echo "   $line"
+done
+
+# the second lane in the background; what it says comes part by part
+if [ -n "$(of_lane "${lanes[0]}")" ] && [ -n "$(of_lane "${lanes[1]}")" ]; then
+    set -m # a process group of its own, which can be ended whole
+    (
+        set +m
+        for name in $(of_lane "${lanes[1]}"); do
+            part "$name" >"$work/$name.out" 2>&1
+            cat "$work/$name.out"
+        done
+    ) &
+    beside=$!
+    set +m
+fi
+for name in $(of_lane "${lanes[0]}") $([ -n "$beside" ] || of_lane "${lanes[1]}") $(of_lane "${lanes[2]}"); do part "$name"; done
+[ -z "$beside" ] || wait "$beside"
+beside=
+
+echo "== part, result, seconds, seconds of processor time"
+column -t "$work/results" 2>/dev/null || cat "$work/results"
+echo "== all of it in $SECONDS s"
+! grep -q ' FAILED ' "$work/results"

@@ -13,7 +13,7 @@ parts=(deny features minimal stated workflows)
 need supply "${rust_tools[@]}" python3:python3 venv:python3-venv tar:tar
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 stated=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
-manifests=(Cargo.toml c/Cargo.toml python/Cargo.toml web/Cargo.toml) # fuzz/ ships nowhere
+manifests=(Cargo.toml web/Cargo.toml) # fuzz/ ships nowhere
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
