@@ -29,7 +29,7 @@ rust() {
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
-    RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --no-deps --lib --example expected
+    RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the lab without the importers that bring large dependencies
     cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
