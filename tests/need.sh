@@ -5,6 +5,7 @@
 
 # `cc` and the C library's headers: cargo links with them
 rust_tools=(cargo: cc:gcc '/usr/include/stdio.h:libc6-dev')
+case "${OSTYPE:-}" in darwin* | msys*) rust_tools=(cargo:) ;; esac # theirs come with Xcode's and Visual Studio's tools
 rust_checks=(fmt:rustfmt clippy:clippy)
 # Debian's own Rust brings the source of std, which the mobile targets are built from
 debian_rust=(/usr/bin/cargo:cargo-web /usr/bin/rustc:rustc-web '/usr/lib/rustlib/src/rust/library:rust-web-src' "${rust_tools[@]:1}")
@@ -14,7 +15,10 @@ java_tools=(jdk:default-jdk-headless mvn:maven)
 # builds these again; so it does without dependencies of tests, which `cargo test`, `--all-targets` and `--example expected` take in.
 # Not the generator of the bindings, 5 lines on a large library: its features would put that library into the one that is tested.
 # test-hooks: the library is the one that the other languages test.
+# Nor the Python module, which only an interpreter links.
 workspace=(--workspace --exclude uniffi-bindgen --exclude magcomp-python --features magcomp-ffi/test-hooks)
+# Windows: its files would have the names of the command's
+case "${OSTYPE:-}" in msys*) workspace+=(--exclude magcomp-c) ;; esac
 
 there() { # TOOL
     case "$1" in

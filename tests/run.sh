@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts but `night`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a table
-# at the end says how each went. Needs Rust 1.89 or newer; what else a part needs it installs as root on Debian (tests/need.sh), or it fails and
+# Every test. `tests/run.sh` runs all parts but `night` and `host`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a
+# table at the end says how each went. Needs Rust 1.89 or newer; what else a part needs it installs as root on Debian (tests/need.sh), or it fails and
 # names what is missing. Mobile libraries are built for one architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all
 # with the argument `all`.
 set -euo pipefail
@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 # Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
 # In a lane a part comes after what it needs: Kotlin and the AAR write the same folders. Seconds are those of two cores with nothing built,
 # then of a second run.
-lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" night)
+lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" "host night")
 seconds() { # PART
     case "$1" in
         *) echo "? ?" ;;
@@ -28,7 +28,7 @@ rust() {
     tests/notices.py --check
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
-    cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
+    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the lab without the importers that bring large dependencies
@@ -36,6 +36,32 @@ rust() {
     cargo test --locked -p magcomp-lab --no-default-features --test lean
     # the core alone, as others take it: with the features that it asks for itself, and its enums may grow
     cargo clippy --locked -p magcomp -- -D warnings
+}
+
+# the importers of Parquet, Arrow and bags, whose dependencies are most of all
+import() {
+    . tests/need.sh
+    need import "${rust_tools[@]}" "${rust_checks[@]}"
+    local features=(--features magcomp-lab/columnar,magcomp-lab/mcap)
+    cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files -- -D warnings
+    cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files
+}
+
+# the Rust tests alone, on any system
+host() {
+    . tests/need.sh
+    need host "${rust_tools[@]}"
+    cargo test --locked "${workspace[@]}"
+}
+
+# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them, the wheel as it ships
+night() {
+    . tests/need.sh
+    need night "${rust_tools[@]}"
+    MAGCOMP_NIGHT=1 cargo test --locked "${workspace[@]}" -- --include-ignored
+    PROFILE=ship tests/mobile.sh all
+    PROFILE=ship tests/xcframework.sh all
+    PROFILE=release tests/python.sh
 }
 
 bindings() { bindings/generate.sh --check; }
@@ -65,13 +91,12 @@ part() {
 }
 
 wanted=()
-for name in "${@:-${lanes[0]} ${lanes[1]}}"; do
-    for name in $name; do
-        case " ${lanes[*]} " in
-            *" $name "*) wanted+=("$name") ;;
-            *) echo "unknown part '$name'; parts are: ${lanes[*]}" >&2; exit 2 ;;
-        esac
-    done
+[ $# -gt 0 ] || read -ra wanted <<<"${lanes[0]} ${lanes[1]}"
+for name; do
+    case " ${lanes[*]} " in
+        *" $name "*) wanted+=("$name") ;;
+        *) echo "unknown part '$name'; parts are: ${lanes[*]}" >&2; exit 2 ;;
+    esac
 done
 of_lane() { # LANE: its parts that are wanted, in the lane's order
     local name
@@ -85,8 +110,8 @@ echo "== on two cores, with nothing built (built before):"
 for lane in "${lanes[@]}"; do
     line=
     for name in $(of_lane "$lane"); do
-        set -- $(seconds "$name")
-        line+="${line:+, }$name $1 s ($2 s)"
+        read -r cold warm < <(seconds "$name")
+        line+="${line:+, }$name $cold s ($warm s)"
     done
     [ -z "$line" ] || echo "   $line"
 done
