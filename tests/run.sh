@@ -7,14 +7,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 # Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
-# In a lane a part comes after what it needs: Kotlin and the AAR write the same folders. Seconds are those of two cores with nothing built,
-# then of a second run.
+# In a lane a part comes after what it needs: Kotlin and the AAR write the same folders.
 lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" "host night")
-seconds() { # PART
-    case "$1" in
-        *) echo "? ?" ;;
-    esac
-}
 
 rust() {
     tests/need-test.sh
@@ -34,8 +28,8 @@ rust() {
     # the lab without the importers that bring large dependencies
     cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
     cargo test --locked -p magcomp-lab --no-default-features --test lean
-    # the core alone, as others take it: with the features that it asks for itself, and its enums may grow
-    cargo clippy --locked -p magcomp -- -D warnings
+    # the core alone, as others take it
+    tests/packed.sh
 }
 
 # the importers of Parquet, Arrow and bags, whose dependencies are most of all
@@ -58,7 +52,7 @@ host() {
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
-    MAGCOMP_NIGHT=1 cargo test --locked "${workspace[@]}" -- --include-ignored
+    MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" -- --include-ignored
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
     PROFILE=release tests/python.sh
@@ -106,12 +100,13 @@ work=$(mktemp -d)
 beside=
 trap '[ -z "$beside" ] || kill -- "-$beside" 2>/dev/null || true; rm -rf "$work"' EXIT
 
-echo "== on two cores, with nothing built (built before):"
+# how long each part took here when it last passed
+times=$(realpath -m "${CARGO_TARGET_DIR:-target}")/run-times
+echo "== to do, with the seconds that it last took here:"
 for lane in "${lanes[@]}"; do
     line=
     for name in $(of_lane "$lane"); do
-        read -r cold warm < <(seconds "$name")
-        line+="${line:+, }$name $cold s ($warm s)"
+        line+="${line:+, }$name $(sed -n "s/^$name passed \([0-9]*\) .*/\1/p" "$times" 2>/dev/null | grep . || echo "(not run yet)")"
     done
     [ -z "$line" ] || echo "   $line"
 done
@@ -133,6 +128,9 @@ for name in $(of_lane "${lanes[0]}") $([ -n "$beside" ] || of_lane "${lanes[1]}"
 [ -z "$beside" ] || wait "$beside"
 beside=
 
+mkdir -p "${times%/*}"
+sort -k1,1 -u <(grep ' passed ' "$work/results" || true) <(cat "$times" 2>/dev/null || true) >"$work/times"
+mv "$work/times" "$times"
 echo "== part, result, seconds, seconds of processor time"
 column -t "$work/results" 2>/dev/null || cat "$work/results"
 echo "== all of it in $SECONDS s"

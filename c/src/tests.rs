@@ -20,7 +20,10 @@ fn header_is_that_of_the_sources() {
         std::fs::write(&file, &made).unwrap();
     }
     let found = std::fs::read_to_string(&file).unwrap_or_default();
-    assert!(found == made, "include/magcomp.h is not what cbindgen writes: MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c");
+    assert!(
+        found == made,
+        "include/magcomp.h is not what cbindgen writes: MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c"
+    );
 }
 
 /// `NAME SIZE`, then `NAME.MEMBER OFFSET SIZE` of every member: the compiler says where one is left out.

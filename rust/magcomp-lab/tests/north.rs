@@ -121,7 +121,11 @@ fn judged(variant: &str, name: &str, source: Option<Source>) -> Judged {
         count += rows.len() as f64;
     }
     errors.sort_by(f64::total_cmp);
-    let it = Judged { error_deg: (errors[seeds / 2 - 1] + errors[seeds / 2]) / 2.0, within: within / count, leads: leads / count };
+    let it = Judged {
+        error_deg: (errors[seeds / 2 - 1] + errors[seeds / 2]) / 2.0,
+        within: within / count,
+        leads: leads / count,
+    };
     println!("{variant:18} {name:24} {:5.1} deg  {:.3}  {:.2}", it.error_deg, it.within, it.leads);
     it
 }
