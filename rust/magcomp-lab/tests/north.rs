@@ -100,7 +100,7 @@ fn run(variant: &str, seed: u64, source: Option<Source>) -> Vec<Row> {
     rows
 }
 
-/// What came of a variant over some seeds.
+/// What came of a variant over eight seeds.
 struct Judged {
     /// Median of the rms error from `FROM_S` on, degrees.
     error_deg: f64,
@@ -112,8 +112,7 @@ struct Judged {
 
 fn judged(variant: &str, name: &str, source: Option<Source>) -> Judged {
     let (mut errors, mut within, mut leads, mut count) = (Vec::new(), 0.0, 0.0, 0.0);
-    let seeds = runs(4, 8);
-    for seed in 1..=seeds as u64 {
+    for seed in 1..=8 {
         let rows: Vec<_> = run(variant, seed, source).into_iter().filter(|row| row.time_s > FROM_S).collect();
         errors.push((rows.iter().map(|row| row.error_deg.powi(2)).sum::<f64>() / rows.len() as f64).sqrt());
         within += rows.iter().filter(|row| row.error_deg.abs() < 2.0 * row.sigma_deg).count() as f64;
@@ -121,11 +120,7 @@ fn judged(variant: &str, name: &str, source: Option<Source>) -> Judged {
         count += rows.len() as f64;
     }
     errors.sort_by(f64::total_cmp);
-    let it = Judged {
-        error_deg: (errors[seeds / 2 - 1] + errors[seeds / 2]) / 2.0,
-        within: within / count,
-        leads: leads / count,
-    };
+    let it = Judged { error_deg: (errors[3] + errors[4]) / 2.0, within: within / count, leads: leads / count };
     println!("{variant:18} {name:24} {:5.1} deg  {:.3}  {:.2}", it.error_deg, it.within, it.leads);
     it
 }
@@ -143,7 +138,9 @@ fn in_a_car_headings_from_outside_are_worth_their_sigma() {
     for it in [seldom, often] {
         assert!(it.within > 0.9 && it.leads > 0.9, "{} {}", it.within, it.leads);
     }
-    judged("places.car-mount", "none", None);
+    if runs(0, 1) > 0 {
+        judged("places.car-mount", "none", None); // for the table alone
+    }
     let course = judged("places.car-mount", "course each second", Some(Source { every_s: 1.0, vehicle: true, ..GOOD }));
     assert!(course.error_deg < 7.0 && course.within > 0.9);
 }
