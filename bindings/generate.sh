@@ -11,7 +11,7 @@ esac
 need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
 # --workspace: with the features that the library's build has given to the crates they share
-cargo build --quiet --locked --profile test --workspace --features magcomp-ffi/test-hooks --bin uniffi-bindgen
+cargo build --quiet --locked --profile test --workspace --exclude magcomp-python --features magcomp-ffi/test-hooks --bin uniffi-bindgen
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 # --no-format: the committed files do not depend on which formatters are installed

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The library for C and C++: builds and installs c/ into a folder of its own, then builds programs on what was installed, by CMake and by pkg-config,
 # shared and static, with warnings as errors and under AddressSanitizer and UBSan. They refuse hostile input as c/tests says, and read a recording as the
-# core does, bit for bit. c/abi.txt is compared with the header, the library and the sources. `tests/c.sh`, also `tests/run.sh c`.
+# core does, bit for bit. c/abi.txt is compared with the header, the library and the sources. `tests/c.sh`, also `tests/run.sh c`; the unit tests of c/src run with all others of Rust.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -9,12 +9,8 @@ need c "${rust_tools[@]}" c++:g++ cmake:cmake make:make pkg-config:pkg-config nm
 fail() { echo "c: $*" >&2; exit 1; }
 . tests/native.sh
 home=$target/c
+cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --example compass
 expected "$home/expected.txt"
-export CARGO_TARGET_DIR=$home/build/cargo # CMake's, so that tests build the same library
-cargo fmt --manifest-path c/Cargo.toml --check
-cargo clippy --quiet --locked --release --all-targets --manifest-path c/Cargo.toml -- -D warnings
-cargo test --quiet --locked --release --manifest-path c/Cargo.toml
-
 # as its README says
 prefix=$home/prefix
 rm -rf "$prefix" "$home/moved" "$home/consumer" "$home/build/CMakeCache.txt"
@@ -78,6 +74,8 @@ for kind in magcomp static; do
         "$home/consumer/stream_${language}_$kind" <"$home/events.txt" >"$home/stream.$language" 2>"$home/kept.$language"
         grep -q '"magcomp_calibration":1' "$home/kept.$language" || fail "stream.$language kept nothing"
     done
+    "$native/examples/compass" <"$home/events.txt" 2>/dev/null | tr A-Z a-z | diff - <(tr A-Z a-z <"$home/stream.c") >/dev/null ||
+        fail "$kind: the example in C says something else than rust/magcomp/examples/compass.rs"
     diff "$home/stream.c" "$home/stream.cpp" || fail "$kind: the example in C++ says something else than that in C"
 done
 for program in by-pkg-config by-pkg-config-static; do

@@ -84,6 +84,13 @@ machine 0 # Rust does not come from apt
 run cargo: one:package-one && fail "cargo is missing, and it went on"
 grep -q 'missing: cargo; install Rust' "$work/out" && [ ! -s "$work/log" ] || fail "does not name cargo"
 
+machine 0 # nor do its parts
+stand_in cargo 'case "$1" in fmt) exit 1 ;; esac'
+run cargo: fmt:rustfmt clippy:clippy && fail "rustfmt is missing, and it went on"
+[ "$(grep -c missing: "$work/out")" = 1 ] && grep -q 'missing: rustfmt; rustup component add rustfmt' "$work/out" && [ ! -s "$work/log" ] ||
+    fail "does not name rustfmt alone"
+rm "$work/bin/cargo"
+
 machine 0 # LLVM: the newest that is there or that apt knows, never one before the compiler's
 llvm() { # INSTALLED... -> runs need_llvm with a compiler of LLVM 19, where apt knows 16, 19 and 22 and $known
     local number

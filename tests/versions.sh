@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# One version number, wherever a file has to repeat it.
+# One version number and one address, wherever a file has to repeat them. `tests/versions.sh --publish` refuses the address that stands for none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
@@ -21,8 +21,15 @@ mapfile -t found < <(sed -n 's:.*<artifactId>magcomp-host</artifactId><version>\
 differs $outsider "${found[@]}"
 mapfile -t found < <(grep -oE 'magcomp[:-][0-9]+\.[0-9]+\.[0-9]+' android/README.md | sed 's/.*[:-]//')
 differs android/README.md "${found[@]}"
-for manifest in python/Cargo.toml c/Cargo.toml web/Cargo.toml; do
-    mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' $manifest)
-    differs $manifest "${found[@]}"
+mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' web/Cargo.toml)
+differs web/Cargo.toml "${found[@]}"
+address=$(sed -n 's/^repository = "\(.*\)"/\1/p' Cargo.toml)
+[[ "$address" == https://github.com/*/magcomp ]] || { echo "versions: Cargo.toml has no address" >&2; exit 1; }
+for file in python/pyproject.toml python/README.md android/pom.xml android/library/build.gradle.kts ios/README.md SECURITY.md \
+    ios/Sources/Magcomp/Magcomp.docc/Resources/App-Package.swift; do
+    [ "$(grep -oE 'https://github.com/[A-Za-z0-9-]+/magcomp' "$file" | sort -u)" = "$address" ] ||
+        { echo "versions: $file names another address than Cargo.toml, $address, or none" >&2; exit 1; }
 done
+[ "${1:-}" != --publish ] || [ "$address" != "https://github.com/OWNER/magcomp" ] ||
+    { echo "versions: OWNER has to be replaced in Cargo.toml and in what repeats it: grep -rl github.com/OWNER ." >&2; exit 1; }
 grep -q "^## $version" CHANGELOG.md || { echo "versions: CHANGELOG.md has no section for $version" >&2; exit 1; }

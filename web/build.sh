@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the page: one file, web/dist/magcomp.html, or the file that is named. `web/build.sh [PAGE.html]`.
-# Where cargo's Rust has the target wasm32-unknown-unknown (`rustup target add wasm32-unknown-unknown`), that builds it. Else Debian's Rust
+# Where cargo's Rust has the target wasm32-unknown-unknown, or rustup brings it, that builds it. Else Debian's Rust
 # builds the target's standard library from its source; as root that is installed (tests/need.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,7 +11,7 @@ triple=wasm32-unknown-unknown
 build=(--quiet --locked --release --manifest-path web/Cargo.toml --target $triple)
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")/web
 export CARGO_TARGET_DIR
-if libraries=$(rustc --print target-libdir --target $triple 2>/dev/null) && [ -d "$libraries" ]; then
+if libraries=$(rustc --print target-libdir --target $triple 2>/dev/null) && { [ -d "$libraries" ] || rustup --quiet target add $triple 2>/dev/null; }; then
     need web "${rust_tools[@]}"
     cargo build "${build[@]}"
 else

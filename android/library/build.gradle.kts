@@ -60,15 +60,14 @@ publishing {
         pom {
             name.set("magcomp")
             description.set("Frees a smartphone's magnetometer from the disturbance the phone carries.")
-            // where it is published is given by who publishes it: -Pmagcomp.url=https://...
-            val home = providers.gradleProperty("magcomp.url")
+            val home = "https://github.com/OWNER/magcomp"
             url.set(home)
             licenses {
                 license { name.set("MIT"); url.set("https://opensource.org/license/mit") }
                 license { name.set("Apache-2.0"); url.set("https://www.apache.org/licenses/LICENSE-2.0") }
             }
             developers { developer { name.set("The magcomp authors") } }
-            scm { url.set(home); connection.set(home.map { "scm:git:$it.git" }) }
+            scm { url.set(home); connection.set("scm:git:$home.git") }
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::grows::{Grows, fill, room};
 use crate::reading::Reading;
 use std::path::Path;
 
-/// `MAGCOMP_WRITE_HEADER=1 cargo test` writes it.
+/// `MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c` writes it.
 #[test]
 fn header_is_that_of_the_sources() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -20,7 +20,10 @@ fn header_is_that_of_the_sources() {
         std::fs::write(&file, &made).unwrap();
     }
     let found = std::fs::read_to_string(&file).unwrap_or_default();
-    assert!(found == made, "include/magcomp.h is not what cbindgen writes: MAGCOMP_WRITE_HEADER=1 cargo test");
+    assert!(
+        found == made,
+        "include/magcomp.h is not what cbindgen writes: MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c"
+    );
 }
 
 /// `NAME SIZE`, then `NAME.MEMBER OFFSET SIZE` of every member: the compiler says where one is left out.

@@ -156,7 +156,8 @@ class Compensator:
     ) -> Answers:
         """A recording: magnetic samples, shapes (n,) ns and (n, 3) uT, and ``(time_ns, values)`` of the other sensors at times and rates
         of their own. They are pushed in the order of their times; `left_out` counts gyroscope and gravity samples that were refused. It
-        continues where the last call ended. Other threads run meanwhile. Raises `MagcompError` before anything is pushed."""
+        continues where the last call ended. Other threads run meanwhile. Ctrl-C ends it between two samples; those before have been taken. Raises `MagcompError` before
+        anything is pushed."""
     @property
     def calibration(self) -> Calibration | None:
         """M, b and |h| in force."""

@@ -5,9 +5,18 @@ use magcomp::nalgebra::{SMatrix, Vector3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+/// `asarray` would give what is under the mask.
+fn unmasked(numpy: &Bound<'_, PyModule>, value: &Bound<'_, PyAny>, name: &str) -> PyResult<()> {
+    if value.hasattr("mask")? && numpy.getattr("ma")?.call_method1("is_masked", (value,))?.extract()? {
+        return Err(MagcompError::new_err(format!("{name} has masked values; leave their rows out")));
+    }
+    Ok(())
+}
+
 /// Whatever numpy makes an array of, as float64.
 pub(crate) fn array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let numpy = value.py().import("numpy")?;
+    unmasked(&numpy, value, name)?;
     let made = numpy.call_method1("asarray", (value, numpy.getattr("float64")?));
     made.map_err(|error| MagcompError::new_err(format!("{name} is no array of numbers: {error}")))
 }
@@ -54,6 +63,7 @@ pub(crate) fn matrix<const N: usize>(value: &Bound<'_, PyAny>, name: &str) -> Py
 /// Times in nanoseconds: whole numbers; seconds are not guessed.
 pub(crate) fn times(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<i64>> {
     let numpy = value.py().import("numpy")?;
+    unmasked(&numpy, value, name)?;
     let made = numpy.call_method1("asarray", (value,))?;
     let kind: String = made.getattr("dtype")?.getattr("kind")?.extract()?;
     let found = shape(&made)?;
@@ -64,7 +74,11 @@ pub(crate) fn times(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<i64>> 
     }
     let made = made.call_method1("astype", (numpy.getattr("int64")?,))?;
     let view: PyReadonlyArray1<'_, i64> = made.extract()?;
-    Ok(view.as_array().to_vec())
+    let times = view.as_array().to_vec();
+    if kind == "u" && times.iter().any(|time_ns| *time_ns < 0) {
+        return Err(MagcompError::new_err(format!("{name} has times beyond 2^63 ns")));
+    }
+    Ok(times)
 }
 
 pub(crate) fn to_array<'py>(python: Python<'py>, v: &Vector3<f64>) -> Bound<'py, PyArray1<f64>> {

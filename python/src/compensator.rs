@@ -156,7 +156,7 @@ impl Compensator {
         }
         let (rates, ups) = (stream(rotation_rate, "rotation_rate")?, stream(up, "up")?);
         let compensator = &mut self.0;
-        let (readings, left_out) = python.detach(|| replay(compensator, &time_ns, &fields, &rates, &ups));
+        let (readings, left_out) = replay(python, compensator, &time_ns, &fields, &rates, &ups)?;
         let of = |value: fn(&magcomp::Reading) -> Option<f64>| {
             PyArray1::from_iter(python, readings.iter().map(|it| value(it).unwrap_or(f64::NAN)))
         };
@@ -209,17 +209,22 @@ impl Compensator {
     }
 }
 
-/// All samples in the order of their times, a magnetic one after the others of its time; how many of the others were left out.
+/// Choice: samples between two looks whether Ctrl-C was pressed.
+const UNINTERRUPTED: usize = 4096;
+
+/// All samples in the order of their times, a magnetic one after the others of its time; how many of the others were left out. A signal's exception
+/// ends it between two samples.
 fn replay(
+    python: Python<'_>,
     compensator: &mut magcomp::Compensator,
     time_ns: &[i64],
     fields: &[Vector3<f64>],
     rates: &Stream,
     ups: &Stream,
-) -> (Vec<magcomp::Reading>, usize) {
+) -> PyResult<(Vec<magcomp::Reading>, usize)> {
     let (mut rates, mut ups) = (rates.iter().peekable(), ups.iter().peekable());
     let mut left_out = 0;
-    let readings = time_ns.iter().zip(fields).map(|(&time_ns, &field_ut)| {
+    let mut reading = |(&time_ns, &field_ut): (&i64, &Vector3<f64>)| {
         loop {
             let rate = rates.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
             let up = ups.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
@@ -237,8 +242,13 @@ fn replay(
             left_out += usize::from(pushed.is_err());
         }
         compensator.push(MagneticSample { time_ns, field_ut })
-    });
-    (readings.collect(), left_out)
+    };
+    let mut readings = Vec::with_capacity(time_ns.len());
+    for (times, fields) in time_ns.chunks(UNINTERRUPTED).zip(fields.chunks(UNINTERRUPTED)) {
+        python.detach(|| readings.extend(times.iter().zip(fields).map(&mut reading)));
+        python.check_signals()?;
+    }
+    Ok((readings, left_out))
 }
 
 /// Each event once: kind, since when, and when it was decided, ns.

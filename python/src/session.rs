@@ -34,6 +34,9 @@ impl Sensor {
 #[pyfunction]
 #[pyo3(signature = (*paths))]
 pub(crate) fn read_session<'py>(python: Python<'py>, paths: Vec<PathBuf>) -> PyResult<Bound<'py, PyDict>> {
+    if paths.is_empty() {
+        return Err(SessionError::new_err("read_session needs the path of a file or a folder"));
+    }
     let read = python.detach(|| {
         let mut opened = open(&paths, &ImportOptions::default())?;
         let (mut magnetic, mut rates, mut ups) = (Sensor::default(), Sensor::default(), Sensor::default());

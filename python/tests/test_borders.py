@@ -4,6 +4,7 @@ import copy
 import datetime
 import doctest
 import importlib.metadata
+import signal
 
 import numpy as np
 import pytest
@@ -68,6 +69,8 @@ def test_lists_integers_and_strided_arrays_are_taken():
         (TIMES[:5], np.zeros((5, 2)), "must be \\(n, 3\\)"),
         (TIMES[:5], np.zeros(5), "must be \\(n, 3\\)"),
         (TIMES[:1], [["a", "b", "c"]], "no array of numbers"),
+        (TIMES[:5], np.ma.masked_greater(np.eye(5, 3), 0.5), "masked values"),
+        (TIMES[:5].astype(np.uint64) + 2**63, np.zeros((5, 3)), "beyond 2\\^63"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused_and_change_nothing(times, fields, says):
@@ -77,6 +80,24 @@ def test_arrays_that_do_not_fit_are_refused_and_change_nothing(times, fields, sa
     with pytest.raises(magcomp.MagcompError, match=says):
         compensator.process(times, fields)
     assert compensator.keep(3_500_000_000) == before is not None
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="Windows has no timer that signals")
+def test_ctrl_c_ends_a_long_recording_between_two_samples():
+    def pressed(*_):
+        raise KeyboardInterrupt
+
+    compensator = magcomp.Compensator()
+    times, fields = np.arange(1_000_000, dtype=np.int64) * 10_000_000, np.tile(turned(2000), (500, 1))
+    before = signal.signal(signal.SIGALRM, pressed)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            compensator.process(times, fields)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert compensator.push(0, fields[0]).status == "rejected"  # its time was taken
+    assert "rejected" not in compensator.process(times[-100:], fields[-100:])["status"]
 
 
 def test_a_sensor_with_other_times_than_samples_is_refused():

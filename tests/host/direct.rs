@@ -60,9 +60,9 @@ fn they_agree_on_a_cap_of_the_sphere() {
     }
 }
 
-/// A window of 2000 slides over 10^7 samples, 600 uT from the origin.
+/// A window of 2000 slides over 10^6 samples, at night 10^7, 600 uT from the origin.
 #[test]
-fn they_agree_after_1e7_samples_came_and_went() {
+fn they_agree_after_many_samples_came_and_went() {
     const WINDOW: usize = 2000;
     let mut random = Random::new(52);
     let truth = at_600_ut(50.0);
@@ -70,14 +70,15 @@ fn they_agree_after_1e7_samples_came_and_went() {
     let stream = random.raw(&truth, 1.58, 10_007);
     let near = truth.hard_iron_ut() + Vector3::new(7.0, -5.0, 4.0);
     let mut moments = Moments::new(near, 50.0);
-    for k in 0..10_000_000 {
+    let samples = if std::env::var_os("MAGCOMP_NIGHT").is_some() { 10_000_000 } else { 1_000_000 };
+    for k in 0..samples {
         moments.add(&stream[k % stream.len()]);
         if k >= WINDOW {
             moments.remove(&stream[(k - WINDOW) % stream.len()]);
         }
     }
     assert_eq!(moments.count(), WINDOW);
-    let window: Vec<_> = (10_000_000 - WINDOW..10_000_000).map(|k| stream[k % stream.len()]).collect();
+    let window: Vec<_> = (samples - WINDOW..samples).map(|k| stream[k % stream.len()]).collect();
     // the same bits as if the rest had never been
     let mut fresh = Moments::new(near, 50.0);
     window.iter().for_each(|sample| fresh.add(sample));

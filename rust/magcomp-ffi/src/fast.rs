@@ -255,10 +255,10 @@ pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdoub
 pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.coverage(), |Coverage { share, unseen_directions }| {
-        out.write(env, 0, &[share]);
-        for (k, Vector3 { x, y, z }) in unseen_directions.iter().enumerate() {
-            out.write(env, 1 + 3 * k, &[*x, *y, *z]);
-        }
+        // at once: after a write that throws nothing may be called but what clears it
+        let numbers: Vec<f64> =
+            std::iter::once(share).chain(unseen_directions.iter().flat_map(|v| [v.x, v.y, v.z])).collect();
+        out.write(env, 0, &numbers);
         unseen_directions.len() as jint
     })
 }

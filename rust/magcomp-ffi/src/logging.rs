@@ -1,6 +1,7 @@
 //! Where the border's few messages go: Android's log, else stderr. The core never logs.
 
 use crate::guarded::caught;
+use std::sync::Once;
 
 /// Least important message that is still written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
@@ -29,7 +30,10 @@ impl From<LogLevel> for log::LevelFilter {
     }
 }
 
-/// Starts writing messages under a tag, and sends a panic's place there too. The first call in a process sets the tag,
+/// The hook of panics is set once, or each call would wrap the one before.
+static HOOKED: Once = Once::new();
+
+/// Starts writing messages under a tag, and sends a panic's place there too, before whatever heard of panics until then. The first call in a process sets the tag,
 /// later ones the level.
 #[uniffi::export]
 pub fn start_logging(tag: String, level: LogLevel) {
@@ -37,7 +41,14 @@ pub fn start_logging(tag: String, level: LogLevel) {
     let _ = caught(|| {
         platform::start(tag);
         log::set_max_level(level.into());
-        std::panic::set_hook(Box::new(|panic| log::error!("{panic}")));
+        HOOKED.call_once(|| {
+            // the app's own, such as a crash reporter's, or the standard one
+            let before = std::panic::take_hook();
+            std::panic::set_hook(Box::new(move |panic| {
+                log::error!("{panic}");
+                before(panic);
+            }));
+        });
     });
 }
 

@@ -3,7 +3,7 @@
 
 mod limits;
 
-use limits::fewest;
+use limits::{fewest, runs};
 use magcomp::{Config, Method, ReferenceAxis};
 use magcomp_lab::baseline::Contestant;
 use magcomp_lab::catalogue::find;
@@ -106,12 +106,12 @@ fn a_ramp_and_a_drift_are_followed() {
 fn never_much_worse_than_holding() {
     let cases = ["step-hand", "small-step-hand", "phone-hand", "phone-walk", "pulse", "covers", "random-steps"];
     for name in cases {
-        let score = alone(name, 6, 860);
+        let score = alone(name, runs(2, 6) as u64, 860);
         // 1.64 is the worst, of all drawn anew every 15 s
         assert!(score.worst_over_held < 1.75, "{name}: {}", score.worst_over_held);
     }
     // short arcs whose noise looked like the other side of the ellipsoid
-    let hand = alone("step-hand", 24, 4000);
+    let hand = alone("step-hand", runs(6, 24) as u64, 4000);
     assert!(hand.worst_over_held < 1.3, "{}", hand.worst_over_held);
     // a small change found by a span that began before it
     for (name, seed) in [("small-step-hand", 7014), ("phone-walk", 4004)] {
@@ -153,12 +153,12 @@ const STEADY: [&str; 5] = ["constant", "phone-steady", "phone-walk-steady", "pho
 
 #[test]
 fn nothing_is_declared_where_nothing_changes() {
-    const RUNS: usize = 10;
+    let count = runs(4, 10);
     for name in STEADY {
         // walking, a calibration is found out gradually: that may be called a change once in a few runs
         let chance = if name == "phone-walk-steady" { 0.7 } else { 0.99 };
-        let silent = figures(name, RUNS, 900).iter().filter(|run| run.false_steps == 0).count();
-        assert!(silent >= fewest(RUNS, chance), "{name}: {silent} of {RUNS} runs without a step");
+        let silent = figures(name, count, 900).iter().filter(|run| run.false_steps == 0).count();
+        assert!(silent >= fewest(count, chance), "{name}: {silent} of {count} runs without a step");
     }
 }
 

@@ -3,7 +3,7 @@
 
 mod limits;
 
-use limits::fewest;
+use limits::{fewest, runs};
 use magcomp::{EventKind, Method, Status};
 use magcomp_lab::catalogue::{CHANGE_S, Group, PLACE_S, Variant, find};
 use magcomp_lab::experiment::evaluate::{self, EvaluateOptions};
@@ -15,7 +15,7 @@ use magcomp_lab::replay::{Ignore, Step, replay_with};
 use magcomp_lab::score::{Begin, Figures, samples};
 use magcomp_lab::simulate::{Noise, Simulation};
 
-const SEEDS: std::ops::Range<u64> = 200..210;
+const FIRST: u64 = 200;
 /// When the step comes, ns.
 const CHANGE_NS: i64 = (CHANGE_S * 1e9) as i64;
 /// A phone in a hand, and one with its walker.
@@ -34,7 +34,7 @@ fn kinds(steps: &[Step]) -> Vec<EventKind> {
 
 #[test]
 fn a_disturbed_place_is_told_from_a_changed_device() {
-    for seed in SEEDS {
+    for seed in FIRST..FIRST + runs(3, 10) as u64 {
         for name in ["phone-hand-place", "phone-walk-place"] {
             let (stream, steps) = run(&find(name).unwrap(), seed);
             assert_eq!(kinds(&steps), [EventKind::PlaceChanged], "{name}, seed {seed}");
@@ -56,7 +56,7 @@ fn a_disturbed_place_is_told_from_a_changed_device() {
 #[test]
 fn a_changed_device_is_one_event_and_relearned() {
     for (name, most_s) in [("phone-hand", 2.5), ("phone-walk", 3.0)] {
-        for seed in SEEDS {
+        for seed in FIRST..FIRST + runs(3, 10) as u64 {
             let (stream, steps) = run(&find(name).unwrap(), seed);
             assert_eq!(kinds(&steps), [EventKind::DeviceStep], "{name}, seed {seed}");
             let event = steps.iter().find_map(|step| step.reading.event).unwrap();
@@ -77,7 +77,7 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
     for name in STEADY {
         for snr_db in [40.0, 30.0] {
             let (mut sum, mut count) = (0.0, 0);
-            for seed in SEEDS {
+            for seed in FIRST..FIRST + runs(3, 10) as u64 {
                 let variant = find(name).unwrap().with_noise(Some(Noise::SnrDb(snr_db)));
                 let stream = variant.stream(seed);
                 let mut nees = Vec::new();
@@ -102,19 +102,19 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
 /// Headings of independent runs, one each, are within their sigmas as often as those of a normal distribution at least.
 #[test]
 fn errors_are_as_large_as_their_sigmas_say() {
-    const RUNS: usize = 40;
+    let count = runs(12, 40);
     for name in ["phone-hand", "phone-walk", "motion.walk", "motion.pocket"] {
         for snr_db in [40.0, 30.0] {
             let variant = find(name).unwrap().with_noise(Some(Noise::SnrDb(snr_db)));
-            let seeds: Vec<u64> = (SEEDS.start..).take(RUNS).collect();
+            let seeds: Vec<u64> = (FIRST..).take(count).collect();
             let sigmas = map(&seeds, cores(), |seed| {
                 let (stream, steps) = run(&variant, *seed);
                 let late = samples(&stream, &steps).into_iter().rev();
                 late.filter_map(|sample| sample.sigmas()).next().expect("a heading")
             });
             let within = [1.0, 2.0].map(|limit| sigmas.iter().filter(|sigmas| **sigmas < limit).count());
-            println!("{name}, {snr_db} dB: {within:?} of {RUNS}");
-            let least = [0.683, 0.954].map(|share| fewest(RUNS, share));
+            println!("{name}, {snr_db} dB: {within:?} of {count}");
+            let least = [0.683, 0.954].map(|share| fewest(count, share));
             assert!(within[0] >= least[0] && within[1] >= least[1], "{name}, {snr_db} dB: {within:?}, not {least:?}");
         }
     }
@@ -126,7 +126,7 @@ fn in_a_walk_of_fifteen_minutes_the_carried_field_does_not_drift_away() {
     variant.sensors.gyro_bias_deg_s = (1.0, 1.0);
     variant.sensors.gyro_scale = 0.01;
     variant.sensors.gyro_late_s = 0.005;
-    let (stream, steps) = run(&variant, SEEDS.start);
+    let (stream, steps) = run(&variant, FIRST);
     assert_eq!(kinds(&steps), []);
     let samples = samples(&stream, &steps);
     // each minute by itself: what drifts is worst at the end
@@ -159,17 +159,17 @@ fn one_axis_is_never_tracked_and_wrong() {
 /// Phones as they are carried: whoever walks with one may change its cover at any time.
 #[test]
 fn a_carried_phone_learns_a_step_and_declares_no_other() {
-    const RUNS: usize = 10;
+    let count = runs(4, 10);
     for name in ["steps.b20", "steps.b50-m", "motion.pocket", "motion.game"] {
         let variant = find(name).unwrap();
-        let seeds: Vec<u64> = (SEEDS.start..).take(RUNS).collect();
+        let seeds: Vec<u64> = (FIRST..).take(count).collect();
         let runs = map(&seeds, cores(), |seed| judge(&variant, *seed, Method::Auto, Ignore::default()).unwrap());
         let is_good = |run: &&Figures| {
             let after = run.stretches.iter().find(|one| one.begin == Begin::Device).unwrap();
             run.missed == 0 && run.false_steps == 0 && !after.is_lost && run.lie_s < 1.0
         };
         let good = runs.iter().filter(is_good).count();
-        println!("{name}: {good} of {RUNS}");
-        assert!(good >= fewest(RUNS, 0.98), "{name}: {good} of {RUNS} runs");
+        println!("{name}: {good} of {count}");
+        assert!(good >= fewest(count, 0.98), "{name}: {good} of {count} runs");
     }
 }

@@ -335,7 +335,8 @@ fn the_comparison_is_that_of_the_command() {
 #[test]
 fn the_pages_link_to_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut found = vec![root.join("README.md"), root.join("CONTRIBUTING.md"), root.join("CHANGELOG.md")];
+    let pages = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "ROADMAP.md", "SECURITY.md"];
+    let mut found: Vec<_> = pages.map(|page| root.join(page)).into();
     ["docs", "android", "ios", "c", "python"].iter().for_each(|folder| paths(&root.join(folder), &mut found));
     let mut links = 0;
     for page in found.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {

@@ -3,7 +3,7 @@
 
 mod limits;
 
-use limits::fewest;
+use limits::{fewest, runs};
 use magcomp::{Compensator, Config, Method};
 use magcomp_lab::catalogue::{COMPARED, find};
 use magcomp_lab::experiment::answers;
@@ -14,7 +14,6 @@ use magcomp_lab::score::samples;
 
 /// Samples at which the NEES is looked at: coverage is there, and they lie far enough apart to differ.
 const AT: [usize; 4] = [1000, 2000, 4000, 5900];
-const RUNS: u64 = 40;
 /// Normal quantile of two-sided 95 %.
 const BAND: f64 = 1.96;
 
@@ -22,7 +21,7 @@ const BAND: f64 = 1.96;
 /// with that many degrees of freedom a run.
 fn nees(name: &str, first: u64) -> [(f64, f64); 4] {
     let mut found: [Vec<Nees>; 4] = Default::default();
-    for seed in first..first + RUNS {
+    for seed in first..first + runs(10, 40) as u64 {
         let stream = find(name).unwrap().stream(seed);
         let config = Config { method: Method::Adaptive, ..Config::default() };
         let mut compensator = Compensator::new(config).expect("a valid config");
@@ -55,18 +54,17 @@ fn the_covariance_of_all_parameters_is_no_smaller_than_the_errors_and_not_much_l
 
 /// When a heading of each run is looked at, s from the change on: one a run, so that they are independent.
 const LOOKED_AT_S: [f64; 4] = [-1.0, 0.5, 5.0, 20.0];
-/// Runs.
-const LOOKED_AT: usize = 16;
 /// Shares of a normal distribution within one and two sigmas. Sigma may be too wide, but not too narrow.
 const SHARES: [f64; 2] = [0.683, 0.954];
 #[test]
 fn shares_of_errors_within_their_sigmas_are_right() {
-    let jobs: Vec<usize> = (0..COMPARED.len() * LOOKED_AT).collect();
+    let each = runs(6, 16);
+    let jobs: Vec<usize> = (0..COMPARED.len() * each).collect();
     let looks = map(&jobs, cores(), |k| {
-        let mut variant = find(COMPARED[k / LOOKED_AT]).unwrap();
+        let mut variant = find(COMPARED[k / each]).unwrap();
         variant.sensors.has_accelerometer = true;
         variant.duration_s = variant.change_s + LOOKED_AT_S[3] + 1.0;
-        let seed = 71_000 + (k % LOOKED_AT) as u64;
+        let seed = 71_000 + (k % each) as u64;
         let (simulation, _, steps) = answers(&variant, seed, Method::Adaptive, Ignore::default()).unwrap();
         let samples = samples(&simulation, &steps);
         LOOKED_AT_S.map(|after_s| {
@@ -76,7 +74,7 @@ fn shares_of_errors_within_their_sigmas_are_right() {
         })
     });
     let mut wrong = Vec::new();
-    for (name, looks) in COMPARED.iter().zip(looks.chunks(LOOKED_AT)) {
+    for (name, looks) in COMPARED.iter().zip(looks.chunks(each)) {
         for (at, after_s) in LOOKED_AT_S.iter().enumerate() {
             let sigmas: Vec<f64> = looks.iter().filter_map(|look| look[at]).collect();
             let within = [1.0, 2.0].map(|limit| sigmas.iter().filter(|sigmas| **sigmas < limit).count());

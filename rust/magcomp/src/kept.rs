@@ -102,7 +102,7 @@ impl KeptCalibration {
             inclination_deg,
             unix_time_s: Some(unix_time_s),
         };
-        is_covariance(&covariance).then_some(it)
+        (is_covariance(&covariance) && leaves_doubt(&covariance)).then_some(it)
     }
 
     /// A calibration from elsewhere, whose hard iron errs by `hard_iron_sigma_ut` (one standard deviation of each component, uT, 0.01
@@ -197,6 +197,9 @@ impl KeptCalibration {
         if !is_covariance(&covariance) {
             return Err(wrong("covariance is not symmetric and positive semi-definite"));
         }
+        if !leaves_doubt(&covariance) {
+            return Err(wrong("covariance says that the hard iron is exactly known"));
+        }
         if text.inclination_deg.is_some_and(|dip| !(-90.0..=90.0).contains(&dip)) {
             return Err(wrong("inclination_deg is not -90 to 90"));
         }
@@ -208,4 +211,9 @@ impl KeptCalibration {
             unix_time_s: text.unix_time_s,
         })
     }
+}
+
+/// No component of b is exactly known: no sample would ever move it.
+fn leaves_doubt(covariance: &SMatrix<f64, 9, 9>) -> bool {
+    (0..3).all(|i| covariance[(i, i)] > 0.0)
 }

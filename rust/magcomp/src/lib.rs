@@ -7,6 +7,37 @@
 //! F. Picariello, S. Rapuano, C. Sementa, "A method for real-time compensation of magnetometers embedded on smartphones";
 //! equation numbers in this crate are that paper's. README's limits say where the standard deviation is too small.
 //!
+//! ```
+//! use magcomp::nalgebra::{Rotation3, Vector3};
+//! use magcomp::{Compensator, Config, MagneticSample, RotationRateSample, UpSample};
+//!
+//! // a hand turns a phone that has 350 uT of its own
+//! let attitude = |t: f64| Rotation3::from_euler_angles(0.6 * (2.0 * t).sin(), 0.5 * (1.4 * t).cos(), 0.5 * t);
+//! let mut compensator = Compensator::new(Config::default())?;
+//! for k in 1..=600_i64 {
+//!     let (time_ns, t) = (10_000_000 * k, 0.01 * k as f64);
+//!     let turn = attitude(t - 0.005).inverse() * attitude(t + 0.005);
+//!     let to_device = attitude(t).inverse();
+//!     let up_m_s2 = to_device * Vector3::new(0.0, 0.0, 9.81);
+//!     let field_ut = to_device * Vector3::new(0.0, 25.0, -43.0) + Vector3::new(150.0, -70.0, 310.0);
+//!
+//!     // an event that cannot be used is refused, says why, and changes nothing
+//!     let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s: turn.scaled_axis() / 0.01 });
+//!     let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
+//!     let reading = compensator.push(MagneticSample { time_ns, field_ut });
+//!     if k % 100 == 0 {
+//!         match reading.heading {
+//!             Some(it) => println!("{:.0} deg +- {:.1}", it.heading_deg, it.heading_sigma_deg.unwrap_or(180.0)),
+//!             None => println!("{}", reading.status), // a sentence that says what is missing
+//!         }
+//!     }
+//! }
+//! # assert!(compensator.keep(0).is_some());
+//! # Ok::<(), magcomp::ConfigError>(())
+//! ```
+//!
+//! `examples/compass.rs` is a compass of a stream of events.
+//!
 //! # Where each equation lives
 //!
 //! Files are those of `src/`. Each opens with its equations and their source; `docs/dev/METHOD.md` derives them. For our two estimators the

@@ -8,7 +8,30 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
 use tempfile::NamedTempFile;
+
+const PREFIX: &str = ".magcomp-";
+const SUFFIX: &str = ".tmp";
+/// Limit: a temporary file is locked well before it is so old.
+const LOCKED_WITHIN: Duration = Duration::from_secs(60);
+
+/// Removes what runs left that were killed. Whoever still writes a temporary file holds its lock, which ends with the process.
+fn sweep(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if !(name.starts_with(PREFIX) && name.ends_with(SUFFIX) && entry.file_type()?.is_file()) {
+            continue;
+        }
+        let age = SystemTime::now().duration_since(entry.metadata()?.modified()?).unwrap_or_default();
+        if age > LOCKED_WITHIN && OpenOptions::new().write(true).open(entry.path())?.try_lock().is_ok() {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
 
 /// Temporary files of this process that a signal must remove.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -90,15 +113,19 @@ impl AtomicFile {
             let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
             let mut builder = tempfile::Builder::new();
-            builder.prefix(".magcomp-").suffix(".tmp");
+            builder.prefix(PREFIX).suffix(SUFFIX);
             #[cfg(unix)]
             {
                 // an ordinary file's permissions (less the umask), not a secret's
                 use std::os::unix::fs::PermissionsExt;
                 builder.permissions(fs::Permissions::from_mode(0o666));
             }
+            // what cannot be swept stays
+            let _ = sweep(folder);
             let mut unfinished = unfinished();
             let temporary = builder.tempfile_in(folder)?;
+            // where the system has no locks nothing is swept either
+            let _ = temporary.as_file().try_lock();
             unfinished.insert(temporary.path().to_owned());
             Ok((Box::new(temporary.as_file().try_clone()?), Some((temporary, path))))
         };
@@ -162,6 +189,31 @@ mod tests {
     use super::*;
     use std::io::Read;
     use std::os::unix::fs::{FileTypeExt, symlink};
+
+    #[test]
+    fn what_a_killed_run_left_is_swept_and_what_is_being_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let there = || {
+            let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap().file_name()).collect();
+            names.sort();
+            names
+        };
+        let age = |name: &Path, s: u64| {
+            let file = OpenOptions::new().write(true).open(name).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(s)).unwrap();
+        };
+        let [left, fresh, other] =
+            [".magcomp-left.tmp", ".magcomp-fresh.tmp", "mine.tmp"].map(|it| folder.path().join(it));
+        [&left, &fresh, &other].iter().for_each(|it| fs::write(it, "half").unwrap());
+        let written = AtomicFile::create(&folder.path().join("a.csv")).unwrap();
+        let (temporary, _) = written.temporary.as_ref().unwrap();
+        let still = temporary.path().to_owned();
+        [&left, &other, &still].iter().for_each(|it| age(it, 3600));
+        write_atomically(&folder.path().join("b.csv"), |out| out.write_all(b"whole")).unwrap();
+        assert!(!left.exists() && fresh.exists() && other.exists() && still.exists(), "{:?}", there());
+        written.finish().unwrap();
+        assert_eq!(there(), [".magcomp-fresh.tmp", "a.csv", "b.csv", "mine.tmp"]);
+    }
 
     #[test]
     fn a_link_stays_a_link() {

@@ -1,7 +1,12 @@
-//! Limits for counts of independent runs, derived from the share that is claimed.
+//! Runs of statistical tests: how many, and limits for their counts, derived from the share that is claimed.
 
 /// A claim that holds fails its limit in one of so many tests.
 const ONE_IN: f64 = 1e4;
+
+/// How many: `all` at night (`tests/run.sh night` sets MAGCOMP_NIGHT), else few enough for every change.
+pub fn runs(few: usize, all: usize) -> usize {
+    if std::env::var_os("MAGCOMP_NIGHT").is_some() { all } else { few }
+}
 
 /// The fewest of `trials` independent trials that succeed, where each does with this chance: fewer happen once in ten thousand.
 pub fn fewest(trials: usize, chance: f64) -> usize {

@@ -106,6 +106,17 @@ fn how_sure_a_given_calibration_is() {
 
 /// Correlations of 0.9, 0.9 and -0.9: each pair could be, the three together can't.
 #[test]
+fn a_hard_iron_that_is_exactly_known_is_neither_read_nor_kept() {
+    let system = KeptCalibration::system(Calibration::identity(48.0).unwrap(), 2.0).unwrap();
+    let text = system.to_json().replacen("\"covariance\":[[4.0", "\"covariance\":[[0.0", 1);
+    let Err(KeptError::Damaged { why }) = KeptCalibration::from_json(&text) else { panic!("taken") };
+    assert!(why.contains("exactly known"), "{why}");
+    let mut covariance = *system.covariance();
+    covariance[(2, 2)] = 0.0;
+    assert_eq!(KeptCalibration::learned(*system.calibration(), covariance, None, 0), None);
+}
+
+#[test]
 fn a_covariance_is_positive_as_a_whole() {
     let three = |c: f64| Matrix3::new(4.0, 5.4, 1.8, 5.4, 9.0, c * 3.0, 1.8, c * 3.0, 1.0);
     assert!(crate::calibration::is_covariance(&three(0.9)) && !crate::calibration::is_covariance(&three(-0.9)));
