@@ -11,8 +11,8 @@ java_tools=(jdk:default-jdk-headless mvn:maven)
 # `workspace`: what cargo selects in every part. With fewer packages it picks other features of the crates that they share and
 # builds these again; so it does without dependencies of tests, which `cargo test`, `--all-targets` and `--example expected` take in.
 # Not the generator of the bindings, 5 lines on a large library: its features would put that library into the one that is tested.
-# test-hooks: the library is the one that the other languages test.
-workspace=(--workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks)
+# test-hooks: the library is the one that the other languages test. formats: the lab with all its importers.
+workspace=(--workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks,magcomp-lab/formats)
 
 there() { # TOOL
     case "$1" in

@@ -98,7 +98,14 @@ impl AtomicFile {
                 builder.permissions(fs::Permissions::from_mode(0o666));
             }
             let mut unfinished = unfinished();
-            let temporary = builder.tempfile_in(folder)?;
+            // an error of the temporary file's own name would help nobody
+            let temporary = builder.tempfile_in(folder).map_err(|why| {
+                if folder.is_dir() {
+                    why
+                } else {
+                    io::Error::new(why.kind(), format!("there is no folder {}", folder.display()))
+                }
+            })?;
             unfinished.insert(temporary.path().to_owned());
             Ok((Box::new(temporary.as_file().try_clone()?), Some((temporary, path))))
         };
