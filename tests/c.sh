@@ -64,6 +64,9 @@ sed -n '/^```cpp$/,/^```$/p' README.md | sed '1d;$d' | while IFS= read -r line; 
     grep -qF -- "$line" c/examples/stream.cpp || fail "README.md shows a line that c/examples/stream.cpp does not have: $line"
 done
 
+shown=$(tr '\n' ' ' <README.md | sed -n 's/.*at the end of the recording `broad_34`, in \[this program\](c\/examples\/stream.cpp): `\([^`]*\)`.*/\1/p')
+[ -n "$shown" ] || fail "README.md does not say what c/examples/stream.cpp prints"
+
 # events of a recording: sensor, time in ns, three values
 zcat tests/recordings/broad_34_attached_magnet_3cm.csv.gz | awk -F, 'NR > 1 {
     t = sprintf("%.0f", $1 * 1e9)
@@ -78,6 +81,7 @@ for kind in magcomp static; do
         "$home/consumer/stream_${language}_$kind" <"$home/events.txt" >"$home/stream.$language" 2>"$home/kept.$language"
         grep -q '"magcomp_calibration":1' "$home/kept.$language" || fail "stream.$language kept nothing"
     done
+    [ "$(tail -n 1 "$home/stream.cpp")" = "$shown" ] || fail "$kind: README.md shows another last line: $shown"
     diff "$home/stream.c" "$home/stream.cpp" || fail "$kind: the example in C++ says something else than that in C"
 done
 for program in by-pkg-config by-pkg-config-static; do

@@ -16,14 +16,15 @@ rust() {
     tests/choices.py
     tests/privacy.py
     tests/notices.py --check
+    tests/figures.py
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
-    # the lab without the importers that bring large dependencies
-    cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
-    cargo test --locked -p magcomp-lab --no-default-features --test lean
+    # the lab as it is usually built, without the importers that bring large dependencies
+    cargo clippy --locked -p magcomp-lab --all-targets -- -D warnings
+    cargo test --locked -p magcomp-lab --test lean
     # the core alone, as others take it: with the features that it asks for itself, and its enums may grow
     cargo clippy --locked -p magcomp -- -D warnings
 }
