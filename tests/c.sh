@@ -60,6 +60,9 @@ sed -n '/^```cpp$/,/^```$/p' README.md | sed '1d;$d' | while IFS= read -r line; 
     grep -qF -- "$line" c/examples/stream.cpp || fail "README.md shows a line that c/examples/stream.cpp does not have: $line"
 done
 
+shown=$(tr '\n' ' ' <README.md | sed -n 's/.*at the end of the recording `broad_34`, in \[this program\](c\/examples\/stream.cpp): `\([^`]*\)`.*/\1/p')
+[ -n "$shown" ] || fail "README.md does not say what c/examples/stream.cpp prints"
+
 # events of a recording: sensor, time in ns, three values
 zcat tests/recordings/broad_34_attached_magnet_3cm.csv.gz | awk -F, 'NR > 1 {
     t = sprintf("%.0f", $1 * 1e9)
@@ -76,6 +79,7 @@ for kind in magcomp static; do
     done
     "$native/examples/compass" <"$home/events.txt" 2>/dev/null | tr A-Z a-z | diff - <(tr A-Z a-z <"$home/stream.c") >/dev/null ||
         fail "$kind: the example in C says something else than rust/magcomp/examples/compass.rs"
+    [ "$(tail -n 1 "$home/stream.cpp")" = "$shown" ] || fail "$kind: README.md shows another last line: $shown"
     diff "$home/stream.c" "$home/stream.cpp" || fail "$kind: the example in C++ says something else than that in C"
 done
 for program in by-pkg-config by-pkg-config-static; do

@@ -20,14 +20,12 @@ rust() {
     tests/choices.py
     tests/privacy.py
     tests/notices.py --check
+    tests/figures.py
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
     cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
-    # the lab without the importers that bring large dependencies
-    cargo clippy --locked -p magcomp-lab --no-default-features --all-targets -- -D warnings
-    cargo test --locked -p magcomp-lab --no-default-features --test lean
     # the core alone, as others take it
     tests/packed.sh
 }
@@ -36,7 +34,7 @@ rust() {
 import() {
     . tests/need.sh
     need import "${rust_tools[@]}" "${rust_checks[@]}"
-    local features=(--features magcomp-lab/columnar,magcomp-lab/mcap)
+    local features=(--features magcomp-lab/formats)
     cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files -- -D warnings
     cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files
 }

@@ -94,7 +94,7 @@ fn the_first_headings_err_as_their_sigma_says() {
             );
             for (at, [one, two]) in AT.iter().zip(shares) {
                 // 68 and 95 %, three standard deviations of 200 runs either way, and some points for a b that is off by a third of
-                // the horizontal field. While it learns, sigma is too wide: README's limits.
+                // the horizontal field. While it learns, sigma is too wide: docs/LIMITS.md.
                 let learns = turning && *at > 0;
                 // sigma also allows for frames of the sensors that differ, which these do not
                 let most = if learns { [1.0, 1.0] } else { [0.88, 1.0] };

@@ -1,27 +1,20 @@
 //! README's code, word for word, on a simulated phone: it prints the lines that README shows, and they are right.
 
-use magcomp::nalgebra::Vector3;
-use magcomp::{Compensator, Config, ConfigError, MagneticSample, RotationRateSample, UpSample};
+use magcomp::{Compensator, MagneticSample, RotationRateSample, UpSample, nalgebra::Vector3};
 
-/// Each item: a time in nanoseconds; what gyroscope (rad/s), accelerometer (m/s^2) and magnetometer (uT) read then.
-fn follow(
-    events: impl Iterator<Item = (i64, [Vector3<f64>; 3])>,
-    mut show: impl FnMut(String),
-) -> Result<(), ConfigError> {
-    let mut compensator = Compensator::new(Config::default())?; // sixteen settings, each with a default
-    for (time_ns, [rate_rad_s, up_m_s2, field_ut]) in events {
-        // an event that cannot be used is refused, says why, and changes nothing
-        let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
-        let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
-        let reading = compensator.push(MagneticSample { time_ns, field_ut });
-        show(match reading.heading {
-            Some(h) => {
-                format!("{:.0} deg +- {:.1}, {}", h.heading_deg, h.heading_sigma_deg.unwrap_or(180.0), reading.status)
-            }
-            None => reading.status.to_string(), // a sentence that says what is missing
-        });
+/// What gyroscope (rad/s), accelerometer (m/s^2) and magnetometer (uT) read at a time in nanoseconds.
+fn follow(compensator: &mut Compensator, time_ns: i64, sensors: [Vector3<f64>; 3]) -> String {
+    let [rate_rad_s, up_m_s2, field_ut] = sensors;
+    // a sample that cannot be used is refused, says why, and changes nothing
+    let _ = compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s });
+    let _ = compensator.push_up(UpSample { time_ns, up_m_s2 });
+    let reading = compensator.push(MagneticSample { time_ns, field_ut });
+    match reading.heading {
+        Some(h) => {
+            format!("{:.0} deg +- {:.1}, {}", h.heading_deg, h.heading_sigma_deg.unwrap_or(180.0), reading.status)
+        }
+        None => reading.status.to_string(), // a sentence that says what is missing
     }
-    Ok(())
 }
 
 #[test]
@@ -31,19 +24,17 @@ fn the_readmes_code_prints_its_lines() {
     let attitude = |t: f64| Rotation3::from_euler_angles(0.6 * (2.0 * t).sin(), 0.5 * (1.4 * t).cos(), 0.5 * t);
     let carried_ut =
         |t: f64| if t < 8.7 { Vector3::new(150.0, -70.0, 280.0) } else { Vector3::new(130.0, -90.0, 300.0) };
-    let events = (1..=1200_i64).map(|k| {
+    let mut compensator = Compensator::new(magcomp::Config::default()).unwrap();
+    let mut printed = String::new();
+    for k in 1..=1200_i64 {
         let t = k as f64 / 100.0;
         let (to_device, turn) = (attitude(t).inverse(), attitude(t - 0.005).inverse() * attitude(t + 0.005));
         let field_ut = to_device * Vector3::new(0.0, 25.0, -43.0) + carried_ut(t);
-        (k * 10_000_000, [turn.scaled_axis() / 0.01, to_device * Vector3::new(0.0, 0.0, 9.81), field_ut])
-    });
-    let (mut printed, mut k) = (String::new(), 0);
-    follow(events, |line| {
-        k += 1;
+        let sensors = [turn.scaled_axis() / 0.01, to_device * Vector3::new(0.0, 0.0, 9.81), field_ut];
+        let line = follow(&mut compensator, k * 10_000_000, sensors);
         if k % 180 != 0 {
-            return;
+            continue;
         }
-        let t = f64::from(k) / 100.0;
         printed += &format!("{t:.1} s: {line}\n");
         if let (true, Some((heading, rest))) = (t > 3.0, line.split_once(" deg +- ")) {
             let top = attitude(t) * Vector3::y();
@@ -51,8 +42,7 @@ fn the_readmes_code_prints_its_lines() {
             let sigma_deg: f64 = rest.split(',').next().unwrap().parse().unwrap();
             assert!(off_deg.abs() < sigma_deg, "{line}: {off_deg}");
         }
-    })
-    .unwrap();
+    }
     let readme = include_str!("../../README.md");
     assert!(readme.contains(&format!("```text\n{printed}```")), "README shows other lines than these:\n{printed}");
     let own = include_str!("readme.rs");

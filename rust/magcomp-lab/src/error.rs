@@ -48,7 +48,7 @@ pub enum LabError {
         /// What was.
         found: String,
     },
-    /// A recording has no rows: the call was wrong.
+    /// A recording has no rows.
     #[error("{}: a recording has a header t_s,mx,my,mz and rows; this file has {what}", path.display())]
     Empty {
         /// The file.
@@ -56,6 +56,9 @@ pub enum LabError {
         /// The content that the file has instead.
         what: &'static str,
     },
+    /// The input is no recording and no session, or has none in it.
+    #[error("{0}")]
+    NoSession(String),
     /// A file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -65,14 +68,12 @@ pub enum LabError {
         source: io::Error,
     },
     /// The command was built without the importer of a form.
-    #[error("{}: this build does not read {form}; the command magcomp does, built with cargo's feature {feature}, which is on by default", path.display())]
+    #[error("{}: this build does not read {form}; cargo install --path rust/magcomp-lab --features formats makes a command that does", path.display())]
     Feature {
         /// The file.
         path: PathBuf,
         /// Its form.
         form: &'static str,
-        /// The feature of the lab that reads it.
-        feature: &'static str,
     },
     /// A file could not be written; a file that was there before is untouched.
     #[error("{}: cannot be written: {source}", path.display())]
@@ -122,7 +123,12 @@ impl LabError {
     /// For `map_err` on reading `path`.
     pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
-        move |source| Self::Read { path, source }
+        move |source| {
+            // as flate2 calls it
+            let is_cut = source.to_string() == "incomplete deflate stream";
+            let source = if is_cut { io::Error::new(source.kind(), "the file is cut off") } else { source };
+            Self::Read { path, source }
+        }
     }
 
     /// For `map_err` on writing `path`.

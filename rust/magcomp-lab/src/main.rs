@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 /// The input or the run failed.
 const FAILED: u8 = 1;
-/// Wrong usage, or a recording without rows.
+/// Wrong usage, or several recordings at once.
 const USAGE: u8 = 2;
 /// A recording is bad.
 const BAD: u8 = 3;
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
             if matches!(error, LabError::Bad(_)) {
                 return ExitCode::from(BAD);
             }
-            let usage = matches!(error, LabError::Usage(_) | LabError::Empty { .. } | LabError::Several { .. });
+            let usage = matches!(error, LabError::Usage(_) | LabError::Several { .. });
             ExitCode::from(if usage { USAGE } else { FAILED })
         }
     }

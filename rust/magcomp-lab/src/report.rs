@@ -220,9 +220,24 @@ fn setting(table: &Table) -> &'static str {
     }
 }
 
-/// The command as it was typed, the program by its name alone.
+/// The command as it was typed, program, files and folders by their names alone: who shares a report shares no paths.
 fn command_line() -> String {
-    quoted(std::env::args().skip(1))
+    quoted(std::env::args().skip(1).map(|argument| without_folders(&argument)))
+}
+
+/// A path's last part; `--option=PATH` keeps the option.
+fn without_folders(argument: &str) -> String {
+    let (option, value) = match argument.split_once('=') {
+        Some((option, value)) if option.starts_with('-') => (format!("{option}="), value),
+        _ => (String::new(), argument),
+    };
+    let path = Path::new(value);
+    let is_path =
+        path.is_absolute() || path.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && folder.exists());
+    match path.file_name().filter(|_| is_path) {
+        Some(name) => format!("{option}{}", name.to_string_lossy()),
+        None => argument.to_owned(),
+    }
 }
 
 /// The command with these arguments, as one types it into a shell.
@@ -246,6 +261,14 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_command_of_a_page_names_no_folder() {
+        let told =
+            ["/home/me/a.csv", "src/report.rs", "--report=/tmp/x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"];
+        let shown = told.map(without_folders);
+        assert_eq!(shown, ["a.csv", "report.rs", "--report=x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"]);
+    }
 
     #[test]
     fn page_and_pictures_are_written() {

@@ -182,12 +182,13 @@ fn the_page_of_the_status_has_every_status() {
     assert!(count >= 30, "{count}");
 }
 
-/// README's tables of measured figures, a row as its cells.
-fn measured() -> Vec<Vec<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
-    let text = fs::read_to_string(path).expect("README.md");
-    let part = text.split("## What was measured").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("the part");
-    let rows = part.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| |"));
+/// A page of docs, and the rows of the tables in the part of it below this heading, each as its cells.
+fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(page);
+    let text = fs::read_to_string(path).expect(page);
+    let part =
+        text.split(&format!("\n## {heading}\n")).nth(1).and_then(|rest| rest.split("\n## ").next()).expect(heading);
+    let rows = part.lines().filter(|line| line.starts_with("| "));
     rows.map(|row| row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()).collect()
 }
 
@@ -212,44 +213,48 @@ fn magcomp(arguments: &[&str]) -> Value {
 /// The median of a few runs agrees with that of more.
 fn agree(what: &str, few: f64, all: f64, least: f64) {
     let near = few == all || (few <= 2.0 * all + least && all <= 2.0 * few + least);
-    assert!(near, "{what}: README says {all}, three runs have {few}");
+    assert!(near, "{what}: the page says {all}, three runs have {few}");
 }
 
-/// README's table of situations has the figures of docs/EVALUATION.md, which are of seeds that judge; the medians of three others agree.
+/// Lines of docs/EVALUATION.md whose medians three other runs must be near, by what they are about.
+const SITUATIONS: [&str; 8] = [
+    "tumbling, nothing changes",
+    "walking, nothing changes",
+    "tumbling, M - I and b grow by half",
+    "walking, b steps by 27 uT",
+    "walking, b steps by 27 uT, poor gyroscope at 25 Hz",
+    "walking, the place differs by 20 uT for 10 s",
+    "walking, the place differs by 20 uT for 60 s",
+    "tumbling, b steps by 27 uT",
+];
+
+/// docs/EVALUATION.md is of seeds that judge; the medians of three others agree with it.
 #[test]
-fn the_readmes_situations_are_those_of_the_command() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/EVALUATION.md");
-    let page = fs::read_to_string(page).expect("docs/EVALUATION.md");
-    let rows = measured();
-    let shown = |variant: &Variant| rows.iter().any(|row| row[0] == variant.about);
+fn the_evaluations_lines_are_those_of_the_command() {
     let groups = [Group::Ordinary, Group::Alone].map(Group::variants).concat();
+    let shown = |variant: &Variant| SITUATIONS.contains(&variant.about.as_str());
     let options = EvaluateOptions::of(groups.into_iter().filter(shown).collect(), 1..=3);
     let mut compared = 0;
-    let all = evaluate::run(&options).unwrap();
-    // the second group's part of the table begins with its title
-    let second = rows.iter().position(|row| row[0].starts_with("**magnetometer")).expect("a title");
-    for (group, rows) in all.groups.iter().zip([&rows[..second], &rows[second..]]) {
-        let lines = page.split(&format!("## {}", group.title)).nth(1).expect("a table");
+    for group in &evaluate::run(&options).unwrap().groups {
+        let page = rows("EVALUATION.md", &group.title);
         for line in &group.variants {
-            let Some(row) = rows.iter().find(|row| row[0] == line.about) else { continue };
             compared += 1;
-            let whole = lines.lines().find(|whole| whole.starts_with(&format!("| {} |", line.about))).expect("a line");
-            let whole: Vec<&str> = whole.split('|').map(str::trim).collect();
-            assert_eq!(row[1..], [whole[3], whole[4], whole[5], whole[6], whole[8]], "{}", line.name);
+            let row = page.iter().find(|row| row[0] == line.about).expect("a line");
             let median = |runs: Runs| runs.median.unwrap_or(f64::INFINITY);
-            agree(&line.name, median(line.line.settled_s), figure(&row[1]), 1.0);
-            agree(&line.name, median(line.line.heading_deg), figure(&row[3]), 0.2);
+            agree(&line.name, median(line.line.settled_s), figure(&row[2]), 1.0);
+            agree(&line.name, median(line.line.heading_deg), figure(&row[4]), 0.2);
             let [_, two] = line.line.within.expect("headings");
-            assert!((100.0 * two - figure(&row[5])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
+            assert!((100.0 * two - figure(&row[7])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
         }
     }
-    assert!(compared >= 8, "{compared} situations");
+    assert_eq!(compared, 11);
 }
 
-/// README's figures beside the paper's method: three of the runs agree.
+/// docs/COMPARISON.md's seconds beside the paper's method: three of the runs agree.
 #[test]
-fn the_readmes_steps_are_those_of_the_command() {
-    let rows: Vec<_> = measured().into_iter().filter(|row| row[0].starts_with("`magcomp step")).collect();
+fn the_seconds_after_a_change_are_those_of_the_command() {
+    let rows: Vec<_> =
+        rows("COMPARISON.md", "Seconds after a change").into_iter().filter(|row| row[0].starts_with('`')).collect();
     for row in &rows {
         let command = row[0].trim_matches('`').replace("--runs 20", "--runs 3");
         let result = magcomp(&command.split_whitespace().skip(1).collect::<Vec<_>>());
@@ -258,47 +263,12 @@ fn the_readmes_steps_are_those_of_the_command() {
             let seconds = &answers.iter().find(|answer| answer["name"] == name).expect("the answer")["below_2_deg"];
             let (median, worst) = (printed(&seconds["median"]), printed(&seconds["worst"]));
             agree(&format!("{command}, {name}"), median, figure(&row[at]), 0.0);
-            // the three runs are among README's twenty
+            // the three runs are among the page's twenty
             let most = figure(&row[at + 1]);
-            assert!(worst <= most + 0.06, "{command}: README says {most} at the worst, three runs have {worst}");
+            assert!(worst <= most + 0.06, "{command}: the page says {most} at the worst, three runs have {worst}");
         }
     }
     assert_eq!(rows.len(), 2);
-}
-
-/// README's rows of recordings are median and worst of those of docs/COMPARISON.md.
-#[test]
-fn the_readmes_recordings_are_those_of_the_comparison() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let [readme, page] = ["README.md", "docs/COMPARISON.md"].map(|name| fs::read_to_string(root.join(name)).unwrap());
-    let (system, raw) =
-        (("the system's field", "VQF on the system's field"), ("the raw field", "VQF on the raw field"));
-    let ours = "ours: published heading";
-    let alone = "ours, magnetometer alone: corrected sample";
-    let groups = [
-        ("phones in a quiet room (20)", "Quiet room: 20 ", system, ours),
-        ("phones, running (6)", "Running: 6 ", system, ours),
-        ("phones among magnetic boards (19)", "Among magnetic boards: 19 ", system, ours),
-        ("a magnet on a sensor (5), raw field instead", "A magnet on the sensor: 5 ", raw, ours),
-        ("a calibrated sensor, nothing disturbs (1), raw field instead", "Nothing disturbs: one ", raw, ours),
-        ("phones among magnetic boards, from the magnetometer alone (19)", "Among magnetic boards: 19 ", system, alone),
-    ];
-    let cells = |row: &str| row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
-    for (name, title, (field, vqf), ours) in groups {
-        let part = page.split(&format!("### {title}")).nth(1).and_then(|rest| rest.split("###").next()).expect(title);
-        let of = |method: &str, column: usize| {
-            let row = part.lines().find(|line| line.starts_with(&format!("| {method} |"))).expect(method);
-            let figures: Vec<String> = cells(row)[column].split('/').map(|figure| figure.trim().to_owned()).collect();
-            if figures.len() == 1 { figures[0].clone() } else { format!("{}, {}", figures[0], figures[2]) }
-        };
-        let row = cells(readme.lines().find(|line| line.starts_with(&format!("| {name} |"))).expect(name));
-        let without_gyroscope = ours == alone;
-        let vqf = if without_gyroscope { String::new() } else { of(vqf, 1) };
-        assert_eq!(row[1..], [of(field, 1), vqf, of(ours, 1), of(ours, 2)], "{name}");
-    }
-    // the story of the picture
-    let [story, magnet] = [&readme, &page].map(|text| text.contains("41 degrees off"));
-    assert!(story && magnet);
 }
 
 /// docs/COMPARISON.md has the tables that the command prints of the recordings that are here, to a last digit.

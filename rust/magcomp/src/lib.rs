@@ -5,7 +5,7 @@
 //! field, the heading with its standard deviation, and what it is doing and why. By default ([`Method::Auto`]) the estimators are ours:
 //! one with a gyroscope, one for the magnetometer alone. [`Method::Windowed`] is the method of P. Daponte, L. De Vito,
 //! F. Picariello, S. Rapuano, C. Sementa, "A method for real-time compensation of magnetometers embedded on smartphones";
-//! equation numbers in this crate are that paper's. README's limits say where the standard deviation is too small.
+//! equation numbers in this crate are that paper's. docs/LIMITS.md says where the standard deviation is too small.
 //!
 //! ```
 //! use magcomp::nalgebra::{Rotation3, Vector3};

@@ -64,7 +64,7 @@ pub enum Contestant {
     /// The orientation filter VQF, given the raw field
     VqfRaw,
     /// VQF, given our corrected sample
-    VqfOurs,
+    VqfCorrected,
     /// A complementary filter that tracks b alone
     Fusion,
 }
@@ -103,7 +103,7 @@ impl Contestant {
                 &[0.1, 0.3, 0.5, 0.65]
             }
             Self::Network => &[1e-4, 1e-3, 5e-3],
-            Self::VqfRaw | Self::VqfOurs => &[3.0, 9.0, 27.0],
+            Self::VqfRaw | Self::VqfCorrected => &[3.0, 9.0, 27.0],
             Self::Fusion => &[0.1, 0.3, 1.0],
             _ => &[0.0],
         }
@@ -118,7 +118,7 @@ impl Contestant {
     /// Whether it answers with north by its own attitude, where others answer with a field.
     #[must_use]
     pub fn gives_attitude(self) -> bool {
-        matches!(self, Self::Aided | Self::VqfRaw | Self::VqfOurs | Self::Fusion)
+        matches!(self, Self::Aided | Self::VqfRaw | Self::VqfCorrected | Self::Fusion)
     }
 
     /// A fresh one; None where it cannot take part.
@@ -140,7 +140,7 @@ impl Contestant {
             }
             Self::AidedSample => return ours(method(Method::Aided)),
             Self::VqfRaw => Some(Box::new(Vqf::new(value, None))),
-            Self::VqfOurs => Some(Box::new(Vqf::new(value, Some(Compensator::new(method(Method::Aided))?)))),
+            Self::VqfCorrected => Some(Box::new(Vqf::new(value, Some(Compensator::new(method(Method::Aided))?)))),
             Self::Fusion => Some(Box::new(Fusion::new(value))),
             Self::Constant => return ours(method(Method::Constant)),
             Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),

@@ -1,4 +1,4 @@
-//! Phones of 60 s, from a cold start: one recipe for the figures that README quotes. What happens, happens at 30 s.
+//! Phones of 60 s, from a cold start: one recipe for the figures that the documents quote. What happens, happens at 30 s.
 
 use super::group::Group;
 use super::happening::{By, Happening, When};

@@ -1,6 +1,6 @@
 //! `magcomp check`.
 
-use super::common::{Common, warn};
+use super::common::{Common, input, warn};
 use crate::conventions::{Conventions, Weight};
 use crate::error::LabError;
 use crate::import::{ImportOptions, open};
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub(super) struct Check {
     /// The recording, or the session of a phone logger as of `magcomp import`
-    #[arg(value_name = "IN", required = true)]
+    #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     import: ImportOptions,

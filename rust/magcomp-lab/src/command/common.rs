@@ -7,10 +7,14 @@ use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::Method;
 use serde::Serialize;
-use std::io::Write;
+use std::convert::Infallible;
+use std::io::{self, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
+
+/// The standard output where it is asked for as `-`: nothing else goes there then.
+const STDOUT: &str = "/dev/fd/1";
 
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
@@ -34,17 +38,31 @@ impl Common {
         json: &impl Serialize,
         report: impl FnOnce() -> Result<Report, LabError>,
     ) -> Result<(), LabError> {
+        self.finish_beside(None, tables, json, report)
+    }
+
+    /// The same beside the output of this name: where that is the standard output, what is printed goes to the standard error.
+    pub fn finish_beside(
+        &self,
+        output: Option<&Path>,
+        tables: &[Table],
+        json: &impl Serialize,
+        report: impl FnOnce() -> Result<Report, LabError>,
+    ) -> Result<(), LabError> {
         let page = self.report.as_ref().map(|folder| report()?.write(folder)).transpose()?;
-        let mut out = std::io::stdout().lock();
+        let is_taken = output.is_some_and(|output| output == Path::new(STDOUT));
+        let mut out: Box<dyn Write> = if is_taken { Box::new(io::stderr()) } else { Box::new(io::stdout().lock()) };
         if self.json {
-            serde_json::to_writer_pretty(&mut out, json).map_err(std::io::Error::from)?;
+            serde_json::to_writer_pretty(&mut out, json).map_err(io::Error::from)?;
             writeln!(out)?;
         } else {
+            let is_terminal = if is_taken { io::stderr().is_terminal() } else { io::stdout().is_terminal() };
+            let width = terminal_size::terminal_size().filter(|_| is_terminal).map(|(width, _)| usize::from(width.0));
             for (k, table) in tables.iter().enumerate() {
                 if k > 0 {
                     writeln!(out)?;
                 }
-                write!(out, "{table}")?;
+                write!(out, "{}", table.within(width))?;
             }
             if let Some(page) = page {
                 writeln!(out, "\nreport: {}", page.display())?;
@@ -102,6 +120,16 @@ impl FromStr for Seeds {
         let seeds = first.parse().ok().zip(last.parse().ok()).filter(|(first, last)| first <= last);
         seeds.map(|(first, last)| Self(first, last)).ok_or_else(|| "expected seeds such as 1-10 or 7".to_owned())
     }
+}
+
+/// A path; `-` is the standard input.
+pub(super) fn input(text: &str) -> Result<PathBuf, Infallible> {
+    Ok(PathBuf::from(if text == "-" { "/dev/stdin" } else { text }))
+}
+
+/// A path; `-` is the standard output.
+pub(super) fn output(text: &str) -> Result<PathBuf, Infallible> {
+    Ok(PathBuf::from(if text == "-" { STDOUT } else { text }))
 }
 
 /// A number, neither NaN nor infinite.

@@ -1,6 +1,6 @@
 //! `magcomp compare`.
 
-use super::common::{Common, finite, refuse_outputs, warn};
+use super::common::{Common, finite, input, refuse_outputs, warn};
 use super::compare_folder::CompareFolder;
 use crate::baseline::Contestant;
 use crate::catalogue::{COMPARED, Variant, find};
@@ -23,9 +23,10 @@ use std::path::{Path, PathBuf};
 /// Each method answers every sample before it sees the next, from a cold start. A method's one free number (window, process
 /// noise, threshold, rate of learning) is tuned for every scenario on other seeds. For the Kalman filters the true noise is given.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Compare {
     /// Recordings instead of scenarios
-    #[arg(value_name = "IN")]
+    #[arg(value_name = "IN", value_parser = input)]
     recordings: Vec<PathBuf>,
     /// Variants of the catalogue (`magcomp evaluate --list`); the paper's and the usual phones when none is named
     #[arg(long, value_name = "VARIANT", value_delimiter = ',', conflicts_with = "recordings", value_parser = find)]

@@ -9,6 +9,7 @@ use clap::{Args, value_parser};
 
 /// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Crb {
     /// Runs for every N and SNR; the ratios' own error is about 1 / sqrt(6 runs)
     #[arg(long, default_value_t = 400, value_parser = value_parser!(u32).range(1..))]
@@ -19,10 +20,10 @@ pub(super) struct Crb {
     #[arg(long, value_name = "P", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     p: u32,
     /// Sample counts N
-    #[arg(long, value_delimiter = ',', default_values_t = SAMPLES.map(|n| n as u32), value_parser = value_parser!(u32).range(9..=100_000))]
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = SAMPLES.map(|n| n as u32), value_parser = value_parser!(u32).range(9..=100_000))]
     samples: Vec<u32>,
     /// Signal-to-noise ratios, dB
-    #[arg(long, value_delimiter = ',', default_values_t = SNR_DB, value_parser = finite)]
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = SNR_DB, value_parser = finite)]
     snr: Vec<f64>,
     #[command(flatten)]
     common: Common,

@@ -7,11 +7,11 @@ use crate::experiment::step::{StepOptions, StepResult, run as run_step};
 use crate::experiment::story::Story;
 use crate::motion::Motion;
 use crate::recording::{self, Recording};
-use crate::replay::{Ignore, Judgement, Step, figures, judge, offset_picture, replay, usual_part};
+use crate::replay::{Ignore, Step, figures, offset_picture, replay};
 use crate::report::Report;
 use crate::table::{Table, number};
 use clap::{Args, value_parser};
-use magcomp::{Config, Method, ReferenceAxis};
+use magcomp::Config;
 use serde::Serialize;
 use std::ops::Range;
 use std::path::Path;
@@ -39,13 +39,6 @@ const QUIET: Shown = Shown {
     bytes: include_bytes!("../../../../tests/recordings/broad_01_slow_rotation_A.csv.gz"),
     about: "Slow rotations of a sensor that its maker has calibrated well: there is nothing to gain, and little must be lost.",
 };
-/// The methods shown, the sensors they go without, and whether they are drawn.
-const METHODS: [(&str, Method, Ignore, bool); 4] = [
-    ("constant", Method::Constant, Ignore { gyroscope: true, accelerometer: false }, false),
-    ("windowed", Method::Windowed, Ignore { gyroscope: true, accelerometer: false }, false),
-    ("adaptive (--ignore gyro)", Method::Auto, Ignore { gyroscope: true, accelerometer: false }, false),
-    ("aided", Method::Auto, Ignore { gyroscope: false, accelerometer: false }, true),
-];
 /// Runs of an aided step: they agree well, the paper's do not.
 const AIDED_RUNS: usize = 10;
 /// Where the report is written when no other folder is named, below the current one.
@@ -64,17 +57,20 @@ pub(super) struct Demo {
     common: Common,
 }
 
-/// A method on a recording.
+/// What it comes to: rms heading errors up to one constant, of a sensor that a magnet was put on.
 #[derive(Serialize)]
-struct Judged {
-    recording: String,
-    method: &'static str,
-    judgement: Judgement,
+struct Headline {
+    /// In a few sentences.
+    text: String,
+    raw_deg: f64,
+    papers_deg: f64,
+    magcomp_deg: f64,
 }
 
 #[derive(Serialize)]
 struct Everything {
-    recordings: Vec<Judged>,
+    headline: Headline,
+    recordings: [Story; 2],
     aided: Vec<FollowResult>,
     step: StepResult,
 }
@@ -82,9 +78,10 @@ struct Everything {
 impl Demo {
     pub fn run(mut self) -> Result<(), LabError> {
         self.common.report.get_or_insert_with(|| FOLDER.into());
-        let [(magnet, drawn, mut recordings), (quiet, quiet_drawn, others)] = [played(&MAGNET)?, played(&QUIET)?];
-        recordings.extend(others);
-        let story = Story::of(&magnet, MAGNET_S)?;
+        let say = |what: &str| eprintln!("magcomp: {what} ...");
+        say("1 of 3, recordings of a real sensor");
+        let [(magnet, magnet_steps, story), (quiet, quiet_steps, quiet_story)] = [played(&MAGNET)?, played(&QUIET)?];
+        say("2 of 3, simulated phones");
         let follow = |motion| match FollowOptions::of(motion) {
             Some(options) => {
                 follow::run(&FollowOptions { seed: self.common.seed, runs: AIDED_RUNS, ..options }).map(Some)
@@ -93,35 +90,37 @@ impl Demo {
         };
         let [tumble, walk] = [follow(Motion::Tumble)?, follow(Motion::Walk)?];
         let aided: Vec<FollowResult> = [tumble, walk].into_iter().flatten().collect();
+        say("3 of 3, the paper's experiment");
         let step =
             run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;
-        let table = recording_table(&recordings);
+        let headline = Headline::of(&story, &aided);
+        let table = heading_table(&headline.text, [&story, &quiet_story]);
 
-        let mut report = Report::new("magcomp: a magnetometer freed from its phone", &conclusion(&story, &aided));
+        let mut report = Report::new("magcomp: a magnetometer freed from its phone", &headline.text);
         report.section("A magnet on a real sensor", MAGNET.about);
         report.figure(
             "heading_error",
-            story.picture()?,
-            "Rms over a second, up to one constant, against the optical reference.",
+            story.picture(&MAGNET_S)?,
+            "Rms over a second, up to one constant, against the optical reference; at most 60 degrees are shown.",
         );
         report.figure(
             "offset",
-            offset_picture(&magnet, &drawn, PLANE, &STRETCHES),
-            "Raw samples (orange) lie about the device's own field b (red line and ring: where it was found), corrected ones (blue) about the \
+            offset_picture(&magnet, &magnet_steps, PLANE, &STRETCHES),
+            "Raw samples (grey) lie about the device's own field b (red line and ring: where it was found), corrected ones (blue) about the \
              middle. The last calibration of each stretch.",
         );
+        report.table(&Table { lead: Vec::new(), ..table.clone() });
         report.folded("Everything over time, and the sphere to turn", |report| {
-            figures(report, &magnet.name().replace(".csv.gz", ""), &magnet, &drawn)
+            figures(report, &magnet.name().replace(".csv.gz", ""), &magnet, &magnet_steps)
         })?;
         report.folded("A recording in which nothing disturbs", |report| {
             report.text(QUIET.about);
-            figures(report, &quiet.name().replace(".csv.gz", ""), &quiet, &quiet_drawn)
+            figures(report, &quiet.name().replace(".csv.gz", ""), &quiet, &quiet_steps)
         })?;
-        report.table(&table);
         for (result, figure) in aided.iter().zip(["step_tumble", "step_walk"]) {
             report.section(&format!("Simulated phones, {}", result.scenario), "Each from a cold start.");
             result.tables().iter().take(1).for_each(|table| report.table(table));
-            report.folded("The first of them over time, and the time of every method", |report| {
+            report.folded("The first of them over time, and headings and events", |report| {
                 result.add_to(report, figure)
             })?;
         }
@@ -131,96 +130,50 @@ impl Demo {
         );
         report.folded("Its figures and tables made again", |report| step.add_to(report))?;
 
-        let [parameters, angles] = step.tables();
-        let mut tables = vec![table];
-        tables.extend(aided.iter().flat_map(FollowResult::tables));
-        tables.extend([parameters, angles]);
-        let everything = Everything { recordings, aided, step };
-        self.common.finish(&tables, &everything, || Ok(report))
+        let everything = Everything { headline, recordings: [story, quiet_story], aided, step };
+        self.common.finish(&[table], &everything, || Ok(report))
     }
 }
 
-/// What all of it comes to, in three sentences.
-fn conclusion(story: &Story, aided: &[FollowResult]) -> String {
-    let [raw, papers, ours] = story.errors_deg()[..] else { return String::new() };
-    let seconds = |name: &str| {
-        let answer = aided.first()?.answers.iter().find(|answer| answer.name == name)?;
-        answer.below_2_deg.median
-    };
-    let told = |name: &str| seconds(name).map_or_else(|| "never".to_owned(), |s| format!("after {s:.1} s"));
-    format!(
-        "A magnet of 27 uT is put on a sensor: its raw heading is {raw:.0} degrees off, that of the paper's real-time method \
-         {papers:.0}, ours {ours:.1} (rms up to one constant). When the disturbance of a simulated phone in a hand grows by half, our \
-         corrected samples are right to 2 degrees {}, the paper's {} (medians). Every answer uses nothing later than its own sample.",
-        told("aided, c"),
-        told("windowed, c"),
-    )
+impl Headline {
+    fn of(story: &Story, aided: &[FollowResult]) -> Self {
+        let [raw_deg, papers_deg, magcomp_deg] = story.drawn_deg();
+        let answer = |result: &FollowResult| {
+            let answer = result.answers.iter().find(|answer| answer.name == "aided, c")?;
+            answer.below_2_deg.median
+        };
+        let told = aided.first().and_then(answer).map_or_else(|| "never".to_owned(), |s| format!("after {s:.1} s"));
+        let text = format!(
+            "A magnet of 27 uT is put on a sensor: its raw heading is {raw_deg:.0} degrees off, that of the paper's real-time method \
+             {papers_deg:.0}, magcomp's {magcomp_deg:.1} (rms up to one constant). When the disturbance of a simulated phone in a hand grows \
+             by half, the corrected samples are right to 2 degrees {told} (median). Every answer uses nothing later than its own sample."
+        );
+        Self { text, raw_deg, papers_deg, magcomp_deg }
+    }
 }
 
-/// A recording, the steps of the method that is drawn, and every method judged.
-fn played(shown: &Shown) -> Result<(Recording, Vec<Step>, Vec<Judged>), LabError> {
+/// A recording, the steps of the best method that its sensors allow, and all methods beside each other.
+fn played(shown: &Shown) -> Result<(Recording, Vec<Step>, Story), LabError> {
     let recording = recording::read_from(Path::new(shown.name), shown.bytes)?;
-    let (mut drawn, mut judged) = (Vec::new(), Vec::new());
-    for (method_name, method, ignore, is_drawn) in METHODS {
-        let steps = replay(&recording, &Config { method, ..Config::default() }, ignore)?;
-        let judgement = judge(&recording, &steps, usual_part(&recording.extent()), ReferenceAxis::default());
-        judged.push(Judged { recording: recording.name(), method: method_name, judgement });
-        if is_drawn {
-            drawn = steps;
-        }
-    }
-    Ok((recording, drawn, judged))
+    let steps = replay(&recording, &Config::default(), Ignore::default())?;
+    let story = Story::of(&recording)?;
+    Ok((recording, steps, story))
 }
 
-fn recording_table(shown: &[Judged]) -> Table {
-    let mut table = Table::new(
-        "Real recordings (BROAD, CC BY 4.0)",
-        &[
-            "recording, method",
-            "rows",
-            "answered %",
-            "spread of total field uT",
-            "heading c rms deg",
-            "p95 deg",
-            "f rms deg",
-            "ns per push",
-        ],
-    );
-    let mut before = String::new();
-    for Judged { recording, method, judgement } in shown {
-        if *recording != before {
-            before.clone_from(recording);
-            let raw = judgement.raw_heading;
-            table.row(vec![
-                format!("{recording}: raw"),
-                judgement.rows.to_string(),
-                String::new(),
-                number(judgement.total_field_ut.raw.map(|field| field.spread), 2),
-                number(raw.map(|raw| raw.rms_deg), 2),
-                number(raw.map(|raw| raw.p95_deg), 2),
-                String::new(),
-                String::new(),
-            ]);
-        }
-        let heading = judgement.heading;
-        table.row(vec![
-            format!("  {method}"),
-            judgement.rows.to_string(),
-            number(Some(100.0 * judgement.answered), 1),
-            number(judgement.total_field_ut.compensated.map(|field| field.spread), 2),
-            number(heading.map(|heading| heading.rms_deg), 2),
-            number(heading.map(|heading| heading.p95_deg), 2),
-            number(judgement.carried_heading.map(|heading| heading.rms_deg), 2),
-            number(Some(judgement.mean_push_ns), 0),
-        ]);
+/// What it comes to, then a line for each method.
+fn heading_table(text: &str, [magnet, quiet]: [&Story; 2]) -> Table {
+    let title = "Heading errors of a real sensor, degrees: a magnet is put on it and taken off, and no magnet";
+    let mut table = Table::new(title, &["", "magnet", "no magnet", "answered %"]);
+    table.lead.push(text.to_owned());
+    for (with, without) in magnet.methods.iter().zip(&quiet.methods) {
+        let [magnet, none] = [with, without].map(|told| number(told.heading.map(|heading| heading.rms_deg), 1));
+        table.row(vec![with.method.to_owned(), magnet, none, number(Some(100.0 * with.answered), 0)]);
     }
-    table.note(
-        "Spread: standard deviation. c: the corrected sample; f: the field that the gyroscope carries. \
-         Headings are judged by the optical reference, up to one constant. The first 20 s do not count.",
-    );
-    table.note(
-        "constant: one calibration, kept. windowed: the paper's method. adaptive: the magnetometer alone. aided: with gyroscope and \
-         gravity. Each is judged on the samples that it answered, raw on those of the first method.",
-    );
+    let names = [magnet, quiet].map(|story| story.recording.trim_end_matches(".csv.gz").to_owned());
+    table.note(&format!(
+        "Recordings: {} and {} (BROAD, CC BY 4.0). Root mean squares against the optical reference, up to one constant, from 20 s on; \
+         answered: with the magnet. docs/COMPARISON.md has more recordings and methods.",
+        names[0], names[1]
+    ));
     table
 }

@@ -21,10 +21,10 @@ const JUDGED: Seeds = Seeds(12_001, 12_010);
 #[derive(Debug, Args)]
 pub(super) struct Evaluate {
     /// Tables; all when neither a table nor a variant is named
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_enum, num_args = 1.., value_delimiter = ',')]
     group: Vec<Group>,
     /// Variants by name, or a name's begin followed by *
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, num_args = 1.., value_delimiter = ',')]
     variant: Vec<String>,
     /// A run for each of these seeds
     #[arg(long, value_name = "FIRST-LAST", default_value = "1-10")]
@@ -65,7 +65,7 @@ impl Evaluate {
         }
         let variants = self.variants()?;
         if self.list {
-            let mut table = Table::new("variants", &["name", "what happens"]);
+            let mut table = Table { left: true, ..Table::new("variants", &["name", "what happens"]) };
             variants.iter().for_each(|variant| table.row(vec![variant.name.clone(), variant.about.clone()]));
             let names: Vec<&String> = variants.iter().map(|variant| &variant.name).collect();
             return common.finish(std::slice::from_ref(&table), &names, || Ok(Report::new("Variants", "")));

@@ -1,6 +1,6 @@
 //! `magcomp import`.
 
-use super::common::{Common, refuse_outputs, warn, warn_of};
+use super::common::{Common, input, output, refuse_outputs, warn, warn_of};
 use crate::error::LabError;
 use crate::import::{ImportOptions, import};
 use crate::recording::write_atomically;
@@ -10,16 +10,17 @@ use std::path::{Path, PathBuf};
 
 /// Make a phone logger's session into a recording; `replay` takes the same inputs.
 ///
-/// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form) or MATLAB Mobile, a bag of ROS 2
-/// (mcap), or plain CSV, Parquet or Arrow (a file, Feather 2, or a stream) whose columns --columns names. Each sensor keeps its own times and rate: a row leaves the cells of the others empty. The
-/// field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
+/// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form) or MATLAB Mobile, or plain CSV
+/// whose columns --columns names; with the feature formats (cargo install --path rust/magcomp-lab --features formats) also a bag of
+/// ROS 2 (mcap), Parquet or Arrow (a file, Feather 2, or a stream). Each sensor keeps its own times and rate: a row leaves the cells of
+/// the others empty. The field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
 #[derive(Debug, Args)]
 pub(super) struct Import {
     /// The session: a zip, a folder, or its files
-    #[arg(value_name = "IN", required = true)]
+    #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
     /// The recording to write; gzipped when the name ends in .gz
-    #[arg(short, long, value_name = "OUT.csv.gz")]
+    #[arg(short, long, value_name = "OUT.csv.gz", value_parser = output)]
     output: PathBuf,
     #[command(flatten)]
     options: ImportOptions,
@@ -35,7 +36,7 @@ impl Import {
         warn(&summary.warnings);
         warn_of(&summary.conventions);
         let table = summary.table();
-        self.common.finish(std::slice::from_ref(&table), &summary, || {
+        self.common.finish_beside(Some(&self.output), std::slice::from_ref(&table), &summary, || {
             let mut report = Report::new("A session imported", "What the logger recorded.");
             report.table(&table);
             summary.warnings.iter().for_each(|warning| report.section("Warning", warning));

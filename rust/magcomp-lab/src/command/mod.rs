@@ -15,7 +15,9 @@ mod simulate;
 mod step;
 
 use crate::error::LabError;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+use std::io::{self, Write};
 
 /// Frees a smartphone magnetometer from the phone's own disturbance: replays recordings, runs the paper's experiments.
 #[derive(Debug, Parser)]
@@ -23,7 +25,7 @@ use clap::{Parser, Subcommand};
     name = "magcomp",
     version,
     after_help = "Exit codes: 0 all went well; 1 the input or the run failed (one line on standard error says where and \
-                  why; no output file is left half written); 2 wrong usage, or a recording without rows; \
+                  why; no output file is left half written); 2 wrong usage, or several recordings where one is wanted; \
                   3 the recording is bad, and the first line of the summary says why."
 )]
 pub struct Cli {
@@ -44,6 +46,13 @@ enum Verb {
     Evaluate(evaluate::Evaluate),
     Sensitivity(sensitivity::Sensitivity),
     Simulate(simulate::Simulate),
+    /// Print a script that completes this command in a shell; bash: source <(magcomp completions bash)
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Print the manual page; magcomp manual | man -l -
+    Manual,
 }
 
 impl Cli {
@@ -63,6 +72,35 @@ impl Cli {
             Verb::Evaluate(verb) => verb.run(),
             Verb::Sensitivity(verb) => verb.run(),
             Verb::Simulate(verb) => verb.run(),
+            Verb::Completions { shell } => {
+                let mut script = Vec::new();
+                clap_complete::generate(shell, &mut Self::command(), "magcomp", &mut script);
+                Ok(io::stdout().write_all(&script)?)
+            }
+            Verb::Manual => Ok(manual(&mut io::stdout())?),
         }
     }
+}
+
+/// One page: the command, then each verb with its options.
+fn manual(out: &mut dyn Write) -> io::Result<()> {
+    let mut command = Cli::command();
+    command.build();
+    let page = clap_mangen::Man::new(command.clone());
+    page.render_title(out)?;
+    page.render_name_section(out)?;
+    page.render_synopsis_section(out)?;
+    page.render_description_section(out)?;
+    page.render_subcommands_section(out)?;
+    for verb in command.get_subcommands().filter(|verb| verb.get_name() != "help") {
+        writeln!(out, ".SH {}", verb.get_name().to_uppercase())?;
+        let page = clap_mangen::Man::new(verb.clone());
+        let mut text = Vec::new();
+        page.render_description_section(&mut text)?;
+        page.render_options_section(&mut text)?;
+        // sections of a verb are parts of its own
+        out.write_all(String::from_utf8_lossy(&text).replace(".SH ", ".SS ").as_bytes())?;
+    }
+    page.render_extra_section(out)?;
+    page.render_version_section(out)
 }

@@ -1,6 +1,6 @@
 //! `magcomp replay`.
 
-use super::common::{Common, MethodChoice, between, refuse_outputs, warn, warn_of};
+use super::common::{Common, MethodChoice, between, input, output, refuse_outputs, warn, warn_of};
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::import::{ImportOptions, Opened, Summary, open};
@@ -37,9 +37,10 @@ const CHUNK: usize = 4096;
 /// Without a reference: total field and dip, mean and spread (standard deviation), against what the Earth has (--place: there); and how
 /// far the field swings within a full turn of at most a minute, by the gyroscope.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Replay {
     /// The recording, or the session of a phone logger as of `magcomp import`
-    #[arg(value_name = "IN", required = true)]
+    #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     import: ImportOptions,
@@ -60,7 +61,7 @@ pub(super) struct Replay {
     /// t_s; cx,cy,cz the corrected sample and fx,fy,fz the carried field, uT; heading_deg, heading_sigma_deg, inclination_deg; sigma_t, window and
     /// coverage (samples and directions that the estimator looks at); status; bx,by,bz the hard iron, uT; w00 to w22 the inverse of M, row by row;
     /// ns, the time of the push in nanoseconds; true_heading_deg where a declination is known. A cell is empty where nothing is known.
-    #[arg(long, value_name = "OUT.csv")]
+    #[arg(long, value_name = "OUT.csv", value_parser = output)]
     output: Option<PathBuf>,
     /// Where it is told for every input row why the reading says what it says: estimator and phase, innovation against its expected size,
     /// hypotheses with onset and log odds, noise levels
@@ -163,7 +164,7 @@ impl Replay {
         let (tables, verdict) = (outcome.tables.clone(), outcome.verdict.clone());
         let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
         let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
-        self.common.finish(&tables, &told, || outcome.report())?;
+        self.common.finish_beside(self.output.as_deref(), &tables, &told, || outcome.report())?;
         if verdict.grade == Grade::Bad {
             return Err(LabError::Bad(format!("{name} is bad: {}", verdict.reason())));
         }

@@ -22,10 +22,10 @@ pub(super) struct Sensitivity {
     #[arg(long, value_name = "CSV")]
     index: Option<PathBuf>,
     /// Simulated groups; all when not given
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_enum, num_args = 1.., value_delimiter = ',')]
     group: Vec<Group>,
     /// Choices and mechanisms by a part of their name; all when not given
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     only: Vec<String>,
     /// Mechanisms alone, no choices
     #[arg(long)]

@@ -20,6 +20,7 @@ use std::path::PathBuf;
 
 /// Write a simulated recording with its reference orientation.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Simulate {
     /// The recording to write; gzipped when the name ends in .gz
     #[arg(value_name = "OUT.csv")]

@@ -18,6 +18,7 @@ use magcomp::Method;
 /// beside the paper's, with the gyroscope and accelerometer that belong to the motion. --method adaptive: the magnetometer
 /// alone, on the scenario that belongs to the motion (30 dB uniform, 40 dB others) or on the one named.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Step {
     /// Runs to average; 60 for figs. 4 and 5, 20 for tumble and walk when not given
     #[arg(long, value_parser = value_parser!(u32).range(1..))]

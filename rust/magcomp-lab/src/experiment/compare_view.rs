@@ -18,7 +18,7 @@ const DRAWN: [(&str, Colour); 11] = [
     ("aided", Colour::Blue),
     ("aided-sample", Colour::Green),
     ("vqf-raw", Colour::Orange),
-    ("vqf-ours", Colour::Purple),
+    ("vqf-corrected", Colour::Purple),
     ("fusion", Colour::Red),
 ];
 /// The sensors that the methods of a table were given.
@@ -65,7 +65,7 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
     let (best_after, best_steady) = (best(&|m| m.after_deg), best(&|m| m.steady_deg));
     let marked = |value: f64, best: f64| {
         let text = degrees(value, 2);
-        if value <= best { format!("*{text}") } else { text }
+        if methods.len() > 1 && value <= best { format!("*{text}") } else { text }
     };
     for m in methods {
         let mut cells = vec![m.name.clone(), m.tuned.map_or_else(String::new, tuned)];
@@ -85,7 +85,7 @@ pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Giv
     );
     if given == Given::Inertial {
         table.note(
-            "aided, vqf-raw, vqf-ours and fusion give north by their own attitude; aided-sample gives the corrected sample without \
+            "aided, vqf-raw, vqf-corrected and fusion give north by their own attitude; aided-sample gives the corrected sample without \
              its noise.",
         );
     }
@@ -141,7 +141,7 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
             let text = |m: &MethodScore| degrees(value(m), if value(m) < 10.0 { 2 } else { 0 });
             let Some(best) = methods.iter().min_by(|a, b| value(a).total_cmp(&value(b))) else { continue };
             let cells = names.iter().map(|name| match methods.iter().find(|m| m.name == *name) {
-                Some(m) if text(m) == text(best) => format!("*{}", text(m)),
+                Some(m) if names.len() > 1 && text(m) == text(best) => format!("*{}", text(m)),
                 Some(m) => text(m),
                 None => "-".to_owned(),
             });
@@ -150,10 +150,11 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
                 won.push(format!("{scenario} ({} {} against {})", best.name, text(best), text(ours)));
             }
         }
-        table.note(&match won.as_slice() {
-            [] => format!("{} is the best or as good in all of them.", names.first().unwrap_or(&"")),
-            won => format!("Another one is better in: {}.", won.join(", ")),
-        });
+        match (names.as_slice(), won.as_slice()) {
+            ([] | [_], _) => {}
+            ([first, ..], []) => table.note(&format!("{first} is the best or as good in all of them.")),
+            (_, won) => table.note(&format!("Another one is better in: {}.", won.join(", "))),
+        }
         table
     });
     tables.to_vec()
@@ -235,7 +236,7 @@ pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given
     table.note(match given {
         Given::Magnetometer => "The network learns from that reference over the first 40 % of the recording. There is no Helmholtz coil for a recording.",
         Given::Inertial => {
-            "aided, vqf-raw, vqf-ours and fusion give north by their own attitude; vqf-ours is given the samples of aided-sample."
+            "aided, vqf-raw, vqf-corrected and fusion give north by their own attitude; vqf-corrected is given the samples of aided-sample."
         },
     });
     table

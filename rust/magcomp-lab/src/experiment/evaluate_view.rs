@@ -15,7 +15,7 @@ const LEAST_JUDGED: u64 = 10_000;
 
 /// What the columns mean.
 const NOTES: &str = "\
-* Seeds above 10 000 judge: nobody runs them while developing, and this page is made with them once a release, whatever it says.
+* This page uses random seeds above 10 000, which nobody runs while developing. It is made once a release and published as it comes out.
 * Each run has its own device, motion and noise, and a cold start; each sample is answered before the next is seen. The config is the default, with
   headings of the automatic axis. Phones have 60 s at 100 Hz, a field of 50 uT with a dip of 60 degrees, white noise of 0.5 uT, and what happens,
   happens at 30 s. Carried phones have 80 s and more, the errors and delays that sensors of phones have, and accelerations of the motion; their device
@@ -33,9 +33,8 @@ const NOTES: &str = "\
 * f: root mean square of the angle between the carried field and the Earth's, degrees, median run. calibration: that between what the calibration
   makes of the sample without noise and the field there.
 * lie: the longest time, in seconds, in which the status is `Tracking` and the error beyond three sigmas; worst run.
-* missed: changes of the device of 5 uT at least that no device step declares, of all runs. false: device steps an hour that no change of the device
-  explains. lost: stretches from a change to the next or the end that end with f, or the calibration without a gyroscope, wrong by over 5 degrees, of
-  all runs.
+* missed: how many changes of the device, of 5 uT at least, are not told. false: how many changes an hour are told that did not happen. lost: how often the
+  carried field (without a gyroscope the calibration) is still more than 5 degrees wrong when the next change comes or the run ends.
 ";
 
 impl EvaluateResult {

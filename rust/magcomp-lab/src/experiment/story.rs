@@ -1,67 +1,101 @@
-//! One recording as a story: a magnet is put on a sensor and taken off again, and the heading error of the raw field, of the paper's method and of
-//! ours over time.
+//! One recording as a story: what each method makes of a magnet that is put on a sensor and taken off again.
 
-use super::compare_recording::{RecordingScore, compare_rows};
+use super::compare_recording::compare_rows;
 use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::plot::{Colour, Layers, Panel, Series, draw};
 use crate::recording::Recording;
+use crate::replay::HeadingError;
+use serde::Serialize;
 use std::ops::Range;
 
-/// The methods, their names, and their colours.
-const TOLD: [(Contestant, &str, Colour); 3] = [
-    (Contestant::None, "raw", Colour::Grey),
-    (Contestant::PaperHalfRange, "the paper's method", Colour::Orange),
-    (Contestant::Aided, "ours", Colour::Blue),
+/// The methods, their names, and the colours of those that are drawn.
+const TOLD: [(Contestant, &str, Option<Colour>); 5] = [
+    (Contestant::None, "raw field", Some(Colour::Grey)),
+    (Contestant::PaperHalfRange, "the paper's method", Some(Colour::Orange)),
+    (Contestant::VqfRaw, "VQF on the raw field", None),
+    (Contestant::Adaptive, "magcomp, magnetometer alone: corrected sample", None),
+    (Contestant::Aided, "magcomp: heading", Some(Colour::Ink)),
 ];
 /// Largest error shown, degrees: more is drawn there.
 const SHOWN_DEG: f64 = 60.0;
+/// Size of the picture, pixels: README shows it 1.3 times as large, with letters of 12 pixels.
+const SIZE: (u32, u32) = (640, 260);
 
-/// What the story comes to.
-#[derive(Clone, Debug)]
+/// What a method's heading came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Told {
+    /// The method.
+    pub method: &'static str,
+    /// Share of the rows with an answer, 0 to 1.
+    pub answered: f64,
+    /// Its heading error.
+    pub heading: Option<HeadingError>,
+    #[serde(skip)]
+    colour: Option<Colour>,
+    #[serde(skip)]
+    course_deg: Vec<(f64, f64)>,
+}
+
+/// All methods on a recording, in the order of the tables.
+#[derive(Clone, Debug, Serialize)]
 pub struct Story {
-    /// In the order of raw, the paper's and ours.
-    scores: Vec<RecordingScore>,
-    magnet_s: Range<f64>,
+    /// The recording's name.
+    pub recording: String,
+    /// The raw field first, then the paper's method; magcomp's heading is the last.
+    pub methods: Vec<Told>,
 }
 
 impl Story {
-    /// Of a recording on which a magnet sat from when to when, s after its first row.
+    /// Of a recording.
     ///
     /// # Errors
     /// [`LabError::Config`].
-    pub fn of(recording: &Recording, magnet_s: Range<f64>) -> Result<Self, LabError> {
-        let methods = TOLD.map(|(contestant, ..)| contestant);
-        let scores = compare_rows(&recording.extent(), recording.rows.iter().cloned().map(Ok), &methods, 0)?;
-        // with the gyroscope or without, each in its place
-        let find = |contestant: &Contestant| scores.iter().find(|score| score.name == contestant.name()).cloned();
-        Ok(Self { scores: methods.iter().filter_map(find).collect(), magnet_s })
+    pub fn of(recording: &Recording) -> Result<Self, LabError> {
+        let contestants = TOLD.map(|(contestant, ..)| contestant);
+        let scores = compare_rows(&recording.extent(), recording.rows.iter().cloned().map(Ok), &contestants, 0)?;
+        let told = |(contestant, method, colour): &(Contestant, &'static str, Option<Colour>)| {
+            let score = scores.iter().find(|score| score.name == contestant.name())?;
+            let course_deg = score.course_deg.clone();
+            let (answered, heading) = (score.vectors.answered, score.vectors.heading);
+            Some(Told { method, answered, heading, colour: *colour, course_deg })
+        };
+        Ok(Self { recording: recording.name(), methods: TOLD.iter().filter_map(told).collect() })
     }
 
-    /// Rms heading errors up to one constant, degrees: raw, the paper's, ours.
+    /// Rms heading errors up to one constant, degrees, of the methods that are drawn: raw, the paper's, magcomp's.
     #[must_use]
-    pub fn errors_deg(&self) -> Vec<f64> {
-        self.scores.iter().map(|score| score.vectors.heading.map_or(f64::NAN, |heading| heading.rms_deg)).collect()
+    pub fn drawn_deg(&self) -> [f64; 3] {
+        let mut drawn = self.methods.iter().filter(|told| told.colour.is_some()).map(Told::rms_deg);
+        [(); 3].map(|()| drawn.next().unwrap_or(f64::NAN))
     }
 
-    /// The heading error over time.
+    /// The heading error over time; a magnet sat there from when to when, s after the first row.
     ///
     /// # Errors
     /// [`LabError::Plot`].
-    pub fn picture(&self) -> Result<String, LabError> {
-        let series = self.scores.iter().zip(TOLD).map(|(score, (_, name, colour))| {
-            let name = format!("{name}: {:.0} deg rms", score.vectors.heading.map_or(f64::NAN, |it| it.rms_deg));
-            Series::new(&name, colour, score.course_deg.iter().map(|(time_s, error)| (*time_s, error.min(SHOWN_DEG))))
+    pub fn picture(&self, magnet_s: &Range<f64>) -> Result<String, LabError> {
+        let series = self.methods.iter().filter_map(|told| {
+            let digits = usize::from(told.rms_deg() < 10.0);
+            let name = format!("{} {:.digits$}", told.method, told.rms_deg());
+            Some(Series::new(&name, told.colour?, told.course_deg.iter().map(|(s, error)| (*s, error.min(SHOWN_DEG)))))
         });
-        let names = [(self.magnet_s.start, "a magnet is put on"), (self.magnet_s.end, "and taken off")];
+        let names = [(magnet_s.start, "a magnet is put on"), (magnet_s.end, "and taken off")];
         let panel = Panel {
-            title: "heading error".to_owned(),
             x_label: "s".to_owned(),
-            y_label: format!("deg (at most {SHOWN_DEG:.0} are shown)"),
-            y_range: Some((0.0, SHOWN_DEG * 1.15)),
+            y_label: "heading error, deg".to_owned(),
+            // room below for a line near 0
+            y_range: Some((-3.0, SHOWN_DEG * 1.15)),
             series: series.collect(),
             layers: Layers { marks: names.map(|(at_s, name)| (at_s, name.to_owned())).to_vec(), ..Layers::default() },
+            ..Panel::default()
         };
-        draw(&[panel], 1, (1100, 340))
+        draw(&[panel], 1, SIZE)
+    }
+}
+
+impl Told {
+    fn rms_deg(&self) -> f64 {
+        self.heading.map_or(f64::NAN, |heading| heading.rms_deg)
     }
 }

@@ -50,7 +50,7 @@ impl Document {
             text.drain(..3);
         }
         if text.iter().take(START).any(|byte| *byte == 0) {
-            return Err(LabError::Usage(format!("{}: {}", path.display(), not_text(&text))));
+            return Err(LabError::NoSession(format!("{}: {}", path.display(), not_text(&text))));
         }
         Ok(Self::of_text(path, text))
     }
@@ -173,7 +173,7 @@ pub(super) fn documents(inputs: &[Input]) -> Result<Documents, LabError> {
             return Err(why);
         }
         let names: Vec<String> = inputs.iter().map(|input| input.path.display().to_string()).collect();
-        return Err(LabError::Usage(format!("{}: no file there ends in {}", names.join(", "), TEXT.join(", "))));
+        return Err(LabError::NoSession(format!("{}: no file there ends in {}", names.join(", "), TEXT.join(", "))));
     }
     Ok(found)
 }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::panic::{self, UnwindSafe};
 use std::sync::Once;
-#[cfg(any(feature = "columnar", feature = "mcap"))]
+#[cfg(feature = "formats")]
 use std::{fmt::Display, io};
 
 thread_local! {
@@ -28,7 +28,7 @@ pub(super) fn guarded<T>(read: impl FnOnce() -> T + UnwindSafe) -> Result<T, &'s
 }
 
 /// An error of such a reader, as one line.
-#[cfg(any(feature = "columnar", feature = "mcap"))]
+#[cfg(feature = "formats")]
 pub(super) fn one_line(why: impl Display) -> io::Error {
     io::Error::other(why.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    #[cfg(any(feature = "columnar", feature = "mcap"))]
+    #[cfg(feature = "formats")]
     fn errors_are_one_line() {
         assert_eq!(one_line("a\n  b\r\nc").to_string(), "a b c");
     }

@@ -11,9 +11,10 @@ use super::summary::Summary;
 use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger};
 use crate::error::{LabError, Place};
 use crate::place::Day;
+use crate::recording::name_of;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The loggers that are accepted, for messages.
 const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, GetSensorData, MATLAB Mobile";
@@ -176,6 +177,17 @@ fn refuse_twice(documents: &[Document], app: App) -> Result<(), LabError> {
     Ok(())
 }
 
+/// The other files that have no such header either, some by name.
+fn others(documents: &[Document], nearest: &Path) -> String {
+    let others = documents.iter().map(|document| document.path.as_path()).filter(|path| *path != nearest);
+    let names: Vec<String> = others.map(name_of).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        few @ ([_] | [_, _] | [_, _, _]) => format!("; not in {} either", few.join(", ")),
+        many => format!("; not in {} others either", many.len()),
+    }
+}
+
 fn plain_session(documents: &mut [Document], options: &ImportOptions) -> Result<Session, LabError> {
     if documents.iter().all(|document| Sheet::new(document).header.is_empty()) {
         return Err(LabError::Empty { path: documents[0].path.clone(), what: "nothing in it" });
@@ -210,7 +222,7 @@ fn plain_session(documents: &mut [Document], options: &ImportOptions) -> Result<
         return Err(LabError::Recording {
             place: Place { path: nearest.path.clone(), line: nearest.first_line_number(), column: None },
             expected: format!("a header of {LOGGERS}, or a recording's t_s,mx,my,mz; {how}"),
-            found: sheet.shown(),
+            found: format!("{}{}", sheet.shown(), others(documents, &nearest.path)),
         });
     }
     plain::read(documents, options)

@@ -4,10 +4,10 @@
 //! also on an iPhone's real session. Parquet, Arrow and ROS 2 were tried on files that other people's writers made
 //! (`tests/sessions/make.py`). No real file of the other loggers was at hand.
 
-#[cfg(feature = "columnar")]
+#[cfg(feature = "formats")]
 mod arrow_lengths;
 mod column_names;
-#[cfg_attr(not(feature = "columnar"), path = "columnar_missing.rs")]
+#[cfg_attr(not(feature = "formats"), path = "columnar_missing.rs")]
 mod columnar;
 mod dates;
 mod document;
@@ -20,18 +20,18 @@ mod ipin;
 mod layout;
 mod make;
 mod matlab;
-#[cfg(feature = "mcap")]
+#[cfg(feature = "formats")]
 mod mcap_records;
 mod names;
 mod open;
 mod options;
 mod order;
-#[cfg(feature = "columnar")]
+#[cfg(feature = "formats")]
 mod parquet_lengths;
 mod phyphox;
 mod plain;
 mod plausible;
-#[cfg_attr(not(feature = "mcap"), path = "ros_missing.rs")]
+#[cfg_attr(not(feature = "formats"), path = "ros_missing.rs")]
 mod ros;
 mod sensor_logger;
 mod session;

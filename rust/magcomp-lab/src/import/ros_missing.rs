@@ -1,4 +1,4 @@
-//! In the place of `ros.rs`, in a build without the feature `mcap`.
+//! In the place of `ros.rs`, in a build without the feature `formats`.
 
 use super::session::Session;
 use super::units::Units;
@@ -12,5 +12,5 @@ pub(super) fn read_bags(
     _topics: &[String],
     _units: &Units,
 ) -> Result<Session, LabError> {
-    Err(LabError::Feature { path: bags[0].0.clone(), form: "a bag of ROS 2 (mcap)", feature: "mcap" })
+    Err(LabError::Feature { path: bags[0].0.clone(), form: "a bag of ROS 2 (mcap)" })
 }

@@ -123,7 +123,14 @@ impl AtomicFile {
             // what cannot be swept stays
             let _ = sweep(folder);
             let mut unfinished = unfinished();
-            let temporary = builder.tempfile_in(folder)?;
+            // an error of the temporary file's own name would help nobody
+            let temporary = builder.tempfile_in(folder).map_err(|why| {
+                if folder.is_dir() {
+                    why
+                } else {
+                    io::Error::new(why.kind(), format!("there is no folder {}", folder.display()))
+                }
+            })?;
             // where the system has no locks nothing is swept either
             let _ = temporary.as_file().try_lock();
             unfinished.insert(temporary.path().to_owned());

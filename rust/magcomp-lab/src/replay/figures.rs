@@ -16,12 +16,12 @@ use magcomp::{Calibration, Explanation};
 
 /// Lanes of the status strip, from the bottom, and their colours.
 pub(super) const LANES: [(&str, Colour); 6] = [
-    ("rejected", Colour::Purple),
-    ("disturbed", Colour::Red),
-    ("suspect", Colour::Orange),
-    ("tracking", Colour::Green),
-    ("held", Colour::Blue),
-    ("collecting", Colour::Grey),
+    ("rejected", Colour::Status(0)),
+    ("disturbed", Colour::Status(1)),
+    ("suspect", Colour::Status(2)),
+    ("tracking", Colour::Status(3)),
+    ("held", Colour::Status(4)),
+    ("collecting", Colour::Status(5)),
 ];
 /// Resolution of total fields, uT.
 const FIELD_STEP_UT: f64 = 0.001;

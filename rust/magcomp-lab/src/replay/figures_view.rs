@@ -1,4 +1,4 @@
-//! The picture of a replay over time, drawn: one panel below the other, all in one time, then the sphere.
+//! The pictures of a replay, drawn: heading and status over time, then the sphere, then why, one panel below the other.
 
 use super::figures::{Figures, Inside, LANES};
 use super::sphere_view::show;
@@ -13,6 +13,8 @@ const GATE: f64 = 1.0;
 const ROOM: f64 = 2.0;
 const LEAST_DEG: f64 = 5.0;
 const MOST_DEG: f64 = 60.0;
+/// Size of a panel, pixels: where a page shows it 830 pixels wide, its letters have 12.
+const SIZE: (u32, u32) = (660, 170);
 
 impl Figures {
     /// Adds the pictures to a report; `recording` is the recording's name.
@@ -30,12 +32,13 @@ impl Figures {
             |(_, raw)| format!("total field (raw: mostly {raw:.0} uT, beyond this)"),
         );
         let system = if self.extent.system { "the system's" } else { "" };
+        // what the person who recorded asks first: the heading, then why
+        let mut first = vec![Panel {
+            y_range: Some((0.0, 360.0)),
+            layers: Layers { bands: vec![(Colour::Ink, self.heading_band)], ..Layers::default() },
+            ..panel("heading, and its 2-sigma band", "deg", vec![series("", Colour::Ink, self.heading)])
+        }];
         let mut panels = vec![
-            Panel {
-                y_range: Some((0.0, 360.0)),
-                layers: Layers { bands: vec![(Colour::Blue, self.heading_band)], ..Layers::default() },
-                ..panel("heading, and its 2-sigma band", "deg", vec![series("", Colour::Blue, self.heading)])
-            },
             Panel {
                 y_range: beyond.map(|(usual, _)| (0.0, ROOM * usual)),
                 ..panel(
@@ -43,41 +46,37 @@ impl Figures {
                     "uT",
                     vec![
                         series("raw", Colour::Grey, self.raw.points()),
-                        series(system, Colour::Green, self.system.points()),
-                        series("compensated", Colour::Blue, self.corrected.points()),
+                        series(system, Colour::System, self.system.points()),
+                        series("corrected", Colour::Blue, self.corrected.points()),
                     ],
                 )
             },
-            panel(
-                "dip: angle of the field below the horizon",
-                "deg",
-                vec![series("", Colour::Blue, self.dip.points())],
-            ),
+            panel("dip: angle of the field below the horizon", "deg", vec![series("", Colour::Ink, self.dip.points())]),
         ];
         if self.extent.first_reference.is_some() {
-            // the heading errors of raw and corrected samples, then that of the published heading, closer, with its band
+            // the heading errors of raw and corrected samples; that of the heading closer, with its band
             panels.push(panel(
-                "heading error against the reference",
+                "heading errors of the samples",
                 "deg",
                 vec![
                     series("raw", Colour::Grey, self.raw_error.points()),
-                    series("compensated", Colour::Blue, self.corrected_error.points()),
+                    series("corrected", Colour::Blue, self.corrected_error.points()),
                 ],
             ));
             let range = (ROOM * self.two_sigma.at(500).unwrap_or(MOST_DEG)).clamp(LEAST_DEG, MOST_DEG);
-            panels.push(Panel {
+            first.push(Panel {
                 y_range: Some((-range, range)),
-                layers: Layers { bands: vec![(Colour::Grey, self.band)], ..Layers::default() },
+                layers: Layers { bands: vec![(Colour::Ink, self.band)], ..Layers::default() },
                 ..panel(
-                    &format!("error of the heading given within {range:.0} deg, and its 2-sigma band"),
+                    &format!("error of the heading, and its 2-sigma band (within {range:.0} deg)"),
                     "deg",
-                    vec![series("heading", Colour::Blue, self.heading_error.points())],
+                    vec![series("", Colour::Ink, self.heading_error.points())],
                 )
             });
         }
         let truth = self.truth.map(Thin::points).into_iter().filter(|b| b.iter().any(|(_, b)| b.is_finite()));
         let truth = truth.map(|b| Series { dashed: true, ..series("", Colour::Grey, b) });
-        let colours = [Colour::Blue, Colour::Orange, Colour::Green];
+        let colours = [0, 1, 2].map(Colour::Axes);
         let mut lines = self.parameters.map(Thin::points).into_iter().zip(self.parameter_bands);
         let mut three = |title: &str, unit: &str, names: [&str; 3], before: Vec<Series>| {
             let (mut all, mut bands) = (before, Vec::new());
@@ -96,7 +95,7 @@ impl Figures {
                 "",
                 vec![
                     series("N / 2000", Colour::Grey, self.window.points()),
-                    series("sigma_T", Colour::Blue, self.sigma_t.points()),
+                    series("sigma_T", Colour::Ink, self.sigma_t.points()),
                 ],
             ));
         }
@@ -106,28 +105,21 @@ impl Figures {
                 panels.push(Panel {
                     y_range: Some((0.0, 2.0 * GATE)),
                     ..panel(
-                        "why: test ratio of the innovation; a sample above 1 is not used",
+                        "test ratio of the innovation; above 1 a sample is not used",
                         "",
-                        vec![
-                            series("", Colour::Blue, ratio),
-                            Series { dashed: true, ..gate(self.extent.duration_s()) },
-                        ],
+                        vec![series("", Colour::Ink, ratio), Series { dashed: true, ..gate(self.extent.duration_s()) }],
                     )
                 });
             }
             if is_any(&log_odds) {
                 panels.push(Panel {
                     y_range: Some((-30.0, 0.0)),
-                    ..panel(
-                        "why: log odds of the second likeliest change against the likeliest",
-                        "",
-                        vec![series("", Colour::Orange, log_odds)],
-                    )
+                    ..panel("log odds of the second likeliest change", "", vec![series("", Colour::Ink, log_odds)])
                 });
             }
-            let levels = [("white noise", Colour::Grey, white_ut), ("of the place", Colour::Blue, local_ut)];
+            let levels = [("white noise", Colour::Grey, white_ut), ("of the place", Colour::Ink, local_ut)];
             let levels = levels.map(|(name, colour, line)| series(name, colour, line.points()));
-            panels.push(panel("why: noise as it is learned, an axis", "uT", levels.to_vec()));
+            panels.push(panel("noise as it is learned, an axis", "uT", levels.to_vec()));
         }
         let spans = self.lanes.iter().enumerate().flat_map(|(lane, spans)| {
             spans.iter().map(move |(from, to)| Span { lane, from: *from, to: *to, colour: LANES[lane].1 })
@@ -135,11 +127,11 @@ impl Figures {
         let mut marks = self.sphere.marks();
         marks.extend(self.noted.iter().map(|(at_s, name)| (*at_s, format!("noted: {name}"))));
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // the moments of the events in every panel; the lowest names them
-        for panel in &mut panels {
+        // the moments of the events in every panel; the strip names them
+        for panel in first.iter_mut().chain(&mut panels) {
             panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();
         }
-        panels.push(Panel {
+        first.push(Panel {
             layers: Layers {
                 lanes: LANES.map(|(name, _)| name).to_vec(),
                 spans: spans.collect(),
@@ -148,27 +140,29 @@ impl Figures {
             },
             ..panel("status, and events since when", "", Vec::new())
         });
-        let error = match self.extent.first_reference {
-            Some(_) => {
-                " heading errors against the reference, up to one constant, the lower with the band of two sigmas that was given \
-                 with it;"
-            }
-            None => "",
-        };
-        let band = match self.extent.first_reference {
-            Some(_) => {
-                " The heading's band also allows for errors that few references show: an uneven place, axes of the sensors that \
-                 differ, an accelerometer that leans. A steep field multiplies them, and at rest they do not average out, so the \
-                 band stays wide where the line is still."
-            }
-            None => "",
+        let (error, band) = match self.extent.first_reference {
+            Some(_) => (
+                " its error against the reference, up to one constant;",
+                " The band also allows for errors that few references show: an uneven place, axes of the sensors that differ, an \
+                 accelerometer that leans. A steep field multiplies them, and at rest they do not average out.",
+            ),
+            None => ("", ""),
         };
         let caption = format!(
-            "{recording}, all in one time: heading with two sigmas; total field and dip;{error} b and M with one sigma (dashed: the \
-             true b, where it is known); what the estimator expected, what may have changed, and the noise it has learned; status. Vertical lines: onsets of events, named below by the kinds that were decided.{band}"
+            "{recording}: the heading with two sigmas;{error} the status, one row each. Vertical lines: onsets of events, named in the \
+             strip by the kinds that were decided.{band}"
         );
+        report.figure(name, draw(&first, 1, SIZE)?, &caption);
         show(&self.sphere, report, name, recording);
-        report.figure(name, draw(&panels, 1, (1100, 220))?, &caption);
+        let caption = format!(
+            "{recording}: total field and dip; heading errors of raw and corrected samples, where there is a reference; b and M with one \
+             sigma (dashed: the true b, where it is known); what the estimator expected, what may have changed, and the noise it has \
+             learned, where that was asked for."
+        );
+        report.folded("Why: field, dip, M and b over time", |report| {
+            report.figure(&format!("{name}_why"), draw(&panels, 1, SIZE)?, &caption);
+            Ok::<_, LabError>(())
+        })?;
         Ok(())
     }
 }

@@ -49,7 +49,7 @@ pub fn offset_picture(
         text(&mut out, panel.left + 10.0, 16.0, 13, title);
         let told = found.map_or_else(|| "no calibration yet".to_owned(), |b| format!("b found: {:.1} uT", b.norm()));
         panel.begin(&mut out, &format!("{} right, {} up; {told}", names[axes.0], names[axes.1]));
-        panel.points(&mut out, raw.iter().copied(), Colour::Orange);
+        panel.points(&mut out, raw.iter().copied(), Colour::Grey);
         panel.points(&mut out, corrected.iter().copied(), Colour::Blue);
         if let Some(found) = found {
             panel.line(&mut out, [Vector2::zeros(), flat(found)].into_iter(), Colour::Red, 1.0);

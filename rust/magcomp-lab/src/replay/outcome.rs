@@ -105,11 +105,11 @@ impl Outcome {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
         let lines = self.verdict.lines().len();
-        let lead = self.tables[0].lead[lines..].join(" ");
-        let mut report = Report::new(&format!("{} replayed", self.recording), &format!("{lead} {rule}"));
-        report.card(self.verdict.grade.word(), &self.verdict.why, &self.verdict.next);
+        let mut report = Report::new(&format!("{} replayed", self.recording), rule);
+        let said: Vec<String> = self.verdict.why.iter().chain(&self.tables[0].lead[lines..]).cloned().collect();
+        report.card(self.verdict.grade.word(), &said, &self.verdict.next);
         self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
-        // the page began with the lead
+        // the card has the lead
         report.table(&Table { lead: Vec::new(), ..self.tables[0].clone() });
         self.tables[1..].iter().for_each(|table| report.table(table));
         Ok(report)

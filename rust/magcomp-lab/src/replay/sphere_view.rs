@@ -43,7 +43,7 @@ pub(super) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: 
         more => format!(" The latest {shown} stretches are shown, {more} before them are not."),
     };
     let caption = format!(
-        "{recording}: one line for each stretch between decided changes. Raw samples less b (orange) lie on the fitted \
+        "{recording}: one line for each stretch between decided changes. Raw samples less b (grey) lie on the fitted \
          ellipsoid where M and b are right, corrected samples (blue) on the sphere; both outlines are those of the calibration \
          at the stretch's end. Right: the corrected sphere turned; red rings are directions that no sample of the stretch came \
          within 12 degrees of.{more}"
@@ -92,7 +92,7 @@ fn draw(out: &mut String, epoch: &Epoch<'_>, top: f64) {
         let panel = Square { left: column as f64 * PANEL, top: top + TITLE, scale };
         panel.begin(out, name);
         let flat = |v: &Vector3<f64>| Vector2::new(v[i], v[j]);
-        panel.points(out, raw.iter().map(flat), Colour::Orange);
+        panel.points(out, raw.iter().map(flat), Colour::Grey);
         panel.points(out, corrected.iter().map(flat), Colour::Blue);
         if calibrated {
             let whole = m * m.transpose();
@@ -100,7 +100,7 @@ fn draw(out: &mut String, epoch: &Epoch<'_>, top: f64) {
             let shape = part.cholesky().map_or_else(Matrix2::identity, |root| root.l()) * radius;
             let circle =
                 || (0..=72).map(|k| Vector2::new((k as f64 * TAU / 72.0).cos(), (k as f64 * TAU / 72.0).sin()));
-            panel.line(out, circle().map(|u| shape * u), Colour::Orange, 1.0);
+            panel.line(out, circle().map(|u| shape * u), Colour::Grey, 1.0);
             panel.line(out, circle().map(|u| u * radius), Colour::Blue, 1.0);
         }
         panel.end(out);

@@ -11,7 +11,7 @@ use crate::table::{Table, number};
 pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     let is_system = judgement.total_field_ut.system.is_some();
     let columns: &[&str] =
-        if is_system { &["", "raw", "the system's", "compensated"] } else { &["", "raw", "compensated"] };
+        if is_system { &["", "raw", "the system's", "corrected"] } else { &["", "raw", "corrected"] };
     let mut table = Table::new(&format!("{recording}, method {method}"), columns);
     table.lead = sentences(judgement);
     let mut lines = Lines { table: &mut table, is_system };

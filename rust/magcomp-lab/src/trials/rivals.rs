@@ -33,18 +33,18 @@ const fn rival(name: &'static str, contestant: Contestant, value: f64, of_system
     Rival { name, contestant, value, of_system }
 }
 
-/// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. Ours is the last of each.
+/// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. magcomp's is the last of each.
 pub(super) const RIVALS: [Rival; 10] = [
     rival("the raw field", Contestant::None, 0.0, false),
     rival("the system's field", Contestant::None, 0.0, true),
     rival("a sphere, window of 2000", Contestant::Sphere, 2000.0, false),
     rival("an ellipsoid, window of 2000", Contestant::Linear, 2000.0, false),
     rival("the paper's method", Contestant::PaperHalfRange, 0.5, false),
-    rival("ours, magnetometer alone: corrected sample", Contestant::Adaptive, 0.0, false),
+    rival("magcomp, magnetometer alone: corrected sample", Contestant::Adaptive, 0.0, false),
     rival("VQF on the raw field", Contestant::VqfRaw, 9.0, false),
     rival("VQF on the system's field", Contestant::VqfRaw, 9.0, true),
-    rival("VQF on our corrected sample", Contestant::VqfOurs, 9.0, false),
-    rival("ours: published heading", Contestant::Aided, 0.0, false),
+    rival("VQF on magcomp's corrected sample", Contestant::VqfCorrected, 9.0, false),
+    rival("magcomp: heading", Contestant::Aided, 0.0, false),
 ];
 
 /// Time that a hand needs about a change, s: before it, and after it.
@@ -59,7 +59,7 @@ pub struct Heading {
     pub answered: f64,
     /// Rms of the error up to one constant, degrees.
     pub rms_deg: f64,
-    /// Rms of the error itself, degrees.
+    /// Rms of the error against magnetic north by the reference, degrees.
     pub absolute_deg: f64,
 }
 
@@ -68,7 +68,7 @@ pub struct Heading {
 pub struct MagnetStep {
     /// By the reference orientation.
     pub true_ut: [f64; 3],
-    /// By our calibration.
+    /// By magcomp's calibration.
     pub found_ut: [f64; 3],
 }
 

@@ -14,9 +14,9 @@ impl Comparison {
         tables.extend(self.ours.iter().map(|ours| self.group(ours)));
         if let Some(last) = tables.last_mut() {
             last.note(
-                "Rms of the heading error in degrees: median / nine of ten are not worse / worst recording. Up to one constant, and itself: \
-                 against magnetic north by the reference. Rows from 20 s on. A field's heading is levelled by the reference, so that its own error \
-                 alone is judged; VQF and ours level by themselves. Each method starts cold and answers each sample before it sees the next. Windows, \
+                "Rms of the heading error in degrees: median / nine of ten are not worse / worst recording. Up to one constant: the \
+                 constant angle between the frames of reference and sensor is taken out. Against north: magnetic, by the reference. Rows from 20 s on. A field's heading is levelled by the reference, so that its own error \
+                 alone is judged; VQF and magcomp level by themselves. Each method starts cold and answers each sample before it sees the next. Windows, \
                  the paper's threshold (0.5) and VQF's time constant (9 s, its default) are the same everywhere.",
             );
         }
@@ -41,7 +41,7 @@ impl Comparison {
                 table.row(std::iter::once(it.recording.clone()).chain(step).chain(headings).collect());
             }
             table.note(
-                "True step: of the hard iron, by the reference orientation. Found: what our hard iron steps by along it; off: the length of the \
+                "True step: of the hard iron, by the reference orientation. Found: what magcomp's hard iron steps by along it; off: the length of the \
                  difference. Medians with the magnet, from 3 s after it came to 8 s before it went, less those without. Then heading errors, rms in \
                  degrees up to one constant, from 20 s on.",
             );
@@ -53,7 +53,7 @@ impl Comparison {
         let own: Vec<&Compared> = self.recordings.iter().filter(|it| it.group == ours.group).collect();
         let count = if own.len() == 1 { "one recording".to_owned() } else { format!("{} recordings", own.len()) };
         let title = format!("{}: {count}, {:.1} minutes", ours.group, ours.hours * 60.0);
-        let mut table = Table::new(&title, &["method", "up to one constant", "itself", "answered %"]);
+        let mut table = Table::new(&title, &["method", "up to one constant", "against north", "answered %"]);
         for k in self.taking_part(own.iter().copied()) {
             let headings: Vec<Heading> = own.iter().filter_map(|it| it.headings[k]).collect();
             let cell = |of: fn(&Heading) -> f64| three(headings.iter().map(of).collect());
@@ -67,7 +67,7 @@ impl Comparison {
                 .map_or_else(|| "-".to_owned(), |(median, worst)| format!("{median:.0} % ({worst:.0} % at worst)"))
         };
         table.note(&format!(
-            "Ours: errors within one sigma {}, within two {}; {} changes of the device were declared, {:.1} an hour.",
+            "magcomp: errors within one sigma {}, within two {}; {} changes of the device were declared, {:.1} an hour.",
             told("within_one_sigma"),
             told("within_two_sigma"),
             ours.device_steps,

@@ -1,7 +1,7 @@
 //! Options, help and exit codes.
 
 use crate::rows::without_times;
-use crate::{run, simulated, text};
+use crate::{magcomp, run, simulated, text};
 use std::fs;
 
 #[test]
@@ -109,4 +109,76 @@ fn own_parameters_take_the_place_of_the_sets() {
     assert!(code == 2 && error.contains("the true parameters: "), "{error}");
     let (code, _, error) = run(&["step", "--motion", "tumble", "--offset", "0,0,1"]);
     assert!(code == 2 && error.starts_with("magcomp: --offset: no such choice"), "{error}");
+}
+
+#[test]
+fn lists_have_commas_or_blanks_and_a_number_may_be_negative() {
+    for samples in [&["100,200"][..], &["100", "200"]] {
+        let (code, json, error) =
+            run(&[&["crb", "--runs", "2", "--snr", "35", "--json", "--samples"], samples].concat());
+        let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((code, value["rows"].as_array().unwrap().len()), (0, 2), "{error}");
+    }
+    let (code, _, error) = run(&["simulate", "x.csv", "--seconds", "-3"]);
+    assert!(code == 2 && error.contains("expected a number from"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_dash_is_the_standard_input_and_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = simulated(folder.path(), "5");
+    let recording = fs::read(&input).unwrap();
+    let found = magcomp().args(["replay", "-", "--output", "-"]).write_stdin(recording).output().unwrap();
+    let (out, error) = (String::from_utf8(found.stdout).unwrap(), String::from_utf8(found.stderr).unwrap());
+    assert_eq!(found.status.code(), Some(0), "{error}");
+    assert!(out.starts_with("t_s,cx,cy,cz") && !out.contains("Verdict"), "{out}");
+    assert!(error.contains("Verdict"), "{error}");
+    let output = folder.path().join("out.csv");
+    assert_eq!(run(&["replay", text(&input), "--output", text(&output)]).0, 0);
+    assert_eq!(without_times(&out), without_times(&fs::read_to_string(&output).unwrap()));
+}
+
+#[test]
+fn what_is_no_recording_has_one_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        path
+    };
+    let zipped = {
+        let input = simulated(folder.path(), "5");
+        let mut zip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        std::io::Write::write_all(&mut zip, &fs::read(&input).unwrap()).unwrap();
+        zip.finish().unwrap()
+    };
+    let logs = folder.path().join("logs");
+    fs::create_dir(&logs).unwrap();
+    fs::write(logs.join("a.csv"), "a,b\n1,2\n").unwrap();
+    fs::write(logs.join("b.csv"), "c,d\n1,2\n").unwrap();
+    for (path, why) in [
+        (write("other.csv", b"a,b\n1,2\n"), "expected a header of"),
+        (write("empty.csv", b""), "this file has nothing in it"),
+        (write("rows.csv", b"t_s,mx,my,mz\n"), "a header but no rows"),
+        (write("program", b"\x7fELF\0\0\0\0"), "this is no text file"),
+        (write("cut.csv.gz", &zipped[..zipped.len() / 2]), "the file is cut off"),
+        (logs, "; not in "),
+    ] {
+        let (code, _, error) = run(&["replay", text(&path)]);
+        assert!(code == 1 && error.contains(why) && error.lines().count() == 1, "{code}: {error}");
+    }
+    let (code, _, error) = run(&["simulate", text(&folder.path().join("none/x.csv"))]);
+    assert!(code == 1 && error.contains("there is no folder ") && !error.contains("magcomp-"), "{error}");
+}
+
+#[test]
+fn completions_and_a_manual_page_are_printed() {
+    let (code, script, _) = run(&["completions", "bash"]);
+    assert!(code == 0 && script.contains("complete -F _magcomp"), "{script}");
+    let (code, page, _) = run(&["manual"]);
+    assert!(
+        code == 0 && page.contains(".TH magcomp") && page.contains("REPLAY") && page.contains("Exit codes"),
+        "{page}"
+    );
 }

@@ -1,7 +1,7 @@
 //! Files as loggers, robots and hostile senders make them: what is readable is taken with a warning, the rest is refused with an error
 //! of one line; nothing ends the process, fills the memory, waits for ever or is overwritten.
 
-#![cfg(all(unix, feature = "columnar", feature = "mcap"))]
+#![cfg(all(unix, feature = "formats"))]
 
 mod bags;
 mod damage;

@@ -143,7 +143,8 @@ fn a_folder_names_the_file_that_comes_nearest() {
     ]);
     let error = refused(&[folder.path()], &[]);
     assert!(
-        error.contains("log.csv: line 1: expected") && error.ends_with("found 'clock,mag_x,mag_y,mag_z'\n"),
+        error.contains("log.csv: line 1: expected")
+            && error.ends_with("found 'clock,mag_x,mag_y,mag_z'; not in CMakeLists.txt, battery.csv either\n"),
         "{error}"
     );
 }

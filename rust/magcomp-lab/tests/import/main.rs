@@ -1,7 +1,7 @@
 //! Phone loggers' sessions, from files written by hand after the loggers' documentation: units, axes, order, errors, and that a
 //! session of three sensors at three rates is the events pushed by hand.
 
-#[cfg(feature = "mcap")]
+#[cfg(feature = "formats")]
 mod bags;
 mod conventions;
 mod forms;
@@ -11,7 +11,7 @@ mod merged;
 mod plain;
 mod several;
 mod simulated;
-#[cfg(feature = "columnar")]
+#[cfg(feature = "formats")]
 mod tables;
 
 use assert_cmd::Command;
@@ -67,7 +67,7 @@ const RAW: &str =
     "time,seconds_elapsed,z,y,x\n1700000000000000000,0.0,-400,30,200\n1700000000010000100,0.0100001,-401,31,201\n";
 
 /// A file of `tests/sessions`, which `make.py` there made with other people's writers.
-#[cfg(any(feature = "columnar", feature = "mcap"))]
+#[cfg(feature = "formats")]
 fn session(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sessions").join(name)
 }
