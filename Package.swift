@@ -50,9 +50,12 @@ let linking: [LinkerSetting] =
 // Stand-ins of Apple's frameworks, for this package's own tests on Linux
 let isAlone = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in"
 let frameworks = isAlone ? ["ARKit", "Combine", "CoreLocation", "CoreMotion", "simd"] : []
+// of the maps that the adapters serve
+let maps = isAlone ? ["FerrostarCoreFFI", "FerrostarCore", "MapLibre"] : []
 let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
 // what of the sample needs no screen
-let sample: [Target.Dependency] = frameworks.isEmpty ? [] : ["CourseHelp"]
+let sample: [Target.Dependency] =
+    frameworks.isEmpty ? [] : ["CourseHelp", "FerrostarAdapter", "MapLibreAdapter"] + maps.map { .init(stringLiteral: $0) }
 
 var targets: [Target] = [
     native,
@@ -94,6 +97,17 @@ targets += frameworks.map {
 }
 
 if !frameworks.isEmpty {
+    targets += maps.map {
+        .target(
+            name: $0, dependencies: ["CoreLocation"] + ($0 == "FerrostarCore" ? ["FerrostarCoreFFI"] : []),
+            path: "ios/Tests/\($0)")
+    }
+    targets += [("Ferrostar", ["FerrostarCore", "FerrostarCoreFFI"]), ("MapLibre", ["MapLibre"])].map { name, modules in
+        .target(
+            name: "\(name)Adapter",
+            dependencies: ["Magcomp", "CoreLocation"] + modules.map { Target.Dependency(stringLiteral: $0) },
+            path: "ios/Adapters/\(name)")
+    }
     targets.append(
         .target(
             name: "CourseHelp", dependencies: ["Magcomp", "CoreLocation"], path: "ios/Sample/Compass.swiftpm",

@@ -16,7 +16,7 @@ android {
     }
     buildFeatures { compose = true }
     // Maven compiles the rest too, but not the activity, which needs Google's libraries
-    sourceSets.getByName("main").kotlin.srcDir("src/activity/kotlin")
+    sourceSets.getByName("main").kotlin.srcDirs("src/activity/kotlin", "../compose")
     // the tests run under Maven, as the library's do
     sourceSets.getByName("test").java.setSrcDirs(emptyList<String>())
     compileOptions {
@@ -39,4 +39,5 @@ dependencies {
     implementation(libs.compose.foundation)
     implementation(libs.activity.compose)
     implementation(libs.lifecycle.runtime)
+    implementation(libs.lifecycle.runtime.compose)
 }

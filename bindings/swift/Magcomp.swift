@@ -5423,6 +5423,20 @@ public enum RejectReason: Equatable, Hashable, Codable {
          * How many times in a row the value was accepted before.
          */repeats: Int32
     )
+    /**
+     * The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+     */
+    case axes(
+        /**
+         * The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
+         */x: Int32,
+        /**
+         * Along y.
+         */y: Int32,
+        /**
+         * Along z.
+         */z: Int32
+    )
 
 
 
@@ -5473,6 +5487,9 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
         case 6: return .stuck(repeats: try FfiConverterInt32.read(from: &buf)
         )
 
+        case 7: return .axes(x: try FfiConverterInt32.read(from: &buf), y: try FfiConverterInt32.read(from: &buf), z: try FfiConverterInt32.read(from: &buf)
+        )
+
         default: throw UniffiInternalError.unexpectedEnumCase
         }
     }
@@ -5513,6 +5530,13 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
         case let .stuck(repeats):
             writeInt(&buf, Int32(6))
             FfiConverterInt32.write(repeats, into: &buf)
+
+
+        case let .axes(x,y,z):
+            writeInt(&buf, Int32(7))
+            FfiConverterInt32.write(x, into: &buf)
+            FfiConverterInt32.write(y, into: &buf)
+            FfiConverterInt32.write(z, into: &buf)
 
         }
     }

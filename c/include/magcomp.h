@@ -142,6 +142,8 @@ enum magcomp_reason
   MAGCOMP_REASON_TIME_JUMP = 15,
   // Rejected: the same value to the last bit for too long: the sensor hangs.
   MAGCOMP_REASON_STUCK = 16,
+  // Rejected: the field turns as if the magnetometer had other axes than the gyroscope; the status' text says which.
+  MAGCOMP_REASON_AXES = 17,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

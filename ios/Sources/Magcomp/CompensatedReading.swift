@@ -30,6 +30,17 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
         self.headingAid = headingAid
     }
 
+    /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
+    public var headingDeg: Double? { reading.headingDeg }
+    /// One standard deviation of it, degrees.
+    public var headingSigmaDeg: Double? { reading.headingSigmaDeg }
+    /// Clockwise from true north, degrees, 0 to 360; nil without a heading or a declination (``Compass/setPlace(_:)``).
+    public var trueHeadingDeg: Double? { reading.trueHeadingDeg }
+    /// What the compass is doing, and why.
+    public var status: CompensationStatus { reading.status }
+    /// How the phone is turned; nil when it is not known.
+    public var attitude: DeviceAttitude? { reading.attitude }
+
     /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`. Core Motion counts its times from the
     /// start of the device, without its sleep, so this is asked soon after the reading came; of a recording it says nothing.
     public var timestamp: Date { timestamp(now: Date(), uptimeS: ProcessInfo.processInfo.systemUptime) }

@@ -38,4 +38,13 @@ extension EarthMagneticField {
             heightM: location.verticalAccuracy > 0 ? location.altitude : 0, date: location.timestamp)
     }
 }
+
+extension Compass {
+    /// Where the phone is, for a true heading: sets ``declinationDeg`` by `EarthMagneticField(at:)`.
+    ///
+    /// - Throws: `MagcompError.place` when the location is not valid; the declination stays as it was then
+    public func setPlace(_ location: CLLocation) throws {
+        try setDeclinationDeg(EarthMagneticField(at: location).declinationDeg)
+    }
+}
 #endif

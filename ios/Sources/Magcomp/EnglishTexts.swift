@@ -23,6 +23,7 @@ let englishTexts: [String: String] = [
     "rejected_time_not_after": "time %1$lld ns is not after the latest sample's %2$lld ns; 50 such samples that follow one another begin another clock",
     "rejected_time_jump": "time jumped ahead by %1$.0f s, more than %2$.0f s; is the unit nanoseconds? 50 such samples that follow one another begin another clock",
     "rejected_stuck": "the same value came %1$lld times; the sensor hangs",
+    "rejected_axes": "the field turns with the gyroscope only if the magnetometer's axes are %1$@ (or all three the other way); give both sensors the same axes",
     "fit_too_few_samples": "%1$lld samples are too few for an ellipsoid: 9 are needed, more are better",
     "fit_planar": "samples lie within %1$.2f uT of one plane; turn the device about a second axis",
     "fit_poor_coverage": "predicted direction error %1$.1f deg exceeds %2$.1f deg; turn the device to more directions",

@@ -138,7 +138,7 @@ extension RejectReason {
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
             case 5: .stuck(repeats: Int32(c.whole.0))
-            case 6: .axes(x: Int8(a), y: Int8(b), z: Int8(third))
+            case 6: .axes(x: Int32(a), y: Int32(b), z: Int32(third))
             default: unknown("reject reason", c.reason)
             }
     }

@@ -99,7 +99,7 @@ extension RejectReason {
 }
 
 /// An axis as one types it: `-x`.
-private func typed(_ axis: Int8) -> String {
+private func typed(_ axis: Int32) -> String {
     (axis < 0 ? "-" : "") + ["x", "y", "z"][Int(axis.magnitude) - 1]
 }
 

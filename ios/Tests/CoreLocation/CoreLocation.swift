@@ -40,6 +40,8 @@ open class CLLocationManager: NSObject {
 
     open func requestWhenInUseAuthorization() {}
 
+    open func requestAlwaysAuthorization() {}
+
     open func startUpdatingLocation() {}
 
     open func stopUpdatingLocation() {}
@@ -48,5 +50,27 @@ open class CLLocationManager: NSObject {
 public protocol CLLocationManagerDelegate: NSObjectProtocol {
     func locationManager(_ manager: CLLocationManager, didUpdateLocations locations: [CLLocation])
 
+    func locationManager(_ manager: CLLocationManager, didFailWithError error: any Error)
+
     func locationManagerDidChangeAuthorization(_ manager: CLLocationManager)
+}
+
+// optional, as Apple's are
+extension CLLocationManagerDelegate {
+    public func locationManager(_ manager: CLLocationManager, didFailWithError error: any Error) {}
+}
+
+public enum CLDeviceOrientation: Int32, Sendable {
+    case unknown, portrait, portraitUpsideDown, landscapeLeft, landscapeRight, faceUp, faceDown
+}
+
+open class CLHeading: NSObject {
+    override public init() { super.init() }
+
+    public required init?(coder: NSCoder) { super.init() }
+
+    open var magneticHeading: Double { -1 }
+    open var trueHeading: Double { -1 }
+    open var headingAccuracy: Double { -1 }
+    open var timestamp: Date { .distantPast }
 }

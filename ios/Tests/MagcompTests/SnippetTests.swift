@@ -8,10 +8,10 @@ import Testing
 func withoutSwiftUI() async throws {
     let compass = Compass()
     for try await answer in compass.readings() {
-        if let headingDeg = answer.reading.headingDeg {
-            print("\(headingDeg) deg, give or take \(answer.reading.headingSigmaDeg ?? 180)")
+        if let headingDeg = answer.headingDeg {
+            print("\(headingDeg) deg, give or take \(answer.headingSigmaDeg ?? 180)")
         } else {
-            print(answer.reading.status.localizedText)
+            print(answer.status.localizedText)
         }
     }
 }
@@ -44,7 +44,7 @@ func onFix(_ compass: Compass, _ fix: CLLocation) throws {
     let isTaken = try compass.aid(fix, of: .vehicle)
     if !isTaken { print("no course, too slow, too late, or nobody reads") }
     // true north, where the place is known
-    try compass.setDeclinationDeg(EarthMagneticField(at: fix).declinationDeg)
+    try compass.setPlace(fix)
 }
 #endif
 

@@ -17,7 +17,7 @@ struct TextsTests {
         // never half way between two decimals
         func real() -> Double { .random(in: -3000...3000, using: &random) }
         func whole() -> Int32 { .random(in: 0...10_000, using: &random) }
-        let axes = ([1, 2, 3] as [Int8]).shuffled(using: &random).map { Bool.random(using: &random) ? $0 : -$0 }
+        let axes = ([1, 2, 3] as [Int32]).shuffled(using: &random).map { Bool.random(using: &random) ? $0 : -$0 }
         let problems: [FitProblem] = [
             .tooFewSamples(have: whole()), .planar(thicknessUt: real()),
             .poorCoverage(directionSigmaDeg: real(), limitDeg: real()),
@@ -78,6 +78,17 @@ struct TextsTests {
             #expect(Texts.shared.say(key, []) == english)
         }
         #expect(englishTexts.count >= 60)
+    }
+
+    @Test(arguments: [
+        ("de", "3 von 9 Messwerten; das Gerät drehen", "Das Telefon drehen."),
+        ("es", "3 de 9 muestras; girar el dispositivo", "Girar el teléfono."),
+    ])
+    func thePackageHasOtherLanguages(_ language: String, _ samples: String, _ turn: String) throws {
+        let folder = repository.appendingPathComponent("ios/Sources/Magcomp/Resources/\(language).lproj")
+        let texts = Texts(app: .main, package: try #require(Bundle(url: folder)))
+        #expect(texts.say("missing_samples", [Int64(3), Int64(9)]) == samples)
+        #expect(texts.say("guidance_turn", []) == turn)
     }
 
     @Test func anAppMayRewordAndTranslate() throws {

@@ -130,11 +130,11 @@ pub enum RejectReason {
     /// The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
     Axes {
         /// The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
-        x: i8,
+        x: i32,
         /// Along y.
-        y: i8,
+        y: i32,
         /// Along z.
-        z: i8,
+        z: i32,
     },
 }
 

@@ -5935,6 +5935,29 @@ sealed class RejectReason {
         companion object
     }
 
+    /**
+     * The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+     */
+    data class Axes(
+        /**
+         * The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
+         */
+        val `x`: kotlin.Int,
+        /**
+         * Along y.
+         */
+        val `y`: kotlin.Int,
+        /**
+         * Along z.
+         */
+        val `z`: kotlin.Int) : RejectReason()
+
+    {
+
+
+        companion object
+    }
+
 
 
 
@@ -5983,6 +6006,11 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
                 FfiConverterDouble.read(buf),
                 )
             6 -> RejectReason.Stuck(
+                FfiConverterInt.read(buf),
+                )
+            7 -> RejectReason.Axes(
+                FfiConverterInt.read(buf),
+                FfiConverterInt.read(buf),
                 FfiConverterInt.read(buf),
                 )
             else -> throw RuntimeException("invalid enum value, something is very wrong!!")
@@ -6036,6 +6064,15 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
                 + FfiConverterInt.allocationSize(value.`repeats`)
             )
         }
+        is RejectReason.Axes -> {
+            // Add the size for the Int that specifies the variant plus the size needed for all fields
+            (
+                4UL
+                + FfiConverterInt.allocationSize(value.`x`)
+                + FfiConverterInt.allocationSize(value.`y`)
+                + FfiConverterInt.allocationSize(value.`z`)
+            )
+        }
     }
 
     override fun write(value: RejectReason, buf: ByteBuffer) {
@@ -6072,6 +6109,13 @@ internal object FfiConverterTypeRejectReason : FfiConverterRustBuffer<RejectReas
             is RejectReason.Stuck -> {
                 buf.putInt(6)
                 FfiConverterInt.write(value.`repeats`, buf)
+                Unit
+            }
+            is RejectReason.Axes -> {
+                buf.putInt(7)
+                FfiConverterInt.write(value.`x`, buf)
+                FfiConverterInt.write(value.`y`, buf)
+                FfiConverterInt.write(value.`z`, buf)
                 Unit
             }
         }.let { /* this makes the `when` an expression, which ensures it is exhaustive */ }

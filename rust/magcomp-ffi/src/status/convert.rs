@@ -108,7 +108,7 @@ impl From<magcomp::RejectReason> for RejectReason {
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: count(repeats) },
-            R::Axes { x, y, z } => Self::Axes { x, y, z },
+            R::Axes { x, y, z } => Self::Axes { x: x.into(), y: y.into(), z: z.into() },
         }
     }
 }
@@ -123,7 +123,7 @@ impl From<RejectReason> for magcomp::RejectReason {
             R::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
             R::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
             R::Stuck { repeats } => Self::Stuck { repeats: size(repeats) },
-            R::Axes { x, y, z } => Self::Axes { x, y, z },
+            R::Axes { x, y, z } => Self::Axes { x: axis(x), y: axis(y), z: axis(z) },
         }
     }
 }
@@ -156,6 +156,11 @@ impl From<FitProblem> for magcomp::FitError {
             P::NotFinite => Self::NotFinite,
         }
     }
+}
+
+/// 1 to 3, or negative; anything else is none.
+fn axis(n: i32) -> i8 {
+    i8::try_from(n).unwrap_or(0)
 }
 
 fn size(n: i32) -> usize {

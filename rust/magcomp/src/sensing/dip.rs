@@ -8,15 +8,10 @@
 //! A gravity that points the other way keeps its angle, too: that only a place's known dip tells. Of 43 recordings of sound phones the most is 9; without the
 //! gyroscope it is more in three, where magnets had moved c by tens of degrees.
 
-use super::turning::{AS_READ, Frame, frames};
+use super::turning::{AS_READ, Frame, KEPT, frames};
 use crate::math::elementary::ln;
-use crate::priors::{OUTLYING, RARE, STEP_S};
+use crate::priors::{OUTLYING, RARE, STEP_S, TILT_RAD};
 use nalgebra::{SMatrix, SVector, Vector3};
-
-/// Choice: what a window keeps of those before it: half a minute.
-const KEPT: f64 = 0.98;
-/// Choice: standard deviation of z by tilt and motion of a hand.
-const TILT: f64 = 0.05;
 
 /// The products of gravity's components and the field's: row by row.
 type Products = SVector<f64, 9>;
@@ -54,7 +49,7 @@ impl Dip {
             self.second = self.second * KEPT + mean * mean.transpose();
             (self.sum, self.samples, self.length_s) = (Products::zeros(), 0.0, 0.0);
             let least = frames(1.0).map(|frame| self.variance(frame)).fold(f64::INFINITY, f64::min);
-            let gain = ln((self.variance(AS_READ) + TILT * TILT) / (least + TILT * TILT));
+            let gain = ln((self.variance(AS_READ) + TILT_RAD * TILT_RAD) / (least + TILT_RAD * TILT_RAD));
             self.has_other_axes = 0.5 * self.windows * gain > 0.5 * OUTLYING * OUTLYING - ln(RARE);
         }
     }

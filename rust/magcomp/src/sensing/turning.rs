@@ -17,23 +17,21 @@
 
 use super::pairing::Rotation;
 use crate::math::elementary::ln;
-use crate::priors::{OUTLYING, RARE, STEP_S};
+use crate::priors::{BEYOND_CHANCE, OUTLYING, RARE, ROOM_UT, STEP_S};
 use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
 pub(super) const LARGEST_BIAS_RAD_S: f64 = 0.1;
 /// Choice: what a window keeps of those before it: half a minute.
-const KEPT: f64 = 0.98;
-/// Choice: so far a field changes within a window by noise and a place's unevenness, uT: five times a room's.
-const UNEVEN_UT: f64 = 10.0;
+pub(super) const KEPT: f64 = 0.98;
 
 /// d, the rows of W, A.
 type Changes = SVector<f64, 15>;
 
 /// A frame along the axes of another: which of its components each is, and its sign.
 pub(super) type Frame = [(usize, f64); 3];
-/// The other frame itself.
+/// Mathematics: the other frame itself.
 pub(super) const AS_READ: Frame = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
 /// See the module.
@@ -116,7 +114,7 @@ impl Turning {
         if let Some(before) = self.before {
             let changes = mean - before;
             let turned_rad = changes.fixed_rows::<3>(12).norm();
-            if changes.fixed_rows::<3>(0).norm() < EARTH_UT.end * turned_rad + UNEVEN_UT {
+            if changes.fixed_rows::<3>(0).norm() < EARTH_UT.end * turned_rad + BEYOND_CHANCE * ROOM_UT {
                 self.moments = self.moments * KEPT + changes * changes.transpose();
                 self.windows = self.windows * KEPT + 1.0;
                 self.verdict = self.judge();

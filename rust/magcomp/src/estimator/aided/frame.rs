@@ -7,10 +7,11 @@
 
 use nalgebra::Vector3;
 
+use super::propagate::ProcessNoise;
 use super::step::Step;
 use crate::math::elementary::{quaternion, rotation_vector};
 
-/// Choice: length of a frame, s: the interval of a phone's magnetometer at its slowest.
+/// Data sheet: the interval of a phone's magnetometer at its slowest, s.
 const LONGEST_S: f64 = 0.04;
 /// Mathematics: turn of a frame, rad, whose sinc is off by 0.2 %.
 const LARGEST_RAD: f64 = 0.2;
@@ -70,9 +71,27 @@ impl Frame {
     }
 }
 
+impl Whole {
+    /// In place of its last sample; `delayed_rad_s`: the mean rate over the delay and its mean age, where it is known.
+    pub(super) fn step<'a>(&'a self, last: &Step<'a>, delayed_rad_s: Option<Vector3<f64>>) -> Step<'a> {
+        Step {
+            raw_ut: &self.raw_ut,
+            rate_rad_s: &self.rate_rad_s,
+            delayed_rad_s: delayed_rad_s.unwrap_or(self.rate_rad_s),
+            increment_rad: &self.increment_rad,
+            angle_rad: self.increment_rad.norm(),
+            dt_s: self.length_s,
+            noise: ProcessNoise { bridged_rad2: self.bridged_rad2, ..last.noise },
+            late_s: self.late_s,
+            is_blank: self.is_blank,
+            bias_variance: last.bias_variance.map(|variance| variance * last.dt_s / self.length_s),
+            ..*last
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::propagate::ProcessNoise;
     use super::*;
     use nalgebra::Matrix3;
 

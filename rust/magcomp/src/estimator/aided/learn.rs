@@ -72,7 +72,7 @@ impl Aided {
         let delay_s = filter.delay_s();
         if let Some(whole) = self.frame.add(step, running.is_lost()) {
             let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
-            self.learn_whole(&step.whole(&whole, delayed_rad_s));
+            self.learn_whole(&whole.step(step, delayed_rad_s));
         }
     }
 

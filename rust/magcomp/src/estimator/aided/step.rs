@@ -3,7 +3,6 @@
 use crate::math::elementary::exp;
 use nalgebra::{Matrix3, Vector3};
 
-use super::frame::Whole;
 use super::propagate::ProcessNoise;
 use super::state::{AXES, BIAS, Filter, Parts};
 
@@ -36,27 +35,6 @@ pub(crate) struct Step<'a> {
     /// Variance of the rate about the bias, (rad/s)^2, once the device has rested for long enough.
     pub(crate) bias_variance: Option<f64>,
     pub(crate) motion: f64,
-}
-
-impl<'a> Step<'a> {
-    /// A frame that ends with this sample.
-    pub(super) fn whole<'b>(&'b self, whole: &'b Whole, delayed_rad_s: Option<Vector3<f64>>) -> Step<'b> {
-        let Whole { raw_ut, increment_rad, rate_rad_s, bridged_rad2, length_s, late_s, is_blank } = whole;
-        let scale = (self.dt_s / length_s).sqrt();
-        Step {
-            raw_ut,
-            rate_rad_s,
-            delayed_rad_s: delayed_rad_s.unwrap_or(*rate_rad_s),
-            increment_rad,
-            angle_rad: increment_rad.norm(),
-            dt_s: *length_s,
-            noise: ProcessNoise { bridged_rad2: *bridged_rad2, ..self.noise },
-            late_s: *late_s,
-            is_blank: *is_blank,
-            bias_variance: self.bias_variance.map(|variance| variance * scale * scale),
-            ..*self
-        }
-    }
 }
 
 /// What a low-pass of `time_s` takes of a value that has lasted for `dt_s`.

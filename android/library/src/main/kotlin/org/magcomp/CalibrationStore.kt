@@ -34,8 +34,14 @@ public class PreferencesStore @JvmOverloads constructor(
     private val preferences: SharedPreferences,
     private val key: String = "calibration",
 ) : CalibrationStore {
-    /** The preferences named `org.magcomp` of an app. */
-    public constructor(context: Context) : this(context.getSharedPreferences("org.magcomp", Context.MODE_PRIVATE))
+    /**
+     * The preferences named `org.magcomp` of an app.
+     *
+     * @param key one for each situation that the app knows and that lasts, such as a phone that is folded or in a mount: a [Compass] with its
+     *   own store for each, of one source. Left out: `calibration`
+     */
+    @JvmOverloads
+    public constructor(context: Context, key: String = "calibration") : this(context.getSharedPreferences("org.magcomp", Context.MODE_PRIVATE), key)
 
     override fun load(): String? = preferences.getString(key, null)
 

@@ -226,11 +226,9 @@ public class ReadingBuffer {
                 3 -> RejectReason.TimeNotAfter(whole(slots, at + WHOLE), whole(slots, at + WHOLE + 2))
                 4 -> RejectReason.TimeJump(slots[at + REAL], slots[at + REAL + 1])
                 5 -> RejectReason.Stuck(whole(slots, at + WHOLE).toInt())
-                6 -> RejectReason.Axes(axis(slots[at + REAL]), axis(slots[at + REAL + 1]), axis(slots[at + REAL + 2]))
+                6 -> RejectReason.Axes(slots[at + REAL].toInt(), slots[at + REAL + 1].toInt(), slots[at + REAL + 2].toInt())
                 else -> error("reject reason $reason: the library's native part is of another version")
             }
-
-        private fun axis(slot: Double): Byte = slot.toInt().toByte()
 
         private fun fitProblem(slots: DoubleArray, at: Int): FitProblem {
             val real = at + REAL

@@ -66,7 +66,7 @@ public class SensorManagerSource internal constructor(
      * As of every source. A collector that takes none for a minute gets [SensorException.NotTaken] after those that have waited.
      */
     override fun samples(): Flow<SensorSample> = flow {
-        val inbox = Inbox(most = EVENTS_OF_A_MINUTE * options.rateHz)
+        val inbox = Inbox(most = EVENTS_OF_A_MINUTE * options.fastestHz)
         join(inbox)
         try {
             for (sample in inbox.samples) emit(sample)
@@ -109,7 +109,7 @@ public class SensorManagerSource internal constructor(
         val magnetometer = magnetometer() ?: throw SensorException.Missing("magnetometer", "hide the compass")
         val up = if (options.up) up() else null
         val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
-        if (options.rateHz > FREE_RATE_HZ && !above200Hz()) throw SensorException.PermissionMissing(HIGH_RATE)
+        if (options.fastestHz > FREE_RATE_HZ && !above200Hz()) throw SensorException.PermissionMissing(HIGH_RATE)
         val without = when {
             !options.gyroscope -> "the gyroscope was not asked for"
             gyroscope == null -> "this phone has no gyroscope"

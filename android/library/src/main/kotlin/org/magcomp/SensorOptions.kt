@@ -1,5 +1,7 @@
 package org.magcomp
 
+import android.hardware.Sensor
+
 /**
  * How the phone's sensors are asked.
  *
@@ -13,6 +15,8 @@ package org.magcomp
  * @property up whether gravity, else the accelerometer, is used; without it there is no heading. Default true
  * @property holdS longest that an event waits for those of the other sensors, so that all go in the order of their times, 0 to
  *   0.25 s (see [EventQueue]); 0: as they are delivered. Default null: 0.05 beyond [maxReportLatencyUs], at most 0.25
+ * @property magnetometerRateHz the same as [rateHz] for the magnetometer alone, which is how many readings come: fewer save work, and
+ *   what the gyroscope tells between two of them still counts. Default null: [rateHz]
  */
 public data class SensorOptions @JvmOverloads constructor(
     public val rateHz: Int = 100,
@@ -20,14 +24,26 @@ public data class SensorOptions @JvmOverloads constructor(
     public val gyroscope: Boolean = true,
     public val up: Boolean = true,
     public val holdS: Double? = null,
+    public val magnetometerRateHz: Int? = null,
 ) {
     init {
         require(rateHz in 1..1000) { "rateHz is $rateHz, expected 1 to 1000" }
+        require(magnetometerRateHz == null || magnetometerRateHz in 1..1000) { "magnetometerRateHz is $magnetometerRateHz, expected 1 to 1000, or null" }
         require(holdS == null || holdS in 0.0..EventQueue.LONGEST_HOLD_S) {
             "holdS is $holdS, expected 0 to ${EventQueue.LONGEST_HOLD_S}, or null for what suits the latency"
         }
         require(maxReportLatencyUs >= 0) { "maxReportLatencyUs is $maxReportLatencyUs, expected 0 or above" }
     }
+
+    /** That of each sensor. */
+    internal fun rateHz(type: Int): Int = when (type) {
+        Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_MAGNETIC_FIELD -> magnetometerRateHz ?: rateHz
+        else -> rateHz
+    }
+
+    /** The least and the largest of the two rates. */
+    internal val slowestHz: Int get() = minOf(rateHz, magnetometerRateHz ?: rateHz)
+    internal val fastestHz: Int get() = maxOf(rateHz, magnetometerRateHz ?: rateHz)
 
     /** What [holdS] says or, where it says nothing, what suits the latency. */
     internal val heldS: Double

@@ -41,7 +41,7 @@ internal class SensorRun(
 
         override fun sensor(event: RawEvent) = event.kind
     }
-    private val clocks = Clocks(1_000_000_000L / options.rateHz, 1000L * options.maxReportLatencyUs)
+    private val clocks = Clocks(1_000_000_000L / options.slowestHz, 1000L * options.maxReportLatencyUs)
 
     // as many as ever wait, which the order bounds
     private val free = ArrayDeque<RawEvent>()
@@ -72,7 +72,7 @@ internal class SensorRun(
             end()
             throw e
         }
-        thread.every((SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.rateHz) / LOOKS) {
+        thread.every((SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.slowestHz) / LOOKS) {
             synchronized(lock) { if (takers.isNotEmpty()) look() }
         }
     }
@@ -106,11 +106,12 @@ internal class SensorRun(
     }
 
     private fun register(sensor: Sensor) {
-        val periodUs = 1_000_000 / options.rateHz
+        val rateHz = options.rateHz(sensor.type)
+        val periodUs = 1_000_000 / rateHz
         val accepted = try {
             manager.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, thread.handler)
         } catch (e: SecurityException) {
-            if (options.rateHz > SensorManagerSource.FREE_RATE_HZ) throw SensorException.PermissionMissing(SensorManagerSource.HIGH_RATE, e)
+            if (rateHz > SensorManagerSource.FREE_RATE_HZ) throw SensorException.PermissionMissing(SensorManagerSource.HIGH_RATE, e)
             throw SensorException.Refused(nameOf(sensor.type), e.message, e, "let the app use this phone's sensors")
         } catch (e: IllegalStateException) {
             // what Android throws at the 129th listener of an app

@@ -117,7 +117,7 @@ private fun RejectReason.text(strings: Strings): String = when (this) {
 }
 
 /** An axis as one types it: `-x`. */
-private fun typed(axis: Byte): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis.toInt()) - 1]
+private fun typed(axis: Int): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis) - 1]
 
 private fun FitProblem.text(strings: Strings): String = when (this) {
     is FitProblem.TooFewSamples -> strings.say(R.string.magcomp_fit_too_few_samples, have)

@@ -140,6 +140,11 @@ class CompassTest {
         store.save("a")
         store.save("b")
         assertEquals("b", PreferencesStore(preferences).load())
+        // each situation has its own
+        val app = FakeApp(FakeSensorManager())
+        PreferencesStore(app, "mount").save("m")
+        assertNull(PreferencesStore(app).load())
+        assertEquals("m", PreferencesStore(app, "mount").load())
     }
 
     @Test

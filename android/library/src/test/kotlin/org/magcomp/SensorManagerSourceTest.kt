@@ -68,6 +68,20 @@ class SensorManagerSourceTest {
     }
 
     @Test
+    fun `the magnetometer may have a rate of its own`() = runBlocking {
+        val sensors = FakeSensorManager(*all)
+        collectWhile(sensors, sensors.source(SensorOptions(rateHz = 200, magnetometerRateHz = 20, holdS = 0.0), permitted = false), 1) {
+            assertEquals(listOf(50_000, 5000, 5000), sensors.registrations.map { it.periodUs })
+            sensors.deliver(Sensor.TYPE_GYROSCOPE, 1, 0f, 0f, 0f)
+        }
+        val fast = SensorOptions(magnetometerRateHz = 201)
+        assertThrows(SensorException.PermissionMissing::class.java) {
+            runBlocking { withTimeout(20_000) { FakeSensorManager(*all).source(fast, permitted = false).samples().first() } }
+        }
+        for (rateHz in listOf(0, 1001)) assertThrows(IllegalArgumentException::class.java) { SensorOptions(magnetometerRateHz = rateHz) }
+    }
+
+    @Test
     fun `without the best sensors the next best are used`() = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_ACCELEROMETER)
         val samples = collectWhile(sensors, sensors.source(), 2) {

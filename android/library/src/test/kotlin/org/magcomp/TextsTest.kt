@@ -81,11 +81,28 @@ class TextsTest {
         assertTrue(englishStrings.size >= 30)
     }
 
+    @Test
+    fun `the other languages say all of it, with their own numbers`() {
+        val poor = CompensationStatus.Collecting(CollectingReason.Fit(FitProblem.PoorCoverage(12.5, 10.0)))
+        for ((language, turn, fit) in listOf(
+            Triple("de", "Das Telefon drehen.", "sammelt: der erwartete Richtungsfehler von 12,5 Grad ist größer als 10,0 Grad; das Gerät in mehr Richtungen drehen"),
+            Triple("es", "Girar el teléfono.", "recogiendo: el error de dirección previsto de 12,5 grados supera 10,0 grados; girar el dispositivo en más direcciones"),
+        )) {
+            val strings = strings("values-$language")
+            assertEquals(englishStrings.keys, strings.keys)
+            val theirs = resources(Locale.forLanguageTag(language), strings)
+            assertEquals(turn, CompensationStatus.Held(HoldReason.TooLittleRotation).guidance(theirs))
+            assertEquals(fit, poor.text(theirs))
+            // a placeholder of another kind would throw
+            for (status in statuses(Random(1))) assertTrue(status.text(theirs).isNotEmpty())
+        }
+    }
+
     private fun statuses(random: Random): List<CompensationStatus> {
         // never half way between two decimals
         fun real() = random.nextDouble(-3000.0, 3000.0)
         fun whole() = random.nextInt(0, 10_000)
-        val axes = listOf(1, 2, 3).shuffled(random).map { (if (random.nextBoolean()) it else -it).toByte() }
+        val axes = listOf(1, 2, 3).shuffled(random).map { if (random.nextBoolean()) it else -it }
         val problems = listOf(
             FitProblem.TooFewSamples(whole()), FitProblem.Planar(real()), FitProblem.PoorCoverage(real(), real()),
             FitProblem.Inconsistent(real(), real()), FitProblem.NotAnEllipsoid, FitProblem.FieldOutOfRange(real(), real(), real()),

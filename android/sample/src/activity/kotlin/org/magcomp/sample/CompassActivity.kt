@@ -18,6 +18,7 @@ import androidx.compose.runtime.snapshotFlow
 import androidx.compose.ui.Modifier
 import androidx.compose.ui.res.stringResource
 import androidx.lifecycle.Lifecycle
+import androidx.lifecycle.compose.collectAsStateWithLifecycle
 import androidx.lifecycle.lifecycleScope
 import androidx.lifecycle.repeatOnLifecycle
 import kotlinx.coroutines.awaitCancellation
@@ -35,15 +36,16 @@ class CompassActivity : ComponentActivity() {
     override fun onCreate(saved: Bundle?) {
         super.onCreate(saved)
         enableEdgeToEdge()
-        val compass = (application as SampleApp).compass
+        val (compass, recording) = (application as SampleApp).run { Pair(compass, recording) }
         val system = SystemHeading(getSystemService(SENSOR_SERVICE) as SensorManager)
         val model = ScreenModel(resources)
         setContent {
             val letters = listOf(R.string.north, R.string.east, R.string.south, R.string.west).map { stringResource(it) }
-            val course = CourseSwitch(isHelped, stringResource(if (isHelped) R.string.course_on else R.string.course_off)) { isWanted ->
+            val course = ScreenSwitch(isHelped, stringResource(if (isHelped) R.string.course_on else R.string.course_off)) { isWanted ->
                 if (isWanted) asked.launch(Manifest.permission.ACCESS_FINE_LOCATION) else isHelped = false
             }
-            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding(), course = course)
+            val now by recording.state.collectAsStateWithLifecycle()
+            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding(), switches = listOf(course, ScreenSwitch(now.isOn, now.text, recording::set)))
         }
         lifecycleScope.launch {
             repeatOnLifecycle(Lifecycle.State.STARTED) { snapshotFlow { isHelped }.collectLatest { if (it) help(compass) } }

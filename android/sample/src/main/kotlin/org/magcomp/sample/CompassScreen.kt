@@ -7,7 +7,6 @@ import androidx.compose.foundation.rememberScrollState
 import androidx.compose.foundation.selection.toggleable
 import androidx.compose.foundation.verticalScroll
 import androidx.compose.foundation.layout.Arrangement
-import androidx.compose.foundation.layout.Box
 import androidx.compose.foundation.layout.Column
 import androidx.compose.foundation.layout.fillMaxSize
 import androidx.compose.foundation.layout.fillMaxWidth
@@ -18,19 +17,19 @@ import androidx.compose.foundation.text.BasicText
 import androidx.compose.runtime.Composable
 import androidx.compose.ui.Alignment
 import androidx.compose.ui.Modifier
-import androidx.compose.ui.draw.rotate
 import androidx.compose.ui.geometry.Offset
 import androidx.compose.ui.graphics.Color
 import androidx.compose.ui.graphics.drawscope.Stroke
 import androidx.compose.ui.semantics.Role
 import androidx.compose.ui.semantics.clearAndSetSemantics
-import androidx.compose.ui.semantics.contentDescription
 import androidx.compose.ui.text.TextStyle
 import androidx.compose.ui.text.style.TextAlign
 import androidx.compose.ui.unit.TextUnit
 import androidx.compose.ui.unit.dp
 import androidx.compose.ui.unit.sp
 import org.magcomp.DeviceVector
+import org.magcomp.compose.CompassRose
+import org.magcomp.compose.RoseColors
 
 private class Ink(isDark: Boolean) {
     val paper = if (isDark) Color(0xff111417) else Color(0xfffafafa)
@@ -41,8 +40,8 @@ private class Ink(isDark: Boolean) {
     val banner = if (isDark) Color(0xff6b4300) else Color(0xffffe0a8)
 }
 
-/** Whether a GNSS course helps, in words, and what sets it. */
-class CourseSwitch(val isOn: Boolean, val text: String, val onChange: (Boolean) -> Unit)
+/** Whether something is on, in words, and what sets it. */
+class ScreenSwitch(val isOn: Boolean, val text: String, val onChange: (Boolean) -> Unit)
 
 /** The screen of a state; [letters] are those of north, east, south and west, [insets] keep clear of the system's bars. It decides nothing. */
 @Composable
@@ -51,7 +50,7 @@ fun CompassScreen(
     letters: List<String>,
     isDark: Boolean = isSystemInDarkTheme(),
     insets: Modifier = Modifier,
-    course: CourseSwitch? = null,
+    switches: List<ScreenSwitch> = emptyList(),
 ) {
     val ink = Ink(isDark)
     Column(
@@ -60,11 +59,11 @@ fun CompassScreen(
         horizontalAlignment = Alignment.CenterHorizontally,
     ) {
         state.banner?.let { Words(it, ink, modifier = Modifier.fillMaxWidth().background(ink.banner, RoundedCornerShape(8.dp)).padding(12.dp)) }
-        Rose(state, letters, ink)
+        CompassRose(state.roseDeg, state.sigmaDeg, state.spoken, RoseColors(ink.north, ink.text, ink.faint), Modifier.size(260.dp), letters)
         Words(state.heading, ink, size = 36.sp)
         listOfNotNull(state.trueHeading, state.systemHeading, state.field, state.status, state.help, state.event, state.seen, state.guidance)
             .forEach { Words(it, ink) }
-        course?.let { Words(it.text, ink, modifier = Modifier.toggleable(it.isOn, role = Role.Switch, onValueChange = it.onChange).padding(12.dp)) }
+        switches.forEach { Words(it.text, ink, modifier = Modifier.toggleable(it.isOn, role = Role.Switch, onValueChange = it.onChange).padding(12.dp)) }
         if (state.unseen.isNotEmpty()) Sphere(state, ink)
     }
 }
@@ -72,31 +71,6 @@ fun CompassScreen(
 @Composable
 private fun Words(text: String, ink: Ink, modifier: Modifier = Modifier, size: TextUnit = 16.sp) =
     BasicText(text, modifier, TextStyle(color = ink.text, fontSize = size, textAlign = TextAlign.Center))
-
-/** Letters and sector, turned against the heading; a screen reader hears one sentence. */
-@Composable
-private fun Rose(state: ScreenState, letters: List<String>, ink: Ink) {
-    Box(Modifier.size(260.dp).clearAndSetSemantics { contentDescription = state.spoken }) {
-        Canvas(Modifier.fillMaxSize()) {
-            drawCircle(ink.faint, style = Stroke(2.dp.toPx()))
-            // the lubber line: where the phone points, whatever the rose says
-            drawLine(ink.text, Offset(center.x, 0f), Offset(center.x, 8.dp.toPx()), 3.dp.toPx())
-        }
-        val roseDeg = state.roseDeg ?: return@Box
-        Box(Modifier.fillMaxSize().rotate(-roseDeg.toFloat())) {
-            Canvas(Modifier.fillMaxSize()) {
-                val sigma = state.sigmaDeg.coerceAtMost(180.0).toFloat()
-                drawArc(ink.north.copy(alpha = 0.25f), -90 - sigma, 2 * sigma, useCenter = true)
-                drawLine(ink.north, center, Offset(center.x, 40.dp.toPx()), 3.dp.toPx())
-            }
-            letters.forEachIndexed { k, letter ->
-                Box(Modifier.fillMaxSize().rotate(90f * k).padding(8.dp), contentAlignment = Alignment.TopCenter) {
-                    BasicText(letter, style = TextStyle(color = if (k == 0) ink.north else ink.text, fontSize = 22.sp))
-                }
-            }
-        }
-    }
-}
 
 /** The sphere of directions seen along the screen's normal: those missing, behind it pale, the next one large; the field now as a ring. */
 @Composable

@@ -22,7 +22,7 @@ import org.magcomp.text
 data class ScreenState(
     /** Where the rose is turned to, degrees clockwise from magnetic north; null: there is no heading. */
     val roseDeg: Double? = null,
-    /** Half the width of the rose's sector, degrees. */
+    /** One standard deviation of the heading, degrees. */
     val sigmaDeg: Double = 180.0,
     val heading: String = "",
     val trueHeading: String? = null,

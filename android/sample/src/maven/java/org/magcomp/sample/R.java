@@ -14,6 +14,10 @@ final class R {
         static int over = 0x7f0f0008;
         static int course_on = 0x7f0f000e;
         static int course_off = 0x7f0f000f;
+        static int record_on = 0x7f0f0010;
+        static int record_off = 0x7f0f0011;
+        static int recorded = 0x7f0f0012;
+        static int not_recorded = 0x7f0f0013;
         static int north = 0x7f0f0009;
         static int east = 0x7f0f000a;
         static int south = 0x7f0f000b;

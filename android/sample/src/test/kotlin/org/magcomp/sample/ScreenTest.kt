@@ -76,10 +76,11 @@ private class English : Resources(null, null, null) {
     override fun getString(id: Int, vararg values: Any): String = String.format(Locale.ENGLISH, getString(id), *values)
 }
 
+// without its constructor, which calls Android's native part
+internal val resources = (Unsafe::class.java.getDeclaredField("theUnsafe").apply { isAccessible = true }.get(null) as Unsafe)
+    .allocateInstance(English::class.java) as Resources
+
 class ScreenTest {
-    // without its constructor, which calls Android's native part
-    private val resources = (Unsafe::class.java.getDeclaredField("theUnsafe").apply { isAccessible = true }.get(null) as Unsafe)
-        .allocateInstance(English::class.java) as Resources
     private val unseen = listOf(DeviceVector(1.0, 0.0, 0.0), DeviceVector(0.0, -1.0, 0.0), DeviceVector(0.0, 0.6, 0.8), DeviceVector(-0.7, 0.1, -0.7))
 
     private fun answer(
@@ -253,6 +254,13 @@ class ScreenTest {
         // the needle and its sector point to N
         assertTrue(where(north, north.copy(sigmaDeg = 20.0)).second > 0.3)
         assertTrue(where(north.copy(roseDeg = 90.0), north.copy(roseDeg = 90.0, sigmaDeg = 20.0)).first < -0.3)
+        // two standard deviations to either side
+        val (narrow, wide) = listOf(north, north.copy(sigmaDeg = 20.0)).map { image(drawn(it)) }
+        fun isInSector(deg: Int) = Math.toRadians(deg.toDouble()).let { a ->
+            Pair((360 + 150 * sin(a)).toInt(), (308 - 150 * cos(a)).toInt()).let { (x, y) -> narrow.getRGB(x, y) != wide.getRGB(x, y) }
+        }
+        assertEquals(listOf(false, true, true, true, true, false), listOf(-42, -38, -20, 20, 38, 42).map(::isInSector))
+        for (unknown in listOf(-1.0, Double.NaN)) assertEquals(0.0, where(north, north.copy(sigmaDeg = unknown)).second, 0.1, "the whole rose")
         // the lubber line is at the top of an empty rose
         val empty = image(drawn(ScreenState()))
         val ink = (0 until empty.height).flatMap { y -> (0 until empty.width).filter { x -> empty.getRGB(x, y) == 0xff1b1b1b.toInt() }.map { x -> Pair(x, y) } }
@@ -286,7 +294,7 @@ class ScreenTest {
     fun `a switch says whether a course helps, and sets it`() = runDesktopComposeUiTest(720, 1480) {
         val wanted = mutableListOf<Boolean>()
         val state = ScreenModel(resources).show(answer(CompensationStatus.Tracking, aid = HeadingAid.DISAGREES), systemDeg = null)
-        setContent { CompassScreen(state, letters, isDark = false, course = CourseSwitch(isOn = false, own.getValue("course_off")) { wanted += it }) }
+        setContent { CompassScreen(state, letters, isDark = false, switches = listOf(ScreenSwitch(isOn = false, own.getValue("course_off")) { wanted += it })) }
         onNodeWithText("the heading from outside disagrees, and is ignored").assertExists()
         onNodeWithText("course of the GNSS: does not help").assertIsOff().performClick()
         assertEquals(listOf(true), wanted)

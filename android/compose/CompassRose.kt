@@ -1,0 +1,66 @@
+// Copy this file into an app with Compose. It is no artifact of its own.
+package org.magcomp.compose
+
+import androidx.compose.foundation.Canvas
+import androidx.compose.foundation.layout.Box
+import androidx.compose.foundation.layout.fillMaxSize
+import androidx.compose.foundation.layout.padding
+import androidx.compose.foundation.text.BasicText
+import androidx.compose.runtime.Composable
+import androidx.compose.ui.Alignment
+import androidx.compose.ui.Modifier
+import androidx.compose.ui.draw.rotate
+import androidx.compose.ui.geometry.Offset
+import androidx.compose.ui.graphics.Color
+import androidx.compose.ui.graphics.drawscope.Stroke
+import androidx.compose.ui.semantics.clearAndSetSemantics
+import androidx.compose.ui.semantics.contentDescription
+import androidx.compose.ui.text.TextStyle
+import androidx.compose.ui.unit.dp
+import androidx.compose.ui.unit.sp
+
+/** The colours of a [CompassRose]: the needle, its sector and north's letter; the other letters and the lubber line; the ring. */
+public class RoseColors(public val north: Color, public val text: Color, public val ring: Color)
+
+/**
+ * A rose that turns against the heading. Its sector reaches two standard deviations to either side: north lies in it 19 times of 20.
+ *
+ * ```
+ * CompassRose(reading.headingDeg, reading.headingSigmaDeg, reading.spoken(resources), colors, Modifier.size(260.dp))
+ * ```
+ *
+ * @param headingDeg clockwise from north, degrees; null or what is no number: the ring alone
+ * @param sigmaDeg one standard deviation, degrees; null or what is none: nothing is known, the sector is the whole rose
+ * @param spoken what a screen reader says of all of it
+ * @param letters those of north, east, south and west
+ */
+@Composable
+public fun CompassRose(
+    headingDeg: Double?,
+    sigmaDeg: Double?,
+    spoken: String,
+    colors: RoseColors,
+    modifier: Modifier = Modifier,
+    letters: List<String> = listOf("N", "E", "S", "W"),
+) {
+    Box(modifier.clearAndSetSemantics { contentDescription = spoken }) {
+        Canvas(Modifier.fillMaxSize()) {
+            drawCircle(colors.ring, style = Stroke(2.dp.toPx()))
+            // the lubber line: where the phone points, whatever the rose says
+            drawLine(colors.text, Offset(center.x, 0f), Offset(center.x, 8.dp.toPx()), 3.dp.toPx())
+        }
+        val shownDeg = headingDeg?.takeIf { it.isFinite() } ?: return@Box
+        Box(Modifier.fillMaxSize().rotate(-(shownDeg % 360).toFloat())) {
+            Canvas(Modifier.fillMaxSize()) {
+                val halfDeg = (2 * (sigmaDeg?.takeIf { it >= 0 } ?: 180.0)).coerceAtMost(180.0).toFloat()
+                drawArc(colors.north.copy(alpha = 0.25f), -90 - halfDeg, 2 * halfDeg, useCenter = true)
+                drawLine(colors.north, center, Offset(center.x, 40.dp.toPx()), 3.dp.toPx())
+            }
+            letters.forEachIndexed { k, letter ->
+                Box(Modifier.fillMaxSize().rotate(90f * k).padding(8.dp), contentAlignment = Alignment.TopCenter) {
+                    BasicText(letter, style = TextStyle(color = if (k == 0) colors.north else colors.text, fontSize = 22.sp))
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,55 @@
+package org.magcomp.sample
+
+import java.io.File
+import kotlinx.coroutines.CompletableDeferred
+import kotlinx.coroutines.awaitCancellation
+import kotlinx.coroutines.flow.count
+import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.runBlocking
+import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertTrue
+import org.junit.jupiter.api.Test
+import org.junit.jupiter.api.io.TempDir
+import org.magcomp.Compass
+import org.magcomp.DeviceVector
+import org.magcomp.MagneticFieldSource
+import org.magcomp.MagneticSample
+import org.magcomp.RecordingSource
+import org.magcomp.SensorSample
+
+class RecordingTest {
+    @TempDir
+    lateinit var folder: File
+
+    private val emitted = CompletableDeferred<Unit>()
+
+    private val compass = Compass(object : MagneticFieldSource {
+        override fun samples() = flow<SensorSample> {
+            for (k in 1L..100) emit(SensorSample.Magnetic(MagneticSample(k * 10_000_000, DeviceVector(1.0, 2.0, 3.0))))
+            emitted.complete(Unit)
+            awaitCancellation()
+        }
+    })
+
+    @Test
+    fun `it records until it is told to stop, and says where`(): Unit = runBlocking {
+        val recording = Recording(compass, folder, this, resources)
+        assertEquals(RecordingState(false, "record the raw events to a file"), recording.state.value)
+        recording.set(true)
+        val file = recording.state.value.text.removePrefix("recording to ")
+        assertTrue(recording.state.value.isOn && file.endsWith(".csv.gz") && File(file).parentFile == folder, file)
+        emitted.await()
+        recording.set(false)
+        assertEquals("recorded to $file", recording.state.first { !it.isOn }.text)
+        assertEquals(100, RecordingSource(File(file)).samples().count())
+    }
+
+    @Test
+    fun `what it can't write it says`(): Unit = runBlocking {
+        val recording = Recording(compass, folder.resolve("none"), this, resources)
+        recording.set(true)
+        val text = recording.state.first { !it.isOn }.text
+        assertTrue(text.startsWith("not recorded: ") && "none" in text, text)
+    }
+}

@@ -1,0 +1,159 @@
+// the adapters that an app copies, with stand-ins of the maps
+#if canImport(FerrostarAdapter)
+import CoreLocation
+import FerrostarAdapter
+import FerrostarCore
+import FerrostarCoreFFI
+import Foundation
+import Magcomp
+import MapLibre
+import MapLibreAdapter
+import Testing
+
+private let place = CLLocation(
+    coordinate: CLLocationCoordinate2D(latitude: 52.5, longitude: 13.4), altitude: 34, horizontalAccuracy: 5,
+    verticalAccuracy: 3, course: -1, courseAccuracy: -1, speed: 0, speedAccuracy: -1,
+    timestamp: Date(timeIntervalSince1970: 1_780_000_000))
+
+private struct Broken: Error {}
+
+private struct BrokenSource: MagneticFieldSource {
+    func samples() -> SensorSamples {
+        SensorSamples(isLive: true) { AsyncThrowingStream<SensorSample, any Error> { $0.finish(throwing: Broken()) } }
+    }
+}
+
+@MainActor @Suite struct FerrostarAdapterTests {
+    final class Provider: LocationProviding {
+        var delegate: LocationManagingDelegate?
+        var authorizationStatus = CLAuthorizationStatus.authorizedWhenInUse
+        var lastLocation: UserLocation?
+        var lastHeading: Heading?
+        private(set) var isUpdating = false
+
+        func startUpdating() { isUpdating = true }
+
+        func stopUpdating() { isUpdating = false }
+    }
+
+    final class Map: LocationManagingDelegate {
+        private(set) var locations: [UserLocation] = []
+        private(set) var headings: [Heading] = []
+        private(set) var errors: [Error] = []
+
+        func locationManager(_ manager: LocationProviding, didUpdateLocations locations: [UserLocation]) {
+            self.locations += locations
+        }
+
+        func locationManager(_ manager: LocationProviding, didUpdateHeading newHeading: Heading) {
+            headings.append(newHeading)
+        }
+
+        func locationManager(_ manager: LocationProviding, didFailWithError error: Error) { errors.append(error) }
+    }
+
+    private let (provider, map) = (Provider(), Map())
+
+    @Test func headingsAreTheCompasssTrueOnesInWholeDegrees() async throws {
+        let compass = Compass(source: Played(events: tumbling(600), isLive: false))
+        let adapter = CompassLocationProvider(locations: provider, compass: compass)
+        adapter.delegate = map
+        let here = UserLocation(coordinates: .init(lat: 52.5, lng: 13.4), horizontalAccuracy: 5, timestamp: place.timestamp)
+        provider.lastLocation = here
+        provider.delegate?.locationManager(provider, didUpdateLocations: [here])
+        #expect(map.locations == [here] && adapter.lastLocation == here)
+        let declinationDeg = try #require(compass.declinationDeg)
+        #expect(abs(declinationDeg - 5) < 2)
+        // the provider's own is not the compass's
+        provider.delegate?.locationManager(
+            provider, didUpdateHeading: Heading(trueHeading: 1, accuracy: 1, timestamp: place.timestamp))
+        #expect(map.headings.isEmpty)
+
+        let alone = Compass(source: Played(events: tumbling(600), isLive: false))
+        try alone.setDeclinationDeg(declinationDeg)
+        var expected: [UInt16] = []
+        for try await answer in alone.readings() {
+            guard let deg = answer.trueHeadingDeg else { continue }
+            expected.append(UInt16(deg.rounded()) % 360)
+        }
+        adapter.startUpdating()
+        #expect(provider.isUpdating)
+        try await eventually { map.headings.last?.trueHeading == expected.last }
+        for (one, next) in zip(map.headings, map.headings.dropFirst()) {
+            #expect(one.trueHeading != next.trueHeading || one.accuracy != next.accuracy)
+        }
+        #expect(adapter.lastHeading == map.headings.last && map.headings.allSatisfy { (1...180).contains($0.accuracy) })
+        adapter.stopUpdating()
+        #expect(!provider.isUpdating && map.errors.isEmpty)
+    }
+
+    @Test func withoutAPlaceThereIsNoHeadingAndErrorsArrive() async throws {
+        let compass = Compass(source: BrokenSource())
+        let adapter = CompassLocationProvider(locations: provider, compass: compass)
+        adapter.delegate = map
+        adapter.startUpdating()
+        try await eventually { map.errors.first is Broken }
+        provider.delegate?.locationManager(provider, didFailWithError: Broken())
+        #expect(map.errors.count == 2 && map.headings.isEmpty)
+    }
+}
+
+@MainActor @Suite struct MapLibreAdapterTests {
+    final class Map: NSObject, MLNLocationManagerDelegate {
+        private(set) var locations: [CLLocation] = []
+        private(set) var headings: [CLHeading] = []
+        private(set) var errors: [any Error] = []
+        private(set) var changes = 0
+
+        func locationManager(_ manager: any MLNLocationManager, didUpdate locations: [CLLocation]) {
+            self.locations += locations
+        }
+
+        func locationManager(_ manager: any MLNLocationManager, didUpdate newHeading: CLHeading) {
+            headings.append(newHeading)
+        }
+
+        func locationManagerShouldDisplayHeadingCalibration(_ manager: any MLNLocationManager) -> Bool { true }
+
+        func locationManager(_ manager: any MLNLocationManager, didFailWithError error: any Error) { errors.append(error) }
+
+        func locationManagerDidChangeAuthorization(_ manager: any MLNLocationManager) { changes += 1 }
+    }
+
+    private let (locations, map) = (CLLocationManager(), Map())
+
+    @Test func headingsAreTheCompasssAndALittleChangeIsLeftOut() async throws {
+        let compass = Compass(source: Played(events: tumbling(600), isLive: false))
+        let adapter = CompassLocationManager(compass, locations: locations, headingFilterDeg: 5)
+        adapter.delegate = map
+        adapter.startUpdatingHeading()
+        try await eventually { !map.headings.isEmpty }
+        let first = map.headings[0]
+        #expect((0..<360).contains(first.magneticHeading) && first.trueHeading == -1)
+        #expect(first.headingAccuracy > 0 && first.headingAccuracy <= 180)
+        for (one, next) in zip(map.headings, map.headings.dropFirst()) {
+            #expect(abs((one.magneticHeading - next.magneticHeading).remainder(dividingBy: 360)) >= 5)
+        }
+        adapter.stopUpdatingHeading()
+
+        locations.delegate?.locationManager(locations, didUpdateLocations: [place])
+        #expect(map.locations == [place] && compass.declinationDeg != nil)
+        locations.delegate?.locationManagerDidChangeAuthorization(locations)
+        locations.delegate?.locationManager(locations, didFailWithError: Broken())
+        #expect(map.changes == 1 && map.errors.count == 1)
+    }
+
+    @Test func theMapTellsHowTheDeviceIsHeld() {
+        let compass = Compass(source: Played(events: []))
+        let adapter = CompassLocationManager(compass, locations: locations)
+        let held: [(CLDeviceOrientation, ScreenRotation)] = [
+            (.landscapeLeft, .deg90), (.portraitUpsideDown, .deg180), (.landscapeRight, .deg270), (.faceUp, .deg270),
+            (.portrait, .deg0),
+        ]
+        for (orientation, rotation) in held {
+            adapter.headingOrientation = orientation
+            #expect(compass.screenRotation == rotation)
+        }
+    }
+}
+#endif
