@@ -276,11 +276,11 @@ impl Compensator {
 
     /// Whether the angle between gravity and the corrected field tells that their axes differ. The gyroscope carries nothing that was wrong.
     fn has_wrong_up(&self) -> bool {
-        self.tuning.gravity_axes && self.dip.has_other_axes()
+        self.tuning.gravity_axes && self.dip.has_other_axes() && !self.is_gyroscope_contradicted()
     }
 
     fn see_dip(&mut self, answer: &Answer, up_m_s2: &Vector3<f64>, span_s: f64) {
-        if let Some(field_ut) = answer.filtered_field_ut.or(answer.field_ut) {
+        if let Some(field_ut) = answer.field_ut {
             self.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, span_s);
         }
     }

@@ -21,7 +21,6 @@ mod tuning;
 
 use crate::estimator::answer::{Answer, Carry, KnownNorth};
 use crate::explanation::OutsideTest;
-use crate::priors::{BEYOND_CHANCE, OF_USE_DEG};
 use crate::reading::HeadingAid;
 use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
@@ -210,6 +209,10 @@ impl North {
             }
             (true, ..) => {
                 self.mounting.take_if(|mounting| mounting.axis != axis);
+                if self.mounting.is_none() && !own.is_known() {
+                    // how the device lies in the vehicle only a field can tell
+                    return None;
+                }
                 told.less(self.mounting.get_or_insert_with(|| Offset::unknown(PI, axis)), own);
             }
         }
@@ -260,13 +263,12 @@ impl Told {
     }
 }
 
-/// The answer with its field turned about the vertical to where `north` is; without a field, with that alone once it is of some use.
+/// The answer with its field turned about the vertical to where `north` is; without a field, with that alone.
 fn led(answer: Answer, own: &Own, north: &Carried, carry: &Carry) -> Answer {
     let (towards, variance_rad2) = north.published(own);
-    let is_of_use = variance_rad2.sqrt().to_degrees() < BEYOND_CHANCE * OF_USE_DEG;
     let Level { north: direction, up, .. } = towards;
     let known = KnownNorth { north: direction, variance_rad2, up, tilt_rad2: carry.tilt_rad2 };
-    let answer = Answer { north: is_of_use.then_some(known), ..answer };
+    let answer = Answer { north: Some(known), ..answer };
     let (Some(field_ut), Some(covariance)) = (answer.filtered_field_ut, answer.filtered_covariance_ut2) else {
         return answer;
     };

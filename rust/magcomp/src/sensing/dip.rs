@@ -8,9 +8,9 @@
 //! A gravity that points the other way keeps its angle, too: that only a place's known dip tells. Of 43 recordings of sound phones the most is 9; without the
 //! gyroscope it is more in three, where magnets had moved c by tens of degrees.
 
-use super::turning::{AS_READ, Frame, KEPT, frames};
+use super::turning::{AS_READ, Frame, KEPT, frames, is_no_chance};
 use crate::math::elementary::ln;
-use crate::priors::{OUTLYING, RARE, STEP_S, TILT_RAD};
+use crate::priors::{STEP_S, TILT_RAD};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// The products of gravity's components and the field's: row by row.
@@ -49,8 +49,10 @@ impl Dip {
             self.second = self.second * KEPT + mean * mean.transpose();
             (self.sum, self.samples, self.length_s) = (Products::zeros(), 0.0, 0.0);
             let least = frames(1.0).map(|frame| self.variance(frame)).fold(f64::INFINITY, f64::min);
-            let gain = ln((self.variance(AS_READ) + TILT_RAD * TILT_RAD) / (least + TILT_RAD * TILT_RAD));
-            self.has_other_axes = 0.5 * self.windows * gain > 0.5 * OUTLYING * OUTLYING - ln(RARE);
+            // the device's tilt, and as much again by its motion
+            let tilts = (2.0 * TILT_RAD).powi(2);
+            let gain = ln((self.variance(AS_READ) + tilts) / (least + tilts));
+            self.has_other_axes = is_no_chance(0.5 * self.windows * gain);
         }
     }
 

@@ -17,13 +17,13 @@
 
 use super::pairing::Rotation;
 use crate::math::elementary::ln;
-use crate::priors::{BEYOND_CHANCE, OUTLYING, RARE, ROOM_UT, STEP_S};
+use crate::priors::{OUTLYING, RARE, STEP_S};
 use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
 pub(super) const LARGEST_BIAS_RAD_S: f64 = 0.1;
-/// Choice: what a window keeps of those before it: half a minute.
+/// Choice: what a window keeps of those before it.
 pub(super) const KEPT: f64 = 0.98;
 
 /// d, the rows of W, A.
@@ -114,7 +114,7 @@ impl Turning {
         if let Some(before) = self.before {
             let changes = mean - before;
             let turned_rad = changes.fixed_rows::<3>(12).norm();
-            if changes.fixed_rows::<3>(0).norm() < EARTH_UT.end * turned_rad + BEYOND_CHANCE * ROOM_UT {
+            if changes.fixed_rows::<3>(0).norm() < EARTH_UT.end * turned_rad {
                 self.moments = self.moments * KEPT + changes * changes.transpose();
                 self.windows = self.windows * KEPT + 1.0;
                 self.verdict = self.judge();
@@ -130,8 +130,7 @@ impl Turning {
 
     fn judge(&self) -> Verdict {
         let by_bias = self.windows * (LARGEST_BIAS_RAD_S * STEP_S * EARTH_UT.end).powi(2);
-        let bound = 0.5 * OUTLYING * OUTLYING - ln(RARE);
-        let explains = |left: f64, other: f64| self.windows * ln((other + by_bias) / (left + by_bias));
+        let explains = |left: f64, other: f64| is_no_chance(self.windows * ln((other + by_bias) / (left + by_bias)));
         let unmoved = self.moments.fixed_view::<3, 3>(0, 0).trace();
         let as_read = self.left(AS_READ);
         let least = |best: (f64, Option<Frame>), frame| {
@@ -140,9 +139,9 @@ impl Turning {
         };
         let (left, frame) = frames(1.0).fold((as_read, None), least);
         let (mirrored, _) = frames(-1.0).fold((left, None), least);
-        let is_other = explains(left, as_read.min(unmoved)) > bound;
+        let is_other = explains(left, as_read.min(unmoved));
         Verdict {
-            contradicts: explains(mirrored.min(unmoved), as_read) > bound,
+            contradicts: explains(mirrored.min(unmoved), as_read),
             axes: frame.filter(|_| is_other).map(components),
         }
     }
@@ -167,6 +166,11 @@ impl Turning {
         let normal = Matrix3::identity() * (square.trace() + 1e-6) - square * (1.0 - 1e-6);
         normal.cholesky().map_or(sum, |it| sum - right.dot(&it.solve(&right)))
     }
+}
+
+/// Whether a log likelihood ratio is beyond that of four standard deviations, for one sensor in a hundred that is wrong.
+pub(super) fn is_no_chance(log_ratio: f64) -> bool {
+    log_ratio > 0.5 * OUTLYING * OUTLYING - ln(RARE)
 }
 
 /// The 24 frames along the axes of another, right-handed for a hand of 1 and mirrored for one of -1.
