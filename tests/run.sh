@@ -50,7 +50,7 @@ host() {
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
-    MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" -- --include-ignored
+    MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
     PROFILE=release tests/python.sh
