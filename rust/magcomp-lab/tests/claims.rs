@@ -236,7 +236,7 @@ fn the_evaluations_lines_are_those_of_the_command() {
     let options = EvaluateOptions::of(groups.into_iter().filter(shown).collect(), 1..=3);
     let mut compared = 0;
     for group in &evaluate::run(&options).unwrap().groups {
-        let page = rows("EVALUATION.md", &group.title);
+        let page = rows("EVALUATION.md", group.title);
         for line in &group.variants {
             compared += 1;
             let row = page.iter().find(|row| row[0] == line.about).expect("a line");
