@@ -1441,9 +1441,9 @@ public struct CompassHeading: Equatable, Hashable, Codable {
      */
     public var trueHeadingDeg: Double?
     /**
-     * Angle of the field below the horizon, -90 to 90 degrees.
+     * Angle of the field below the horizon, -90 to 90 degrees. None where no field is known and north comes from outside.
      */
-    public var inclinationDeg: Double
+    public var inclinationDeg: Double?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
@@ -1458,8 +1458,8 @@ public struct CompassHeading: Equatable, Hashable, Codable {
          * Clockwise from true north, 0 to 360 degrees. None without a declination.
          */trueHeadingDeg: Double?,
         /**
-         * Angle of the field below the horizon, -90 to 90 degrees.
-         */inclinationDeg: Double) {
+         * Angle of the field below the horizon, -90 to 90 degrees. None where no field is known and north comes from outside.
+         */inclinationDeg: Double?) {
         self.headingDeg = headingDeg
         self.headingSigmaDeg = headingSigmaDeg
         self.trueHeadingDeg = trueHeadingDeg
@@ -1485,7 +1485,7 @@ fileprivate struct FfiConverterTypeCompassHeading: FfiConverterRustBuffer {
                 headingDeg: FfiConverterDouble.read(from: &buf),
                 headingSigmaDeg: FfiConverterOptionDouble.read(from: &buf),
                 trueHeadingDeg: FfiConverterOptionDouble.read(from: &buf),
-                inclinationDeg: FfiConverterDouble.read(from: &buf)
+                inclinationDeg: FfiConverterOptionDouble.read(from: &buf)
         )
     }
 
@@ -1493,7 +1493,7 @@ fileprivate struct FfiConverterTypeCompassHeading: FfiConverterRustBuffer {
         FfiConverterDouble.write(value.headingDeg, into: &buf)
         FfiConverterOptionDouble.write(value.headingSigmaDeg, into: &buf)
         FfiConverterOptionDouble.write(value.trueHeadingDeg, into: &buf)
-        FfiConverterDouble.write(value.inclinationDeg, into: &buf)
+        FfiConverterOptionDouble.write(value.inclinationDeg, into: &buf)
     }
 }
 
@@ -6539,7 +6539,7 @@ package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM
 })
 }
 /**
- * Starts writing messages under a tag, and sends a panic's place there too. The first call in a process sets the tag,
+ * Starts writing messages under a tag, and sends a panic's place there too, before whatever heard of panics until then. The first call in a process sets the tag,
  * later ones the level.
  */
 package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall() {
@@ -6627,7 +6627,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_func_geomagnetic_field() != 20464) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_func_start_logging() != 64664) {
+    if (uniffi_magcomp_ffi_checksum_func_start_logging() != 63667) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_attitude() != 58912) {

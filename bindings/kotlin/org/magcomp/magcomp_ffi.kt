@@ -983,7 +983,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_func_geomagnetic_field() and 0xFFFF) != 20464) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_func_start_logging() and 0xFFFF) != 64664) {
+    if ((lib.uniffi_magcomp_ffi_checksum_func_start_logging() and 0xFFFF) != 63667) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_attitude() and 0xFFFF) != 58912) {
@@ -2617,9 +2617,9 @@ data class CompassHeading (
     val `trueHeadingDeg`: kotlin.Double?
     ,
     /**
-     * Angle of the field below the horizon, -90 to 90 degrees.
+     * Angle of the field below the horizon, -90 to 90 degrees. Null where no field is known and north comes from outside.
      */
-    val `inclinationDeg`: kotlin.Double
+    val `inclinationDeg`: kotlin.Double?
 
 ){
 
@@ -2639,7 +2639,7 @@ internal object FfiConverterTypeCompassHeading: FfiConverterRustBuffer<CompassHe
             FfiConverterDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
             FfiConverterOptionalDouble.read(buf),
-            FfiConverterDouble.read(buf),
+            FfiConverterOptionalDouble.read(buf),
         )
     }
 
@@ -2647,14 +2647,14 @@ internal object FfiConverterTypeCompassHeading: FfiConverterRustBuffer<CompassHe
             FfiConverterDouble.allocationSize(value.`headingDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`headingSigmaDeg`) +
             FfiConverterOptionalDouble.allocationSize(value.`trueHeadingDeg`) +
-            FfiConverterDouble.allocationSize(value.`inclinationDeg`)
+            FfiConverterOptionalDouble.allocationSize(value.`inclinationDeg`)
     )
 
     override fun write(value: CompassHeading, buf: ByteBuffer) {
             FfiConverterDouble.write(value.`headingDeg`, buf)
             FfiConverterOptionalDouble.write(value.`headingSigmaDeg`, buf)
             FfiConverterOptionalDouble.write(value.`trueHeadingDeg`, buf)
-            FfiConverterDouble.write(value.`inclinationDeg`, buf)
+            FfiConverterOptionalDouble.write(value.`inclinationDeg`, buf)
     }
 }
 
@@ -7195,7 +7195,7 @@ internal object FfiConverterSequenceTypeDeviceVector: FfiConverterRustBuffer<Lis
 
 
         /**
-         * Starts writing messages under a tag, and sends a panic's place there too. The first call in a process sets the tag,
+         * Starts writing messages under a tag, and sends a panic's place there too, before whatever heard of panics until then. The first call in a process sets the tag,
          * later ones the level.
          */ fun `startLogging`(`tag`: kotlin.String, `level`: MagcompLogLevel)
         =
