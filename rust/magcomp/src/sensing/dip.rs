@@ -48,11 +48,12 @@ impl Dip {
             self.first = self.first * KEPT + mean;
             self.second = self.second * KEPT + mean * mean.transpose();
             (self.sum, self.samples, self.length_s) = (Products::zeros(), 0.0, 0.0);
-            let least = frames(1.0).map(|frame| self.variance(frame)).fold(f64::INFINITY, f64::min);
             // the device's tilt, and as much again by its motion
             let tilts = (2.0 * TILT_RAD).powi(2);
-            let gain = ln((self.variance(AS_READ) + tilts) / (least + tilts));
-            self.has_other_axes = is_no_chance(0.5 * self.windows * gain);
+            let as_read = self.variance(AS_READ);
+            let explains = |least: f64| is_no_chance(0.5 * self.windows * ln((as_read + tilts) / (least + tilts)));
+            let least = || frames(1.0).map(|frame| self.variance(frame)).fold(f64::INFINITY, f64::min);
+            self.has_other_axes = explains(0.0) && explains(least());
         }
     }
 

@@ -133,6 +133,10 @@ impl Turning {
         let explains = |left: f64, other: f64| is_no_chance(self.windows * ln((other + by_bias) / (left + by_bias)));
         let unmoved = self.moments.fixed_view::<3, 3>(0, 0).trace();
         let as_read = self.left(AS_READ);
+        if !explains(0.0, as_read) {
+            // no rival could
+            return Verdict::default();
+        }
         let least = |best: (f64, Option<Frame>), frame| {
             let left = self.left(frame);
             if left < best.0 { (left, Some(frame)) } else { best }
