@@ -83,7 +83,7 @@ PYTHON
 
 case "${1:-}" in
     "")
-        swift_tool swift-format lint --strict -r --configuration .swift-format ios/Sources ios/Tests ios/Sample Package.swift
+        swift_tool swift-format lint --strict -r --configuration .swift-format ios/Sources ios/Tests ios/Adapters ios/Sample Package.swift
         swift_run build "${options[@]}"
         # one test at a time: some measure memory
         swift_run test "${options[@]}" --no-parallel

@@ -1,5 +1,6 @@
 // Copy this file into an app with MapLibre. It is no target of its own.
 import CoreLocation
+import Foundation
 import Magcomp
 import MapLibre
 

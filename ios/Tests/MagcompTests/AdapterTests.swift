@@ -52,7 +52,8 @@ private struct BrokenSource: MagneticFieldSource {
         func locationManager(_ manager: LocationProviding, didFailWithError error: Error) { errors.append(error) }
     }
 
-    private let (provider, map) = (Provider(), Map())
+    private let provider = Provider()
+    private let map = Map()
 
     @Test func headingsAreTheCompasssTrueOnesInWholeDegrees() async throws {
         let compass = Compass(source: Played(events: tumbling(600), isLive: false))
@@ -120,7 +121,8 @@ private struct BrokenSource: MagneticFieldSource {
         func locationManagerDidChangeAuthorization(_ manager: any MLNLocationManager) { changes += 1 }
     }
 
-    private let (locations, map) = (CLLocationManager(), Map())
+    private let locations = CLLocationManager()
+    private let map = Map()
 
     @Test func headingsAreTheCompasssAndALittleChangeIsLeftOut() async throws {
         let compass = Compass(source: Played(events: tumbling(600), isLive: false))
