@@ -16,7 +16,7 @@
 //! all.
 
 use super::pairing::Rotation;
-use crate::math::elementary::ln;
+use crate::math::elementary::{ln, sin_cos};
 use crate::priors::{OUTLYING, RARE, STEP_S};
 use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -78,7 +78,8 @@ impl Turning {
     pub fn see(&mut self, field_ut: &Vector3<f64>, rotation: &Rotation, span_s: f64) {
         let angle = rotation.increment_rad.norm();
         let half = 0.5 * angle;
-        let turn = if half > 1e-6 { rotation.increment_rad * (half.tan() / half) } else { rotation.increment_rad };
+        let (sin, cos) = sin_cos(half);
+        let turn = if half > 1e-6 { rotation.increment_rad * (sin / (cos * half)) } else { rotation.increment_rad };
         let last = self.now.fixed_rows::<3>(0).into_owned();
         if self.samples > 0.0 || self.before.is_some() {
             let mean = (last + field_ut) * 0.5;
