@@ -24,6 +24,14 @@ const ANGLE_WALK_RAD: f64 = 3e-4;
 /// Choice: q_w, random walk of its bias as it warms, rad/s^1.5.
 const BIAS_WALK_RAD_S: f64 = 5e-5;
 
+/// Mathematics: smaller numbers are as good as none, and below 1e-307 a processor takes a hundred times as long for each.
+const FADED: f64 = 1e-200;
+
+/// A number that fades, or nothing.
+fn faded(number: f64) -> f64 {
+    if number.abs() < FADED { 0.0 } else { number }
+}
+
 /// Process noise of one step; densities per square root of a second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProcessNoise {
@@ -85,7 +93,7 @@ impl Filter {
     pub(super) fn turn(&mut self, rotation: &Matrix3<f64>, fade: f64) {
         let x = self.parts();
         self.set_part(FIELD, &(rotation * x.field));
-        self.set_part(LOCAL, &(rotation * x.local * fade));
+        self.set_part(LOCAL, &(rotation * x.local * fade).map(faded));
     }
 
     /// What is known follows m and d, which have turned.
@@ -115,9 +123,9 @@ impl Filter {
         let f = Transition { m_by_m, d_by_d, m_by_turn, d_by_turn, added };
         let p = &mut self.covariance;
         let places = || FIELD.range().chain(LOCAL.range());
-        // P F^T: in each row the numbers of m and d
+        // P F^T: in each row the numbers of m and d; what d has in common with others fades, and ends before it costs more than a number
         for k in 0..STATES {
-            let row = f.times(&Parts::of(|i| p[(k, i)]));
+            let row = f.times(&Parts::of(|i| p[(k, i)])).map(faded);
             places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
         }
         // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
