@@ -322,7 +322,7 @@ typedef struct magcomp_reading {
   double heading_sigma_deg;
   // Clockwise from true north, 0 to 360 deg; where the setting `heading.declination_deg` is.
   double true_heading_deg;
-  // Angle of the field below the horizon, -90 to 90 deg.
+  // Angle of the field below the horizon, -90 to 90 deg; where a field is known: a north from outside needs none.
   double inclination_deg;
   // The unit quaternion w, x, y, z that takes device axes to east, north (magnetic) and up; w is at least 0.
   double attitude[4];
