@@ -142,7 +142,8 @@ fn in_a_car_headings_from_outside_are_worth_their_sigma() {
         judged("places.car-mount", "none", None); // for the table alone
     }
     let course = judged("places.car-mount", "course each second", Some(Source { every_s: 1.0, vehicle: true, ..GOOD }));
-    assert!(course.error_deg < 7.0 && course.within > 0.9);
+    // the field of a car that turns with it: the magnetometer is too sure of it
+    assert!(course.error_deg < 6.0 && course.within > 0.85);
 }
 
 #[test]

@@ -23,7 +23,10 @@ fn explained(folder: &Path, input: &Path) -> (Vec<String>, Vec<Vec<String>>) {
 fn a_replay_explains_every_row() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("in.csv");
-    assert_eq!(run(&["simulate", text(&input), "--seconds", "30", "--change", "step", "--at", "20"]).0, 0);
+    assert_eq!(
+        run(&["simulate", text(&input), "--seconds", "30", "--change", "step", "--at", "20", "--seed", "5"]).0,
+        0
+    );
     let (columns, rows) = explained(folder.path(), &input);
     let recording = fs::read_to_string(&input).unwrap();
     assert_eq!(rows.len(), recording.lines().count() - 1);
