@@ -34,6 +34,9 @@ fn settled(seed: u64, method: Method) -> (Phone, Compensator) {
     (phone, compensator)
 }
 
+/// Samples that the filter takes as one at 100 Hz.
+const FRAME: usize = 4;
+
 #[test]
 fn a_start_tries_both_until_the_aided_one_runs() {
     let (mut phone, mut compensator) = (Phone::new(1, truth()), compensator(Method::Auto));
@@ -50,7 +53,7 @@ fn a_start_tries_both_until_the_aided_one_runs() {
         assert!(phone.time_ns < 30_000_000_000, "no calibration in 30 s");
     }
     assert!(pooled > 10, "{pooled}");
-    phone.run(&mut compensator, 1);
+    phone.run(&mut compensator, FRAME);
     let it = compensator.explain();
     assert_eq!((it.estimator, it.phase), (Estimator::Aided, EstimatorPhase::Running));
     assert!(it.innovation.is_some() && it.hypotheses == [None; 4]);
@@ -74,9 +77,9 @@ fn in_a_quiet_stream_innovations_are_of_the_expected_size() {
     }
     // one in 900 of three degrees of freedom lies above the gate: seven, and hardly twenty
     assert!(gated <= 20, "{gated}");
-    // three degrees of freedom; the mean of 6000 scatters by 1 %, the learned noise by some more
-    assert!((squares / 3.0 - 1.0).abs() < 0.1, "{squares}");
-    assert!(axes.iter().all(|square| (square - 1.0).abs() < 0.15), "{axes:?}");
+    // three degrees of freedom; the mean of 1500 frames scatters by 2 %, the learned noise by some more
+    assert!((squares / 3.0 - 1.0).abs() < 0.15, "{squares}");
+    assert!(axes.iter().all(|square| (square - 1.0).abs() < 0.2), "{axes:?}");
 }
 
 #[test]
@@ -130,7 +133,8 @@ fn a_step_of_the_device_is_doubted_compared_and_decided() {
         let after = after.expect("decided within 10 s");
         let first = doubts.first().expect("a step of 27 uT is doubted");
         assert!(first.innovation.expect("a rotation").ratio > 1.0, "{first:?}");
-        for it in &doubts[1..] {
+        // the first frame of the doubt is told until the next one is full
+        for it in &doubts[FRAME..] {
             assert_eq!(it.sample, Some(SampleUse::Compared));
             let [Some(best), Some(other), None, None] = it.hypotheses else { panic!("{it:?}") };
             assert!(best.onset_ns == other.onset_ns && (best.onset_ns - step_ns).abs() <= 50_000_000, "{best:?}");
@@ -139,8 +143,8 @@ fn a_step_of_the_device_is_doubted_compared_and_decided() {
         let last = doubts.last().expect("some");
         let [Some(best), Some(other), ..] = last.hypotheses else { panic!("{last:?}") };
         assert_eq!((best.kind, other.kind), (ChangeKind::Device, ChangeKind::Place));
-        // one sample adds 8 for a misfit at most, and some for how sure the hypotheses are: the next one is beyond 30
-        assert!(best.gated_share < Some(0.5) && (-30.0..-20.0).contains(&other.log_odds), "{other:?}");
+        // a frame counts for its four samples, each of which adds 8 for a misfit at most: the next one is beyond 30
+        assert!(best.gated_share < Some(0.5) && (-30.0..0.0).contains(&other.log_odds), "{other:?}");
         assert!(last.compared_turn_deg > Some(28.0), "{last:?}");
         assert_eq!((after.phase, after.hypotheses), (EstimatorPhase::Running, [None; 4]));
         let event = phone.advance(&mut compensator).event.expect("told");
