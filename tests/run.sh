@@ -46,14 +46,13 @@ host() {
     cargo test --locked "${workspace[@]}"
 }
 
-# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them, the wheel as it ships
+# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
-    PROFILE=release tests/python.sh
 }
 
 bindings() { bindings/generate.sh --check; }
