@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn the_command_of_a_page_names_no_folder() {
         let told =
-            ["/home/me/a.csv", "src/report.rs", "--report=/tmp/x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"];
+            ["/folder/a.csv", "src/report.rs", "--report=/folder/x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"];
         let shown = told.map(without_folders);
         assert_eq!(shown, ["a.csv", "report.rs", "--report=x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"]);
     }
