@@ -103,7 +103,7 @@ def a_real_recording(browser, folder):
     # so are its pictures: their texts and how many lines they have
     drawn = [urllib.parse.unquote(it) for it in re.findall(r'src="data:image/svg\+xml,([^"]*)"', report)]
     names = re.findall(r'<img src="([a-z_]*.svg)"', whole)
-    assert len(drawn) == len(names) == 2
+    assert len(drawn) == len(names) == 3
     for name, picture in zip(names, drawn):
         svg = (folder / "report" / name).read_text()
         shape = lambda it: (re.findall(r"<text.*?</text>", it, re.DOTALL), it.count("<"))

@@ -168,7 +168,7 @@ class AarTest {
         val pages = names("javadoc")
         assertTrue("index.html" in pages)
         // of the library, and of the bindings
-        for (page in listOf("-compass/index.html", "-reading/index.html", "-magcomp-exception/index.html")) {
+        for (page in listOf("-compass/index.html", "-magnetic-reading/index.html", "-magcomp-exception/index.html")) {
             assertTrue(pages.any { it.endsWith("org.magcomp/$page") }, page)
         }
     }
