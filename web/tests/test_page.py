@@ -155,7 +155,7 @@ def wrong_files(browser, folder):
         (picture, "no text file"),
         (text_file, "notes.txt"),
         (cut, "cannot be read"),
-        (parquet, "the command magcomp does"),
+        (parquet, "this build does not read Parquet and Arrow"),
         (damaged, "damaged.zip"),
     ):
         why = replayed(browser, path)
