@@ -27,11 +27,10 @@ const MOST_FOR_DELAY: usize = 1 << 14;
 /// The field's radius without any device is 22 to 67 uT on Earth; iron and magnets near by make it 10 to 150.
 const RADII_UT: (f64, f64) = (10.0, 150.0);
 const EARTH_UT: (f64, f64) = (22.0, 67.0);
-/// Delays that are looked at, and their step, s. Late fields are followed up to a tenth of a second, early ones are not.
+/// Delays that are looked at, and their step, s. A field is followed that is late or early by up to a tenth of a second.
 const DELAY_S: f64 = 0.2;
 const DELAY_STEP_S: f64 = 0.01;
-const EARLY_S: f64 = 0.02;
-const LATE_S: f64 = 0.115;
+const FOLLOWED_S: f64 = 0.115;
 /// Windows by which a delay is told, s: short ones are sharper. Fewer tell nothing.
 const DELAY_WINDOW_S: f64 = 0.3;
 const FEWEST: usize = 16;
@@ -140,7 +139,7 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
         found.field_delay_s = delay_s(&field[..field.len().min(MOST_FOR_DELAY)], &turns);
     }
     let mut add = |kind, weight, text: String| found.findings.push(Finding { kind, weight, text });
-    if let Some(delay_s) = found.field_delay_s.filter(|delay_s| !(-EARLY_S..LATE_S).contains(delay_s)) {
+    if let Some(delay_s) = found.field_delay_s.filter(|delay_s| delay_s.abs() > FOLLOWED_S) {
         let (size_ms, word) = (1000.0 * delay_s.abs(), if delay_s < 0.0 { "early" } else { "late" });
         let text = format!(
             "the field comes {size_ms:.0} ms too {word} for the gyroscope's turns: stamp both with the sensors' own times, or --shift m={:.2}",

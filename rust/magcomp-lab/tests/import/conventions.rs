@@ -83,7 +83,7 @@ fn every_wrong_unit_and_sign_is_found_and_mended() {
 
 #[test]
 fn other_clocks_delays_and_samples_are_told() {
-    let early = rows(&Phone { late_s: -0.05, ..Phone::of("phone-steady", 33) });
+    let early = rows(&Phone { late_s: -0.15, ..Phone::of("phone-steady", 33) });
     let (_, kinds, text) = checked(&early, &[]);
     assert!(kinds == ["field_delay"] && text.contains("ms too early"), "{text}");
     let shift = option(&text, "--shift ");

@@ -261,7 +261,7 @@ impl Trial {
         // a former calibration that fits again needs less
         let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.began.hold_s) };
         let rotation_rad = tuning.decide_rotation_rad * (share + hold_s / tuning.quick_s);
-        let device_holds = self.device_misfit < 0.5 * tuning.suspect_share;
+        let device_holds = self.device_misfit < tuning.suspect_share;
         Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s + hold_s {
             Verdict::Open
         } else if self.log_ratio > tuning.decide_log_ratio && device_holds {

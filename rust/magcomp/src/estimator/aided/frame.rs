@@ -21,7 +21,7 @@ const LARGEST_RAD: f64 = 0.2;
 pub(super) struct Frame {
     samples: f64,
     raw_ut: Vector3<f64>,
-    /// Sum of the times between a frame's beginning and its samples.
+    /// Sum of the times between a frame's beginning and its samples, less what these have waited.
     times_s: f64,
     increment_rad: Vector3<f64>,
     bridged_rad2: f64,
@@ -50,7 +50,7 @@ impl Frame {
         self.length_s += step.dt_s;
         self.samples += 1.0;
         self.raw_ut += step.raw_ut;
-        self.times_s += self.length_s;
+        self.times_s += self.length_s - step.late_s;
         // the sample that comes nearest to the longest is the last
         self.is_blank |= step.is_blank;
         let is_full =

@@ -199,10 +199,14 @@ impl Aided {
         let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
+        let waited;
         let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
-            Some(self.sense(time_ns, &raw_ut, rotation, up, dt_s, is_blank))
+            self.recent.add(&rotation.increment_rad, dt_s, &raw_ut, is_blank);
+            waited = self.recent.waited(self.phase.running().map_or(0.0, |it| -it.filter.delay_s()));
+            Some(self.sense(time_ns, &waited, rotation, up, dt_s))
         } else {
             self.adaptation.forget_previous();
+            self.recent = Recent::default();
             None
         };
         let (status, answer) = match &step {

@@ -1,12 +1,12 @@
 //! What is published after a sample: the corrected sample c, the carried field f, how sure they are, and the status.
 //!
 //! ```text
-//! c = exp(-[max(tau, 0) w]x) W (raw - b),  W = M^-1,   f = m + min(tau, 0) (w x m)
+//! c = exp(-[(tau + age) w]x) W (raw - b),  W = M^-1,   f = m          at the gyroscope's time
 //! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + F^2) I + timing      (+ |v|^2/3 I while undecided)
 //! P_f = rho P_mm + G^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T
 //! ```
-//! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m. Source: docs/dev/METHOD-AIDED.md.
+//! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope. Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -28,10 +28,9 @@ impl Aided {
         let x = filter.parts();
         let Corrected { inverse_iron: w, field_ut: still } = x.corrected(step.raw_ut)?;
         let rate = x.true_rate(step.rate_rad_s);
-        let late_rad = x.true_rate(&step.delayed_rad_s) * x.delay.max(0.0);
+        let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
-        let Gaussian { mean: m, covariance: elsewhere } = self.earth_ut(filter);
-        let f = m + rate.cross(&m) * x.delay.min(0.0);
+        let Gaussian { mean: f, covariance: elsewhere } = self.earth_ut(filter);
         let swing = rate.cross(&f);
         let timing = swing * swing.transpose() * filter.delay_s2();
         let floor = self.adaptation.floor_ut2(&self.tuning);

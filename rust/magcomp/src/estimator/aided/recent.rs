@@ -1,36 +1,67 @@
-//! What the gyroscope read of late: the magnetometer saw the field as it was tau ago, and within tau the rate changes.
+//! What the sensors read of late. The magnetometer saw the field as it was tau ago, and within tau the rate changes. Where tau is below zero, the
+//! gyroscope has yet to tell of the turn that a sample has seen: the sample waits for it.
 
 use nalgebra::Vector3;
 
 /// Choice: steps that are kept: delays of up to 80 ms at 100 Hz.
 const STEPS: usize = 16;
 
-/// The latest steps of the gyroscope, in a ring.
+/// The latest steps of the gyroscope, each with the sample at its end, in a ring.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Recent {
-    steps: [Increment; STEPS],
+    steps: [Entry; STEPS],
     newest: usize,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Increment {
+struct Entry {
     /// Turn that the gyroscope read, rad, in so many seconds.
     rad: Vector3<f64>,
     over_s: f64,
+    raw_ut: Vector3<f64>,
+    is_blank: bool,
+}
+
+/// A sample that has waited.
+#[derive(Clone, Copy)]
+pub(super) struct Waited {
+    pub(super) raw_ut: Vector3<f64>,
+    /// The sensor was at its full scale, or told nothing: `raw_ut` says nothing.
+    pub(super) is_blank: bool,
+    /// For how long.
+    pub(super) age_s: f64,
 }
 
 impl Recent {
-    /// A step.
-    pub(super) fn add(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
+    /// A step, and the sample at its end.
+    pub(super) fn add(&mut self, increment_rad: &Vector3<f64>, dt_s: f64, raw_ut: &Vector3<f64>, is_blank: bool) {
         self.newest = (self.newest + 1) % STEPS;
-        self.steps[self.newest] = Increment { rad: *increment_rad, over_s: dt_s };
+        self.steps[self.newest] = Entry { rad: *increment_rad, over_s: dt_s, raw_ut: *raw_ut, is_blank };
     }
 
-    /// Mean reading over the latest `delay_s`, as far back as it is known, rad/s; `None` where the magnetometer is not late.
+    fn newest_first(&self) -> impl Iterator<Item = &Entry> {
+        (0..STEPS).map(|k| &self.steps[(self.newest + STEPS - k) % STEPS]).take_while(|step| step.over_s > 0.0)
+    }
+
+    /// The sample that comes nearest to one of `wait_s` ago, as far back as they are kept.
+    pub(super) fn waited(&self, wait_s: f64) -> Waited {
+        let Entry { raw_ut, is_blank, .. } = self.steps[self.newest];
+        let mut nearest = Waited { raw_ut, is_blank, age_s: 0.0 };
+        let mut next_s = 0.0;
+        for (step, before) in self.newest_first().zip(self.newest_first().skip(1)) {
+            next_s += step.over_s;
+            if wait_s < next_s - 0.5 * step.over_s {
+                break;
+            }
+            nearest = Waited { raw_ut: before.raw_ut, is_blank: before.is_blank, age_s: next_s };
+        }
+        nearest
+    }
+
+    /// Mean reading over the latest `delay_s`, as far back as it is known, rad/s; `None` where the sample is not late.
     pub(super) fn mean_rad_s(&self, delay_s: f64) -> Option<Vector3<f64>> {
         let (mut turned_rad, mut left_s) = (Vector3::zeros(), delay_s);
-        let newest_first = (0..STEPS).map(|k| &self.steps[(self.newest + STEPS - k) % STEPS]);
-        for step in newest_first.take_while(|step| step.over_s > 0.0) {
+        for step in self.newest_first() {
             if left_s <= 0.0 {
                 break;
             }

@@ -12,6 +12,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
+use super::recent::Waited;
 use super::step::{Known, SAMPLE_S, Step};
 use crate::math::turn::Turn;
 use crate::sensing::pairing::Rotation;
@@ -21,11 +22,10 @@ impl Aided {
     pub(super) fn sense<'a>(
         &mut self,
         time_ns: i64,
-        raw_ut: &'a Vector3<f64>,
+        sample: &'a Waited,
         rotation: &'a Rotation,
         up: Option<Vector3<f64>>,
         dt_s: f64,
-        is_blank: bool,
     ) -> Step<'a> {
         let tuning = &self.tuning;
         let known = match &self.phase {
@@ -37,12 +37,12 @@ impl Aided {
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, dt_s, tuning);
-        if is_blank {
+        let Waited { raw_ut, is_blank, age_s: late_s } = sample;
+        if *is_blank {
             self.adaptation.forget_previous();
         } else {
             self.adaptation.step(raw_ut, &known, &turn, dt_s, tuning);
         }
-        self.recent.add(&rotation.increment_rad, dt_s);
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
         let least_ut2 = tuning.offset_walk_ut.powi(2);
@@ -57,11 +57,11 @@ impl Aided {
         Step {
             time_ns,
             raw_ut,
-            is_blank,
+            is_blank: *is_blank,
             rate_rad_s: &rotation.rate_rad_s,
             delayed_rad_s: self
                 .recent
-                .mean_rad_s(known.x.delay)
+                .mean_rad_s(known.x.delay + late_s)
                 .filter(|_| tuning.recent)
                 .unwrap_or(rotation.rate_rad_s),
             increment_rad: &rotation.increment_rad,
@@ -70,7 +70,7 @@ impl Aided {
             dt_s,
             noise,
             sigma_ut: self.adaptation.sigma_ut(),
-            late_s: 0.0,
+            late_s: *late_s,
             bias_sd_rad_s: known.bias_sd_rad_s,
             resting: self.motion.at_rest(),
             bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),

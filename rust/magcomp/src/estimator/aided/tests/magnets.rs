@@ -168,7 +168,8 @@ fn the_mean_over_the_delay_is_the_integral_of_the_rate() {
     let turned = |to_s: f64| 1.5 * to_s * to_s;
     for k in 0..30 {
         let from_s = f64::from(k) * DT_S;
-        recent.add(&Vector3::new(turned(from_s + DT_S) - turned(from_s), 0.0, 0.0), DT_S);
+        let turn = Vector3::new(turned(from_s + DT_S) - turned(from_s), 0.0, 0.0);
+        recent.add(&turn, DT_S, &Vector3::zeros(), false);
     }
     for delay_s in [0.01, 0.02, 0.05, 0.16] {
         let mean = recent.mean_rad_s(delay_s).expect("late").x;
@@ -182,6 +183,21 @@ fn the_mean_over_the_delay_is_the_integral_of_the_rate() {
     assert!((known - all).abs() < 1e-12);
     for early_s in [0.0, -0.01] {
         assert_eq!(recent.mean_rad_s(early_s), None);
+    }
+}
+
+#[test]
+fn a_sample_waits_for_the_gyroscope() {
+    let mut recent = Recent::default();
+    for k in 0..30 {
+        recent.add(&Vector3::zeros(), DT_S, &Vector3::repeat(f64::from(k)), k == 24);
+    }
+    // no longer than half a sample more than it must, and no longer than samples are kept
+    for (wait_s, sample) in [(-0.01, 29), (0.0, 29), (0.004, 29), (0.006, 28), (0.05, 24), (0.148, 14), (1.0, 14)] {
+        let waited = recent.waited(wait_s);
+        assert_eq!(waited.raw_ut, Vector3::repeat(f64::from(sample)), "{wait_s} s");
+        assert!((waited.age_s - DT_S * f64::from(29 - sample)).abs() < 1e-12, "{wait_s} s: {}", waited.age_s);
+        assert_eq!(waited.is_blank, sample == 24);
     }
 }
 
