@@ -3,22 +3,27 @@
 //! ```text
 //! rate += (1 - exp(-dt / 0.5 s)) (|w - g| - rate),   motion = min((rate / 0.3 rad/s)^2, 1)
 //! up <- R up,   up += (dt / T) (a - up),   a: accelerometer / G, low-passed for a second and turned likewise
-//! s += (dt / T_0) (accelerometer / G - up - s),   L = mean |s - up (up . s)|^2 / 2,   T_0 = 5 s
-//! D^2 = s_g^2 + P_ss |net rate|^2,   T = max(T_0, cbrt(L T_0 / (2 D^2))),   sigma_tilt^2 = L T_0 / T + D^2 T^2
+//! s += (dt / T_0) (accelerometer / G - up - s),   l += (dt / T_0) (s - l),   L = mean |s - l|^2 across up,   T_0 = 5 s
+//! D^2 = s_g^2 + P_ss |net rate|^2,   N^2: variance a second of what the gyroscope did between its events
+//! T = max(T_0, min(cbrt(L T_0 / (2 D^2)), sqrt(L T_0) / N)),   sigma_tilt^2 = L T_0 / T + D^2 T^2 + N^2 T + |l|^2 across up / 2
 //! ```
-//! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T meanwhile.
-//! Source: docs/dev/METHOD-AIDED.md; the rule for large bias and sigma_tilt are new.
+//! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T and N sqrt(T) meanwhile. What lasts longer, l, is
+//! an error of `up` or of the accelerometer: it says nothing of the motion, so it is not in L. Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::cbrt;
 use crate::priors::TILT_RAD;
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
+use super::propagate::ANGLE_WALK_RAD;
 use super::step::{Known, gain};
 use super::tuning::Tuning;
 
 /// Choice: share of gravity below which an accelerometer falls with the device, and shows no vertical.
 const LEAST_PULL: f64 = 0.5;
+
+/// Mathematics: least variance a second of a turn, rad^2/s: that of a gyroscope's own noise, so that none is divided by.
+const LEAST_BRIDGED_RAD2_S: f64 = ANGLE_WALK_RAD * ANGLE_WALK_RAD;
 
 /// Motion statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,7 +45,11 @@ pub(crate) struct Motion {
     felt: Vector3<f64>,
     /// s: what the accelerometer reads beside gravity, low-passed, in g.
     slow: Vector3<f64>,
-    /// Mean square of that across `up`, per axis, g^2.
+    /// l: that, low-passed again.
+    lasting: Vector3<f64>,
+    /// N^2, per axis, rad^2/s.
+    bridged_rad2_s: f64,
+    /// L, g^2.
     leaning: f64,
 }
 
@@ -88,11 +97,14 @@ impl Motion {
         r: &Matrix3<f64>,
         measured: Option<Vector3<f64>>,
         known: &Known,
+        bridged_rad2: f64,
         dt_s: f64,
         tuning: &Tuning,
     ) {
+        self.bridged_rad2_s += gain(dt_s, tuning.settled_s) * (bridged_rad2 / dt_s - self.bridged_rad2_s);
         self.felt = r * self.felt;
         self.slow = r * self.slow;
+        self.lasting = r * self.lasting;
         self.up = self.up.map(|up| r * up);
         let Some(reads) = measured.map(|it| it / GRAVITY_M_S2).filter(|it| it.norm() >= LEAST_PULL) else { return };
         let Some(carried) = self.up else {
@@ -105,14 +117,23 @@ impl Motion {
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
-        let best_s =
-            if tuning.long_up { cbrt(self.leaning * tuning.settled_s / (2.0 * drift_rad2_s2)) } else { time_s };
+        let density = self.leaning * tuning.settled_s;
+        let bridged_rad2_s = self.bridged_rad2_s.max(LEAST_BRIDGED_RAD2_S);
+        let best_s = if tuning.long_up {
+            cbrt(density / (2.0 * drift_rad2_s2)).min((density / bridged_rad2_s).sqrt())
+        } else {
+            time_s
+        };
         let up_time_s = best_s.max(time_s).min(self.up_age_s);
         let up = carried + (self.felt - carried) * share(up_time_s);
         self.slow += (reads - up - self.slow) * share(time_s);
-        let across = (self.slow.norm_squared() - self.slow.dot(&up).powi(2)).max(0.0);
-        self.leaning += share(time_s) * (0.5 * across - self.leaning);
-        self.tilt_rad2 = self.leaning * tuning.settled_s / up_time_s + drift_rad2_s2 * up_time_s.powi(2);
+        self.lasting += (self.slow - self.lasting) * share(time_s);
+        let across = |v: &Vector3<f64>| (v.norm_squared() - v.dot(&up).powi(2)).max(0.0);
+        self.leaning += share(time_s) * (across(&(self.slow - self.lasting)) - self.leaning);
+        self.tilt_rad2 = density / up_time_s
+            + bridged_rad2_s * up_time_s
+            + drift_rad2_s2 * up_time_s.powi(2)
+            + 0.5 * across(&self.lasting);
         self.up = up.try_normalize(1e-6);
     }
 

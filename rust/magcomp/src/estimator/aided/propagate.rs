@@ -20,7 +20,7 @@ use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES};
 use crate::math::turn::Turn;
 
 /// Data sheet: q_g, angle random walk of a gyroscope, rad/s^0.5: 1e-4 to 3e-4.
-const ANGLE_WALK_RAD: f64 = 3e-4;
+pub(super) const ANGLE_WALK_RAD: f64 = 3e-4;
 /// Choice: q_w, random walk of its bias as it warms, rad/s^1.5.
 const BIAS_WALK_RAD_S: f64 = 5e-5;
 

@@ -36,7 +36,7 @@ impl Aided {
         let turn = Turn::by(&-turned_rad).rotation;
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
-        self.motion.carry_up(&turn, up, &known, dt_s, tuning);
+        self.motion.carry_up(&turn, up, &known, rotation.variance_rad2, dt_s, tuning);
         let Waited { raw_ut, is_blank, age_s: late_s } = sample;
         if *is_blank {
             self.adaptation.forget_previous();
