@@ -19,7 +19,7 @@ use crate::config::{Config, Method, validate_heading};
 use crate::coverage::{Coverage, Guidance};
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::Estimator;
-use crate::estimator::answer::Answer;
+use crate::estimator::answer::{Answer, Counted};
 use crate::explanation::Explanation;
 use crate::heading::HeadingConfig;
 use crate::north::North;
@@ -219,8 +219,8 @@ impl Compensator {
         if let (Status::Tracking, Some(up_m_s2), Some(previous_ns)) = (status, up_m_s2, previous_ns) {
             self.see_dip(&answer, &up_m_s2, (sample.time_ns - previous_ns) as f64 * 1e-9);
         }
-        let answer = self.north.step(sample.time_ns, answer, self.config.heading.declination_deg);
-        let reading = self.assemble(sample.time_ns, status, answer);
+        self.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
+        let reading = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
             let since_s = previous_ns.map_or(0.0, |previous_ns| (sample.time_ns - previous_ns) as f64 * 1e-9);
             self.belief.see_dip(heading, since_s);
@@ -300,7 +300,8 @@ impl Compensator {
 
     /// What an answer tells the other parts.
     fn note(&mut self, sample: &MagneticSample, answer: &Answer) {
-        self.guidance.see(&sample.field_ut, answer.counted.through.as_ref(), answer.counted.samples);
+        let Counted { through, samples } = self.estimator.counted();
+        self.guidance.see(&sample.field_ut, through, samples);
         self.note_gyroscope();
         self.mode = answer.mode;
         self.event = answer.event.or(self.event);
@@ -330,16 +331,16 @@ impl Compensator {
         if self.hand_over(time_ns, previous_ns) {
             paired.rotation = None;
         }
-        let answer = self.estimator.carry(time_ns, &paired);
+        let mut answer = self.estimator.carry(time_ns, &paired);
         self.note_gyroscope();
-        let answer = Answer { window: self.estimator.window(), ..answer };
-        let answer = self.north.step(time_ns, answer, self.config.heading.declination_deg);
-        self.assemble(time_ns, Status::Rejected(reason), answer)
+        answer.window = self.estimator.window();
+        self.north.step(time_ns, &mut answer, self.config.heading.declination_deg);
+        self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
     fn rejected(&self, time_ns: i64, reason: RejectReason) -> Reading {
         let answer = Answer { mode: self.mode, window: self.estimator.window(), ..Answer::default() };
-        self.assemble(time_ns, Status::Rejected(reason), answer)
+        self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
     /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told by [`Self::push_gap`].

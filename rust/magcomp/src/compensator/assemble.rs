@@ -62,14 +62,14 @@ impl Compensator {
     }
 
     /// The reading of a sample.
-    pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: Answer) -> Reading {
+    pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: &Answer) -> Reading {
         // without a gyroscope nobody else carries the vertical
         let (up, motion_rad2) = match answer.tilt_rad2 {
             Some(tilt_rad2) => (answer.up, tilt_rad2),
             None => (answer.up.and_then(|_| self.tilt.up()), self.tilt.variance_rad2()),
         };
         let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
-        let by_field = Pointing::of(&answer, up, tilt_sigma_deg);
+        let by_field = Pointing::of(answer, up, tilt_sigma_deg);
         let by_north = answer.north.map(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
         let heading = |it: &Pointing| it.heading(&self.heading_config());
         let own = by_field.as_ref().and_then(heading);

@@ -96,7 +96,7 @@ impl Compensator {
     fn begin_from(&mut self, given: Option<Given>) {
         self.estimator.begin_from(given);
         let counted = self.estimator.counted();
-        self.guidance.look_through(counted.through.as_ref(), counted.samples);
+        self.guidance.look_through(counted.through, counted.samples);
     }
 
     /// All begins anew, but for the calibration in force.

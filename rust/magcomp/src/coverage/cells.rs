@@ -85,8 +85,7 @@ impl Coverage {
     }
 
     fn is_seen(&self, cell: usize) -> bool {
-        let number = self.last_seen[cell];
-        number > 0 && self.latest - number < self.window
+        self.last_seen[cell] > self.latest.saturating_sub(self.window)
     }
 
     /// Share of the cells with at least one sample, 0 to 1.

@@ -26,7 +26,6 @@ pub(crate) struct Answer {
     pub event: Option<Event>,
     /// Samples that the estimator looks at.
     pub window: usize,
-    pub counted: Counted,
     /// How the gyroscope has turned the device since the sample before; `None` where that is not known.
     pub carry: Option<Carry>,
     /// North as headings from outside have it, where the field tells nothing of it.
@@ -60,9 +59,9 @@ pub(crate) struct KnownNorth {
 
 /// What the directions that were seen are counted over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Counted {
+pub(crate) struct Counted<'a> {
     /// They are seen through this, once there is one.
-    pub through: Option<Calibration>,
+    pub through: Option<&'a Calibration>,
     /// Over so many of the latest samples.
     pub samples: usize,
 }

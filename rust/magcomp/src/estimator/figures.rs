@@ -49,12 +49,12 @@ impl Figures {
     }
 
     /// What directions are counted over.
-    pub fn counted(&self) -> Counted {
-        Counted { through: self.calibration, samples: self.samples.min(self.config.n_max) }
+    pub fn counted(&self) -> Counted<'_> {
+        Counted { through: self.calibration.as_ref(), samples: self.samples.min(self.config.n_max) }
     }
 
     /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
-    pub fn finish(&mut self, answer: Answer, raw_ut: &Vector3<f64>, in_force: impl FnOnce() -> InForce) -> Answer {
+    pub fn finish(&mut self, answer: &mut Answer, raw_ut: &Vector3<f64>, in_force: impl FnOnce() -> InForce) {
         let is_due = self.samples.is_multiple_of(ANEW_SAMPLES);
         self.samples = self.samples.saturating_add(1);
         if self.latest.len() == self.config.n_min {
@@ -70,7 +70,6 @@ impl Figures {
             self.direction_sigma_deg =
                 known.map(|(calibration, covariance)| direction_sigma_deg(&calibration, &covariance).min(180.0));
         }
-        let (sigma_t, direction_sigma_deg) = (self.sigma_t, self.direction_sigma_deg);
-        Answer { sigma_t, direction_sigma_deg, counted: self.counted(), ..answer }
+        (answer.sigma_t, answer.direction_sigma_deg) = (self.sigma_t, self.direction_sigma_deg);
     }
 }

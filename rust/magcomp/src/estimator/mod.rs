@@ -145,7 +145,7 @@ impl Estimator {
     }
 
     /// What directions are counted over.
-    pub fn counted(&self) -> Counted {
+    pub fn counted(&self) -> Counted<'_> {
         match self {
             Self::Ours(ours) => ours.counted(),
             Self::Windowed(windowed) => windowed.counted(),

@@ -114,17 +114,17 @@ impl Ours {
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
         let adaptive = &mut self.adaptive;
-        let (status, answer) = match &mut self.gyroscope {
+        let (status, mut answer) = match &mut self.gyroscope {
             Gyroscope::InUse(aided) => aided.push(time_ns, raw_ut, paired),
             Gyroscope::Missing => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
             Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
-                let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
+                let mut other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
                 if knows_more(aided, adaptive, self.is_contradicted) {
                     told
                 } else {
-                    let carry = told.1.carry.filter(|_| !self.is_contradicted);
-                    (other.0, Answer { carry, ..other.1 })
+                    other.1.carry = told.1.carry.filter(|_| !self.is_contradicted);
+                    other
                 }
             }
         };
@@ -135,11 +135,12 @@ impl Ours {
             self.gyroscope = Gyroscope::InUse(aided.clone());
         }
         let speaker = self.gyroscope.speaker(&self.adaptive, self.is_contradicted);
-        let answer = self.figures.finish(answer, &raw_ut, || match speaker {
+        self.figures.finish(&mut answer, &raw_ut, || match speaker {
             Speaker::Aided(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
             Speaker::Adaptive(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
         });
-        (status, Answer { window: self.window(), ..answer })
+        answer.window = self.window();
+        (status, answer)
     }
 
     pub fn carries(&self) -> bool {
@@ -163,7 +164,7 @@ impl Ours {
         if matches!(self.gyroscope, Gyroscope::Missing) { self.adaptive.window() } else { self.counted().samples }
     }
 
-    pub fn counted(&self) -> Counted {
+    pub fn counted(&self) -> Counted<'_> {
         self.figures.counted()
     }
 

@@ -13,7 +13,12 @@ mod tests;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-pub(crate) use libm::{atan2, cbrt, cos, exp, hypot, log as ln, sin, sincos as sin_cos};
+pub(crate) use libm::{atan2, cbrt, cos, exp, log as ln, sin, sincos as sin_cos};
+
+/// The length of (a, b), whose squares are neither too large nor too small for a number.
+pub(crate) fn hypot(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
 
 /// The rotation by the angle |v|, in radians, about v.
 pub(crate) fn quaternion(v: &Vector3<f64>) -> UnitQuaternion<f64> {

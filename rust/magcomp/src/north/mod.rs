@@ -103,27 +103,30 @@ impl North {
     }
 
     /// One sample: what the estimator answered, with the headings from outside.
-    pub fn step(&mut self, time_ns: i64, answer: Answer, declination_deg: Option<f64>) -> Answer {
+    pub fn step(&mut self, time_ns: i64, answer: &mut Answer, declination_deg: Option<f64>) {
         let Some(carry) = answer.carry else {
             (self.carried, self.rival, self.history) = (None, None, History::default());
-            return answer;
+            return;
         };
         self.history.turn(time_ns, &carry.turn);
-        let own = Own::of(&answer, carry.tilt_rad2).or_else(|| Own::unknown(carry.up?));
+        if self.carried.is_none() && self.rival.is_none() && self.waiting.is_empty() {
+            return; // nobody speaks
+        }
+        let own = Own::of(answer, carry.tilt_rad2).or_else(|| Own::unknown(carry.up?));
         for it in [&mut self.carried, &mut self.rival].into_iter().flatten() {
             it.step(&carry, own.as_ref().map(|own| &own.level.up));
         }
-        let Some(own) = own else { return answer };
+        let Some(own) = own else { return };
         while self.waiting.first().is_some_and(|heading| heading.time_ns <= time_ns) {
             let heading = self.waiting.remove(0);
             self.hear(&heading, &own, declination_deg);
         }
-        let Some(carried) = &mut self.carried else { return answer };
+        let Some(carried) = &mut self.carried else { return };
         if carried.is_no_better_than(&own) {
             carried.begin_at(&own);
-            return answer;
+        } else {
+            lead(answer, &own, carried, &carry);
         }
-        led(answer, &own, carried, &carry)
     }
 
     /// What the latest headings are worth, unless it is long ago.
@@ -264,13 +267,13 @@ impl Told {
 }
 
 /// The answer with its field turned about the vertical to where `north` is; without a field, with that alone.
-fn led(answer: Answer, own: &Own, north: &Carried, carry: &Carry) -> Answer {
+fn lead(answer: &mut Answer, own: &Own, north: &Carried, carry: &Carry) {
     let (towards, variance_rad2) = north.published(own);
     let Level { north: direction, up, .. } = towards;
     let known = KnownNorth { north: direction, variance_rad2, up, tilt_rad2: carry.tilt_rad2 };
-    let answer = Answer { north: Some(known), ..answer };
+    answer.north = Some(known);
     let (Some(field_ut), Some(covariance)) = (answer.filtered_field_ut, answer.filtered_covariance_ut2) else {
-        return answer;
+        return;
     };
     let (own, up) = (&own.level, own.level.up);
     let horizontal_ut = field_ut.cross(&up).norm();
@@ -280,5 +283,5 @@ fn led(answer: Answer, own: &Own, north: &Carried, carry: &Carry) -> Answer {
     let rest = Matrix3::identity() - towards.east * towards.east.transpose();
     let covariance = rest * turned * covariance * turned.transpose() * rest
         + towards.east * towards.east.transpose() * (variance_rad2 * horizontal_ut * horizontal_ut);
-    Answer { filtered_field_ut: Some(field_ut), filtered_covariance_ut2: Some(covariance), ..answer }
+    (answer.filtered_field_ut, answer.filtered_covariance_ut2) = (Some(field_ut), Some(covariance));
 }

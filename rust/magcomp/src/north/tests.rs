@@ -64,6 +64,13 @@ impl Device {
     }
 }
 
+impl North {
+    fn stepped(&mut self, time_ns: i64, mut answer: Answer, declination_deg: Option<f64>) -> Answer {
+        self.step(time_ns, &mut answer, declination_deg);
+        answer
+    }
+}
+
 /// A turn of a gyroscope whose bias is known to so much.
 fn carry(turn: Matrix3<f64>, bias_rad_s: f64, span_s: f64, up: Vector3<f64>) -> Carry {
     let (bias_rad2_s2, up) = (bias_rad_s * bias_rad_s, Some(up));
@@ -85,7 +92,7 @@ fn play(
         {
             north.push(heading, Some(device.time_ns)).unwrap();
         }
-        error_deg = device.error_deg(&north.step(device.time_ns, answer, None));
+        error_deg = device.error_deg(&north.stepped(device.time_ns, answer, None));
     }
     error_deg
 }
@@ -104,7 +111,7 @@ fn independent_headings_are_averaged_with_the_magnetometers() {
     assert!((error_deg - 6.0).abs() < 0.4, "{error_deg}");
     assert!((carried.variance_rad2().sqrt().to_degrees() - 10.0 / 2.0_f64.sqrt()).abs() < 0.2);
     // what is published leans to the better one, and is no surer than it
-    let answer = north.step(device.time_ns + 1, device.answer(), None);
+    let answer = north.stepped(device.time_ns + 1, device.answer(), None);
     let error_deg = device.error_deg(&answer);
     assert!((error_deg - 8.0).abs() < 0.4, "a third of the way back from 6 to 12: {error_deg}");
     let sigma_deg = Own::of(&answer, 0.0).unwrap().variance_rad2.sqrt().to_degrees();
@@ -210,13 +217,13 @@ fn without_headings_nothing_changes_and_north_ends_with_the_chain() {
     let (mut north, mut device) = (North::default(), Device::new(30.0, 5.0));
     for _ in 0..100 {
         let (answer, same) = (device.answer(), device.filtered());
-        let out = north.step(device.time_ns, answer, None);
+        let out = north.stepped(device.time_ns, answer, None);
         assert_eq!((out.filtered_field_ut, north.aid(device.time_ns)), (Some(same), None));
     }
     play(&mut north, &mut device, 2, |device| Some(device.told(30.0, 1.0)));
     assert!(north.carried.is_some());
     let broken = Answer { carry: None, ..device.answer() };
-    north.step(device.time_ns, broken, None);
+    north.stepped(device.time_ns, broken, None);
     assert!(north.carried.is_none() && north.rival.is_none());
 }
 

@@ -5,7 +5,7 @@
 //! ```
 //! A turn of 0.2 rad shortens the mean by 0.08 uT. Between two frames the field is carried (`learn`). Source: docs/dev/METHOD-AIDED.md.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::propagate::ProcessNoise;
 use super::step::Step;
@@ -13,8 +13,8 @@ use crate::math::elementary::{quaternion, rotation_vector};
 
 /// Data sheet: the interval of a phone's magnetometer at its slowest, s.
 const LONGEST_S: f64 = 0.04;
-/// Mathematics: turn of a frame, rad, whose sinc is off by 0.2 %.
-const LARGEST_RAD: f64 = 0.2;
+/// Mathematics: the sine of half a frame's turn, 0.2 rad, whose sinc is off by 0.2 %.
+const LARGEST_HALF: f64 = 0.1;
 
 /// The samples so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,7 +23,7 @@ pub(super) struct Frame {
     raw_ut: Vector3<f64>,
     /// Sum of the times between a frame's beginning and its samples, less what these have waited.
     times_s: f64,
-    increment_rad: Vector3<f64>,
+    turn: UnitQuaternion<f64>,
     bridged_rad2: f64,
     length_s: f64,
     is_blank: bool,
@@ -42,10 +42,13 @@ pub(super) struct Whole {
 }
 
 impl Frame {
+    pub(super) fn is_empty(&self) -> bool {
+        self.samples == 0.0
+    }
+
     /// One more sample; the frame where it is full, or the sample waits for none.
     pub(super) fn add(&mut self, step: &Step<'_>, is_alone: bool) -> Option<Whole> {
-        let both = quaternion(&self.increment_rad) * quaternion(step.increment_rad);
-        self.increment_rad = rotation_vector(&both);
+        self.turn *= quaternion(step.increment_rad);
         self.bridged_rad2 += step.noise.bridged_rad2;
         self.length_s += step.dt_s;
         self.samples += 1.0;
@@ -53,11 +56,10 @@ impl Frame {
         self.times_s += self.length_s - step.late_s;
         // the sample that comes nearest to the longest is the last
         self.is_blank |= step.is_blank;
-        let is_full =
-            is_alone || self.length_s + 0.5 * step.dt_s > LONGEST_S || self.increment_rad.norm() > LARGEST_RAD;
+        let is_full = is_alone || self.length_s + 0.5 * step.dt_s > LONGEST_S || self.turn.imag().norm() > LARGEST_HALF;
         is_full.then(|| {
-            let Self { samples, raw_ut, times_s, increment_rad, bridged_rad2, length_s, is_blank } =
-                std::mem::take(self);
+            let Self { samples, raw_ut, times_s, turn, bridged_rad2, length_s, is_blank } = std::mem::take(self);
+            let increment_rad = rotation_vector(&turn);
             Whole {
                 raw_ut: raw_ut / samples,
                 increment_rad,

@@ -71,6 +71,8 @@ pub(crate) struct Aided {
     quarantine: Quarantine,
     recent: Recent,
     frame: Frame,
+    /// Of what was published after the latest frame, c and f, uT^2.
+    covariances: Option<[Matrix3<f64>; 2]>,
     motion: Motion,
     former: Option<Former>,
     event: Option<Event>,
@@ -93,6 +95,7 @@ impl Aided {
             quarantine: Quarantine::default(),
             recent: Recent::default(),
             frame: Frame::default(),
+            covariances: None,
             motion: Motion::new(),
             former: None,
             event: None,
@@ -179,13 +182,14 @@ impl Aided {
     pub fn carry(&mut self, time_ns: i64, inertial: &PairedInertial) -> Answer {
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
-        let (_, answer) = self.step(time_ns, expected_ut, inertial, true);
-        let Answer { up, mode, event, carry, filtered_field_ut: carried_ut, .. } = answer;
-        if carried_ut.is_none() {
+        let (_, mut answer) = self.step(time_ns, expected_ut, inertial, true);
+        if answer.filtered_field_ut.is_none() {
+            let Answer { up, mode, event, carry, .. } = answer;
             return Answer { up, mode, event, carry, ..Answer::default() };
         }
         // there is no sample that could be corrected
-        Answer { field_ut: None, field_covariance_ut2: None, ..answer }
+        (answer.field_ut, answer.field_covariance_ut2) = (None, None);
+        answer
     }
 
     /// A sample, or only its time where it is blank.
@@ -209,7 +213,7 @@ impl Aided {
             self.recent = Recent::default();
             None
         };
-        let (status, answer) = match &step {
+        let (status, mut answer) = match &step {
             Some(step) => {
                 self.chain_s += step.dt_s;
                 self.with_rotation(step)
@@ -221,13 +225,13 @@ impl Aided {
                 self.without_rotation(&raw_ut, up, dt_s)
             }
         };
-        let mode = match (step.is_some(), up.is_some()) {
+        answer.mode = match (step.is_some(), up.is_some()) {
             (true, true) => SensorMode::GyroscopeAndGravity,
             (true, false) => SensorMode::GyroscopeOnly,
             (false, true) => SensorMode::GravityOnly,
             (false, false) => SensorMode::MagnetometerOnly,
         };
-        let carry = step.as_ref().map(|step| {
+        answer.carry = step.as_ref().map(|step| {
             let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
                 // where m follows the place beyond what the filter believes, g is drawn along by as much
                 let published_ut2 =
@@ -244,6 +248,7 @@ impl Aided {
                 noise_rad2: step.noise.turn_rad2(step.dt_s),
             }
         });
-        (status, Answer { up: self.motion.up, mode, event: self.event, carry, ..answer })
+        (answer.up, answer.event) = (self.motion.up, self.event);
+        (status, answer)
     }
 }

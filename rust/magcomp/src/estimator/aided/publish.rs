@@ -23,15 +23,37 @@ use crate::reading::{HoldReason, Missing, Status};
 use crate::strength::EARTH_UT;
 
 impl Aided {
-    /// What is published after a sample with a rotation; `None` where c or f has no value.
-    pub(super) fn published(&self, step: &Step<'_>, filter: &Filter) -> Option<Answer> {
+    /// What is published after a sample with a rotation; `None` where c or f has no value. Their covariances are those of the latest frame.
+    pub(super) fn published(&mut self, step: &Step<'_>) -> Option<Answer> {
+        let filter = self.phase.known()?;
         let x = filter.parts();
         let Corrected { inverse_iron: w, field_ut: still } = x.corrected(step.raw_ut)?;
-        let rate = x.true_rate(step.rate_rad_s);
         let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
         let Gaussian { mean: f, covariance: elsewhere } = self.earth_ut(filter);
-        let swing = rate.cross(&f);
+        let covariances = match self.covariances.filter(|_| !self.frame.is_empty()) {
+            Some(of_the_frame) => of_the_frame,
+            None => self.covariances_ut2(step, filter, &w, &f, &elsewhere),
+        };
+        self.covariances = Some(covariances);
+        let [p_c, p_f] = covariances;
+        let filter = self.phase.known()?;
+        let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { mean: f, covariance: p_f });
+        let mut answer = self.answer(filter, c, Some(f))?;
+        answer.tilt_rad2 = Some(self.motion.tilt_rad2);
+        Some(answer)
+    }
+
+    /// P_c and P_f, uT^2.
+    fn covariances_ut2(
+        &self,
+        step: &Step<'_>,
+        filter: &Filter,
+        w: &Matrix3<f64>,
+        f: &Vector3<f64>,
+        elsewhere: &Matrix3<f64>,
+    ) -> [Matrix3<f64>; 2] {
+        let swing = filter.parts().true_rate(step.rate_rad_s).cross(f);
         let timing = swing * swing.transpose() * filter.delay_s2();
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
@@ -43,16 +65,13 @@ impl Aided {
             unseen += running.watch.misfit_ut().powi(2) / 3.0;
         }
         let p_c =
-            calibration_covariance(&filter.own(CALIBRATION), &w, &f) + noise + Matrix3::identity() * unseen + timing;
+            calibration_covariance(&filter.own(CALIBRATION), w, f) + noise + Matrix3::identity() * unseen + timing;
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
         // f is a long average: what the place does beyond the model widens P_mm by as much as its density is larger
         let known = filter.own(FIELD) * self.adaptation.factor(step, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.followed_ut2(&self.tuning);
-        let p_f = known + elsewhere + followed + frames + timing;
-        let answer =
-            self.answer(filter, Gaussian { mean: c, covariance: p_c }, Some(Gaussian { mean: f, covariance: p_f }))?;
-        Some(Answer { tilt_rad2: Some(self.motion.tilt_rad2), ..answer })
+        [p_c, known + elsewhere + followed + frames + timing]
     }
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.

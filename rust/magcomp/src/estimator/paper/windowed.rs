@@ -79,8 +79,8 @@ impl Windowed {
     }
 
     /// The window.
-    pub fn counted(&self) -> Counted {
-        Counted { through: self.state.calibration, samples: self.window.length() }
+    pub fn counted(&self) -> Counted<'_> {
+        Counted { through: self.state.calibration.as_ref(), samples: self.window.length() }
     }
 
     /// One sample, and what gravity says with it, m/s^2.
@@ -190,7 +190,6 @@ impl Windowed {
             field_covariance_ut2,
             direction_sigma_deg: fit.map(|fit| fit.direction_sigma_deg),
             window: self.window.length(),
-            counted: self.counted(),
             ..Answer::default()
         }
     }

@@ -38,7 +38,7 @@ fn a_heading_is_judged_by_all_that_is_not_known_of_it_and_told_of_for_two_minute
     let time_ns = device.time_ns;
     let heading = HeadingSample { reference: NorthReference::True, ..device.told(2.0, 5.0) };
     north.push(heading, Some(time_ns)).unwrap();
-    north.step(time_ns, answer, None);
+    north.stepped(time_ns, answer, None);
     let told_deg2 = own_deg2 + 25.0;
     let declination_deg2 = 225.0 * told_deg2 / (225.0 + told_deg2);
     let explained = north.explain(time_ns).unwrap();
@@ -61,7 +61,7 @@ fn a_declination_that_is_set_is_taken_off_true_headings() {
     let heading = HeadingSample { reference: NorthReference::True, ..device.told(0.0, 0.01) };
     let time_ns = device.time_ns;
     north.push(heading, Some(time_ns)).unwrap();
-    let error_deg = device.error_deg(&north.step(time_ns, answer, Some(7.0)));
+    let error_deg = device.error_deg(&north.stepped(time_ns, answer, Some(7.0)));
     // magnetic north is 7 degrees clockwise of true north
     assert!((error_deg - 7.0).abs() < 0.01, "{error_deg}");
 }
@@ -77,16 +77,16 @@ fn no_more_than_two_minutes_speak_for_north() {
 #[test]
 fn a_field_that_is_led_takes_its_covariance_along() {
     let covariance = Matrix3::new(1.0, 0.2, 0.3, 0.2, 2.0, 0.4, 0.3, 0.4, 3.0);
-    let answer = Answer {
+    let mut led = Answer {
         filtered_field_ut: Some(Vector3::new(0.0, 20.0, -40.0)),
         filtered_covariance_ut2: Some(covariance),
         up: Some(Vector3::z()),
         ..Answer::default()
     };
-    let own = Own::of(&answer, 0.0).unwrap();
+    let own = Own::of(&led, 0.0).unwrap();
     let east = Own { level: Level::of(&Vector3::x(), &Vector3::z()).unwrap(), variance_rad2: 1e-4 };
     let still = carry(Matrix3::identity(), 0.0, 0.01, Vector3::z());
-    let led = led(answer, &own, &Carried::of(&east), &still);
+    lead(&mut led, &own, &Carried::of(&east), &still);
     assert!((led.filtered_field_ut.unwrap() - Vector3::new(20.0, 0.0, -40.0)).norm() < 1e-12);
     let expected = Matrix3::new(2.0, 0.0, 0.4, 0.0, 1e-4 * 400.0, 0.0, 0.4, 0.0, 3.0);
     assert!((led.filtered_covariance_ut2.unwrap() - expected).amax() < 1e-12, "{:?}", led.filtered_covariance_ut2);

@@ -64,15 +64,15 @@ fn an_up_that_is_wrong_is_no_motion() {
     // a hand shakes the device; then the gyroscope has tilted `up` by 20 deg, and it rests
     let tuning = Tuning::default();
     let mut motion = Motion::new();
-    let mut see = |motion: &mut Motion, felt, bridged_rad2| {
-        motion.carry_up(&Matrix3::identity(), Some(felt), &known(), bridged_rad2, 0.01, &tuning);
+    let see = |motion: &mut Motion, felt| {
+        motion.carry_up(&Matrix3::identity(), Some(felt), &known(), 0.0, 0.01, &tuning);
     };
     for k in 0..6_000 {
-        see(&mut motion, Vector3::new(0.5 * (f64::from(k) * 0.1).sin(), 0.0, 9.80665), 0.0);
+        see(&mut motion, Vector3::new(0.5 * (f64::from(k) * 0.1).sin(), 0.0, 9.80665));
     }
     let gravity = Turn::by(&Vector3::x_axis().scale(20_f64.to_radians())).rotation * Vector3::z() * 9.80665;
     for _ in 0..3_000 {
-        see(&mut motion, gravity, 0.0);
+        see(&mut motion, gravity);
     }
     // 30 s at rest; where it counted as motion, 7 deg were left
     let off_deg = motion.up.unwrap().angle(&gravity).to_degrees();

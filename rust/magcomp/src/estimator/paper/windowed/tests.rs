@@ -63,8 +63,8 @@ fn it_collects_n_min_samples_and_answers_with_the_next_window_of_16() {
         assert!((answer.sigma_t.unwrap() - expected).abs() < 1e-6);
         assert_eq!(status, Status::Tracking);
         let length = window_length(expected, 20, 60).min(k as usize + 1);
-        assert_eq!((answer.window, answer.counted.samples), (length, length), "{k}");
-        assert!((answer.counted.through.unwrap().hard_iron_ut() - iron()).norm() < 1e-5);
+        assert_eq!((answer.window, windowed.counted().samples), (length, length), "{k}");
+        assert!((windowed.counted().through.unwrap().hard_iron_ut() - iron()).norm() < 1e-5);
     }
     let explained = windowed.explain();
     assert_eq!((explained.sample, explained.phase), (Some(SampleUse::Pooled), EstimatorPhase::Running));
