@@ -37,6 +37,7 @@ import() {
     local features=(--features magcomp-lab/formats)
     cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files -- -D warnings
     cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files
+    cargo test --locked "${workspace[@]}" "${features[@]}" --lib import::
 }
 
 # the Rust tests alone, on any system

@@ -1,7 +1,7 @@
 //! Damaged files end in an error of one line, and ask for no memory that they do not need.
 
 use crate::{TABLE, field, folder, refused, run_in, session};
-use magcomp_lab::import::{ImportOptions, import};
+use magcomp_recordings::import::{ImportOptions, import};
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -54,10 +54,7 @@ pub(crate) fn damage(files: &[(&str, Vec<u8>)]) {
         };
         let take = |bytes: &[u8]| {
             fs::write(&path, bytes).unwrap();
-            let mut out = Vec::new();
-            let made = import(std::slice::from_ref(&path), &options, |write| {
-                write(&mut out).map_err(|_| unreachable!("a Vec can be written"))
-            });
+            let made = import(std::slice::from_ref(&path), &options);
             made.map(|_| ()).map_err(|why| why.to_string())
         };
         assert_eq!(take(whole), Ok(()), "{name}");
