@@ -36,9 +36,10 @@ pub(super) fn windows(vector: &[Event], turns: &Turns, span_s: f64, average_s: f
             points.push((time_s, pauses, *value, angle));
         }
     }
-    let mut steps: Vec<f64> = points.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(step_s) = steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0) else { return Vec::new() };
+    let step_s = median(points.windows(2).map(|pair| pair[1].0 - pair[0].0).collect());
+    if step_s <= 0.0 {
+        return Vec::new();
+    }
     let mut sum = Matrix3::zeros();
     let mut sums = vec![sum];
     for pair in points.windows(2) {
@@ -77,9 +78,7 @@ pub(super) struct Turns {
 impl Turns {
     /// Of a gyroscope's events.
     pub fn of(rates: &[Event]) -> Self {
-        let mut steps: Vec<f64> = rates.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-        steps.sort_by(f64::total_cmp);
-        let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        let usual_s = median(rates.windows(2).map(|pair| pair[1].0 - pair[0].0).collect());
         let (mut angle, mut pauses, mut points) = (Vector3::zeros(), 0, Vec::with_capacity(rates.len()));
         for (k, (time_s, rate)) in rates.iter().enumerate() {
             if let Some((before_s, before)) = k.checked_sub(1).map(|before| rates[before]) {
@@ -166,6 +165,6 @@ pub(super) fn unexplained(windows: &[Window]) -> f64 {
 
 /// The middle one; 0 of none.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
