@@ -68,8 +68,8 @@ struct Run {
 impl Run {
     fn answer(&self, job: Job) -> Result<Answered, String> {
         let input = job.input?;
-        let stamp = self.stamp(&input)?;
         let kept = self.results.as_deref().map(|folder| folder.join(file_name(&job.name)));
+        let stamp = if kept.is_some() { self.stamp(&input)? } else { 0 };
         if let Some(found) = kept.as_deref().and_then(|path| read(path, stamp)) {
             return Ok(found);
         }
@@ -198,7 +198,7 @@ fn read(path: &Path, stamp: u64) -> Option<Answered> {
 fn write(path: &Path, batch: &RecordBatch, told: &Told) -> Result<(), Box<dyn std::error::Error>> {
     let beside = path.with_extension("part");
     let told = serde_json::to_string(told)?;
-    let schema = schema().with_metadata([(TOLD.to_owned(), told)].into());
+    let schema = schema().with_metadata([(TOLD.to_owned(), told)]);
     let mut writer = FileWriter::try_new_buffered(File::create(&beside)?, &schema)?;
     writer.write(batch)?;
     writer.finish()?;

@@ -127,7 +127,7 @@ def test_ctrl_c_ends_it(tmp_path):
     """While recordings are answered that would take minutes."""
     program = f"""
 import magcomp, numpy as np
-field = np.random.default_rng(1).normal(size=(3_000_000, 3)) * 20 + 30
+field = np.random.default_rng(1).normal(size=(1_000_000, 3)) * 20 + 30
 table = {{"time_ns": np.arange(len(field)) * 10_000_000, "field_ut": field, "rotation_rate": None, "up": None}}
 print("begun", flush=True)
 try:
@@ -181,8 +181,9 @@ def engine_rows(found, expected):
     same(found.astype({"time_ns": np.int64}), expected)
 
 
-def test_spark_gives_the_same_rows(expected):
+def test_spark_gives_the_same_rows(expected, monkeypatch):
     sql = pytest.importorskip("pyspark.sql")
+    monkeypatch.setenv("PYSPARK_PYTHON", sys.executable)
 
     session = sql.SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false").getOrCreate()
     try:
