@@ -35,8 +35,9 @@ import() {
     . tests/need.sh
     need import "${rust_tools[@]}" "${rust_checks[@]}"
     local features=(--features magcomp-lab/formats)
-    cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files -- -D warnings
-    cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files
+    cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files --test damage -- -D warnings
+    cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files --test damage
+    cargo test --locked "${workspace[@]}" "${features[@]}" --lib import::
 }
 
 # the Rust tests alone, on any system
@@ -51,6 +52,7 @@ night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
+    MAGCOMP_NIGHT=1 tests/python.sh test_many.py
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
 }

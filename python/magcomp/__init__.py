@@ -31,6 +31,7 @@ from ._magcomp import (
     FitError,
     KeptError,
     MagcompError,
+    Many,
     PlaceError,
     Reading,
     SessionError,
@@ -39,6 +40,7 @@ from ._magcomp import (
     fit_ellipsoid,
     read_session,
 )
+from ._many import process_many
 
 __all__ = [
     "Calibration",
@@ -50,6 +52,7 @@ __all__ = [
     "FitError",
     "KeptError",
     "MagcompError",
+    "Many",
     "PlaceError",
     "Reading",
     "SessionError",
@@ -57,6 +60,7 @@ __all__ = [
     "earth_field",
     "fit_ellipsoid",
     "from_frame",
+    "process_many",
     "read_session",
     "to_frame",
 ]

@@ -19,12 +19,16 @@ def _times(frame: pandas.DataFrame) -> np.ndarray:
     import pandas
 
     if "time_ns" in frame:
+        if frame["time_ns"].hasnans:
+            raise _magcomp.MagcompError("the column time_ns has a time that is missing; drop that row")
         time_ns = frame["time_ns"].to_numpy()
         if time_ns.dtype.kind not in "iu":
             raise _magcomp.MagcompError(f"the column time_ns is {time_ns.dtype}; it must be whole nanoseconds")
+        if (time_ns > np.iinfo(np.int64).max).any():
+            raise _magcomp.MagcompError("the column time_ns has times beyond 2^63 ns")
         return time_ns.astype(np.int64)
     if "t_s" in frame:
-        time_s = frame["t_s"].to_numpy(dtype=np.float64)
+        time_s = frame["t_s"].to_numpy(dtype=np.float64, na_value=np.nan)
         if not (np.abs(time_s) < 2.0**62 * 1e-9).all():
             raise _magcomp.MagcompError("the column t_s has a time that is no number, or too far from zero; drop that row")
         return np.round(time_s * 1e9).astype(np.int64)
@@ -43,7 +47,7 @@ def from_frame(frame: pandas.DataFrame) -> Session:
     """What `Compensator.process` takes, of a table with named columns.
 
     Times are a column ``time_ns`` (whole nanoseconds) or ``t_s`` (seconds), or an index of times. ``mx, my, mz`` are raw, uT; ``gx, gy, gz`` in rad/s
-    and ``ax, ay, az`` in m/s^2 may be left out. A row without a sensor's values (NaN) is no sample of that sensor; so tables of different rates can
+    and ``ax, ay, az`` in m/s^2 may be left out. A row without a sensor's values (NaN or NA) is no sample of that sensor; so tables of different rates can
     be put below one another. Other columns are not read. Raises `MagcompError`.
     """
     time_ns = _times(frame)
@@ -57,7 +61,7 @@ def from_frame(frame: pandas.DataFrame) -> Session:
         if there != names:
             missing = ", ".join(name for name in names if name not in frame)
             raise _magcomp.MagcompError(f"the {sensor} needs the columns {', '.join(names)}; missing: {missing}")
-        values = frame[names].to_numpy(dtype=np.float64)
+        values = frame[names].to_numpy(dtype=np.float64, na_value=np.nan)
         have = ~np.isnan(values).all(axis=1)
         found[letter] = (time_ns[have], values[have])
     magnetic = found["m"]

@@ -1,8 +1,10 @@
 import datetime
 import os
+from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
+import pandas
 from numpy.typing import ArrayLike, NDArray
 
 from ._types import Answers, Session
@@ -18,6 +20,7 @@ __all__ = [
     "FitError",
     "KeptError",
     "MagcompError",
+    "Many",
     "PlaceError",
     "Reading",
     "SessionError",
@@ -168,6 +171,8 @@ class Compensator:
         """The calibration as a text for the next launch; None before anything was learned."""
     def adopt(self, kept: str, unix_time_s: int | None = None) -> None:
         """Begins with a kept text, as sure as its age makes it. Raises `KeptError`."""
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A new compensator is pickled as its settings, for the same version of magcomp. One that has taken samples raises `MagcompError`."""
     def __copy__(self) -> Compensator: ...
     def __deepcopy__(self, _memo: Any) -> Compensator: ...
 
@@ -189,6 +194,40 @@ class EllipsoidFit:
     @property
     def samples(self) -> int: ...
 
+@final
+class Many:
+    """The answers of `process_many`, recording after recording: a column ``recording``, ``time_ns``, ``status`` and those of
+    `Compensator.process`. Arrow's PyCapsule interface is how others read it without a copy: ``pyarrow.table(many)``, ``polars.DataFrame(many)``."""
+
+    @property
+    def recordings(self) -> list[str]:
+        """Those that were answered."""
+    @property
+    def errors(self) -> dict[str, str]:
+        """Why the others were not."""
+    @property
+    def warnings(self) -> dict[str, list[str]]:
+        """What was lost, left out or may be wrong."""
+    @property
+    def events(self) -> dict[str, list[tuple[str, int, int]]]:
+        """Changes, as of `Compensator.process`."""
+    @property
+    def left_out(self) -> dict[str, int]:
+        """Gyroscope and gravity samples that were refused."""
+    def to_pandas(self) -> pandas.DataFrame:
+        """The answers as a table; NaN: none. ``recording`` and ``status`` are categories."""
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
+    def __len__(self) -> int:
+        """Rows."""
+
+def _compensator(version: str, settings: dict[str, Any]) -> Compensator: ...
+def _process_many(
+    recordings: list[tuple[str, Any]],
+    settings: dict[str, Any],
+    workers: int,
+    results: str | os.PathLike[str] | None,
+    progress: Callable[[int, int, int], object] | None,
+) -> Many: ...
 def fit_ellipsoid(points_ut: ArrayLike, *, field_strength_ut: float | None = None) -> EllipsoidFit:
     """One fit of raw samples, shape (n, 3), uT, at least 9. |h| in uT where it is known. Raises `FitError`."""
 

@@ -92,6 +92,6 @@ pub(crate) fn to_matrix<'py, const N: usize>(python: Python<'py>, m: &SMatrix<f6
 /// Rows as a two-dimensional array.
 pub(crate) fn to_rows<const N: usize>(python: Python<'_>, rows: Vec<[f64; N]>) -> Bound<'_, PyArray2<f64>> {
     let count = rows.len();
-    let flat = PyArray1::from_vec(python, rows.into_iter().flatten().collect());
+    let flat = PyArray1::from_vec(python, rows.into_flattened());
     flat.reshape([count, N]).expect("as many numbers as rows have")
 }

@@ -10,7 +10,9 @@ use magcomp::{
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
+use std::iter::Peekable;
+use std::slice::Iter;
 
 /// See `_magcomp.pyi`.
 #[pyclass(module = "magcomp")]
@@ -23,7 +25,7 @@ pub(crate) struct Reading(magcomp::Reading);
 /// Samples of a sensor beside the magnetometer, as `(time_ns, values)`.
 type Stream = Vec<(i64, Vector3<f64>)>;
 
-fn stream(value: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>, name: &str) -> PyResult<Stream> {
+pub(crate) fn stream(value: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>, name: &str) -> PyResult<Stream> {
     let Some((time_ns, values)) = value else { return Ok(Vec::new()) };
     let (time_ns, values) = (times(&time_ns, &format!("{name}[0]"))?, vectors(&values, &format!("{name}[1]"))?);
     if time_ns.len() != values.len() {
@@ -39,6 +41,13 @@ fn refused(error: EventRejection) -> PyErr {
     EventError::new_err(error.to_string())
 }
 
+/// The settings that are given by name, the others as usual.
+pub(crate) fn config(settings: Option<&Bound<'_, PyDict>>) -> PyResult<magcomp::Config> {
+    let Some(settings) = settings else { return Ok(magcomp::Config::default()) };
+    let text: String = settings.py().import("json")?.call_method1("dumps", (settings,))?.extract()?;
+    serde_json::from_str(&text).map_err(|error| ConfigError::new_err(error.to_string()))
+}
+
 fn reference(name: &str) -> PyResult<NorthReference> {
     match name {
         "true" => Ok(NorthReference::True),
@@ -52,11 +61,7 @@ impl Compensator {
     #[new]
     #[pyo3(signature = (**settings))]
     fn new(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let mut config = magcomp::Config::default();
-        if let Some(settings) = settings {
-            let text: String = settings.py().import("json")?.call_method1("dumps", (settings,))?.extract()?;
-            config = serde_json::from_str(&text).map_err(|error| ConfigError::new_err(error.to_string()))?;
-        }
+        let config = config(settings)?;
         let made = magcomp::Compensator::new(config).map_err(|error| ConfigError::new_err(error.to_string()))?;
         Ok(Self(made))
     }
@@ -200,6 +205,24 @@ impl Compensator {
         Ok(())
     }
 
+    /// A new one is its settings. What one has learned is not written.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let python = slf.py();
+        let this = slf.borrow();
+        let new = magcomp::Compensator::new(this.0.config().clone())
+            .map_err(|error| ConfigError::new_err(error.to_string()))?;
+        if this.0 != new {
+            return Err(MagcompError::new_err(
+                "a compensator that has taken samples is not pickled, since its state cannot be written; pickle a new one, or what keep() returns",
+            ));
+        }
+        let make = python.import("magcomp._magcomp")?.getattr("_compensator")?;
+        PyTuple::new(
+            python,
+            [make, (env!("CARGO_PKG_VERSION"), this.config(python)?).into_pyobject(python)?.into_any()],
+        )
+    }
+
     fn __copy__(&self) -> Self {
         Self(self.0.clone())
     }
@@ -209,11 +232,20 @@ impl Compensator {
     }
 }
 
-/// Choice: samples between two looks whether Ctrl-C was pressed.
-const UNINTERRUPTED: usize = 4096;
+/// A pickled compensator again.
+#[pyfunction]
+pub(crate) fn _compensator(version: &str, settings: &Bound<'_, PyDict>) -> PyResult<Compensator> {
+    if version != env!("CARGO_PKG_VERSION") {
+        let here = env!("CARGO_PKG_VERSION");
+        return Err(MagcompError::new_err(format!("it was pickled by magcomp {version}, and this is {here}")));
+    }
+    Compensator::new(Some(settings))
+}
 
-/// All samples in the order of their times, a magnetic one after the others of its time; how many of the others were left out. A signal's exception
-/// ends it between two samples.
+/// Choice: samples between two looks whether Ctrl-C was pressed.
+pub(crate) const UNINTERRUPTED: usize = 4096;
+
+/// All samples in the order of their times; how many of the other sensors' were left out. A signal's exception ends it between two samples.
 fn replay(
     python: Python<'_>,
     compensator: &mut magcomp::Compensator,
@@ -222,37 +254,60 @@ fn replay(
     rates: &Stream,
     ups: &Stream,
 ) -> PyResult<(Vec<magcomp::Reading>, usize)> {
-    let (mut rates, mut ups) = (rates.iter().peekable(), ups.iter().peekable());
-    let mut left_out = 0;
-    let mut reading = |(&time_ns, &field_ut): (&i64, &Vector3<f64>)| {
+    let mut others = Others::new(rates, ups);
+    let mut readings = Vec::with_capacity(time_ns.len());
+    for (times, fields) in time_ns.chunks(UNINTERRUPTED).zip(fields.chunks(UNINTERRUPTED)) {
+        python.detach(|| {
+            let samples = times.iter().zip(fields);
+            readings.extend(samples.map(|(time_ns, field_ut)| others.answer(compensator, *time_ns, *field_ut)));
+        });
+        python.check_signals()?;
+    }
+    Ok((readings, others.left_out))
+}
+
+/// Samples of the other sensors that wait for the magnetic samples after them.
+pub(crate) struct Others<'a> {
+    rates: Peekable<Iter<'a, (i64, Vector3<f64>)>>,
+    ups: Peekable<Iter<'a, (i64, Vector3<f64>)>>,
+    /// How many were refused.
+    pub left_out: usize,
+}
+
+impl<'a> Others<'a> {
+    pub(crate) fn new(rates: &'a [(i64, Vector3<f64>)], ups: &'a [(i64, Vector3<f64>)]) -> Self {
+        Self { rates: rates.iter().peekable(), ups: ups.iter().peekable(), left_out: 0 }
+    }
+
+    /// Pushes a magnetic sample after the others up to its time.
+    pub(crate) fn answer(
+        &mut self,
+        compensator: &mut magcomp::Compensator,
+        time_ns: i64,
+        field_ut: Vector3<f64>,
+    ) -> magcomp::Reading {
         loop {
-            let rate = rates.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
-            let up = ups.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
+            let rate = self.rates.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
+            let up = self.ups.peek().map(|(at, _)| *at).filter(|at| *at <= time_ns);
             let pushed = match (rate, up) {
                 (None, None) => break,
                 (Some(at), up) if up.is_none_or(|up| at <= up) => {
-                    let (time_ns, rate_rad_s) = *rates.next().expect("it was looked at");
+                    let (time_ns, rate_rad_s) = *self.rates.next().expect("it was looked at");
                     compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s })
                 }
                 _ => {
-                    let (time_ns, up_m_s2) = *ups.next().expect("it was looked at");
+                    let (time_ns, up_m_s2) = *self.ups.next().expect("it was looked at");
                     compensator.push_up(UpSample { time_ns, up_m_s2 })
                 }
             };
-            left_out += usize::from(pushed.is_err());
+            self.left_out += usize::from(pushed.is_err());
         }
         compensator.push(MagneticSample { time_ns, field_ut })
-    };
-    let mut readings = Vec::with_capacity(time_ns.len());
-    for (times, fields) in time_ns.chunks(UNINTERRUPTED).zip(fields.chunks(UNINTERRUPTED)) {
-        python.detach(|| readings.extend(times.iter().zip(fields).map(&mut reading)));
-        python.check_signals()?;
     }
-    Ok((readings, left_out))
 }
 
 /// Each event once: kind, since when, and when it was decided, ns.
-fn events(readings: &[magcomp::Reading]) -> Vec<(String, i64, i64)> {
+pub(crate) fn events(readings: &[magcomp::Reading]) -> Vec<(String, i64, i64)> {
     let mut found: Vec<magcomp::Event> = readings.iter().filter_map(|it| it.event).collect();
     found.dedup();
     found.into_iter().map(|it| (format!("{:?}", it.kind), it.since_ns, it.decided_ns)).collect()

@@ -1,10 +1,11 @@
-//! The extension module `magcomp._magcomp`: the core's `Compensator`, `Calibration` and `fit_ellipsoid` over numpy arrays, and the
-//! lab's importers. Docs for users are in `magcomp/__init__.py` and `magcomp/_magcomp.pyi`; nothing is computed here.
+//! The extension module `magcomp._magcomp`: the core's `Compensator`, `Calibration` and `fit_ellipsoid` over numpy arrays, recordings, and
+//! many of them at once. Docs for users are in `magcomp/__init__.py` and `magcomp/_magcomp.pyi`; nothing is computed here.
 
 mod arrays;
 mod calibration;
 mod compensator;
 mod fit;
+mod many;
 mod session;
 
 use pyo3::prelude::*;
@@ -35,6 +36,9 @@ fn _magcomp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<compensator::Compensator>()?;
     module.add_class::<compensator::Reading>()?;
     module.add_class::<fit::EllipsoidFit>()?;
+    module.add_class::<many::Many>()?;
+    module.add_function(wrap_pyfunction!(compensator::_compensator, module)?)?;
+    module.add_function(wrap_pyfunction!(many::_process_many, module)?)?;
     module.add_function(wrap_pyfunction!(session::read_session, module)?)?;
     module.add_function(wrap_pyfunction!(session::earth_field, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit_ellipsoid, module)?)

@@ -1,33 +1,29 @@
-//! `magcomp.read_session` and `magcomp.earth_field`: the lab's importers and model of the Earth's field.
+//! `magcomp.read_session` and `magcomp.earth_field`: recordings, and the model of the Earth's field.
 
 use crate::arrays::to_rows;
 use crate::{PlaceError, SessionError};
-use magcomp_lab::conventions::Weight;
-use magcomp_lab::import::{ImportOptions, open};
-use magcomp_lab::place::{self, GeoPoint};
+use magcomp::nalgebra::Vector3;
+use magcomp_recordings::conventions::Weight;
+use magcomp_recordings::import::{ImportOptions, Loaded, load};
+use magcomp_recordings::place::{self, GeoPoint};
+use magcomp_recordings::recording::Events;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
 /// Times, ns, and values of a sensor.
-#[derive(Default)]
-struct Sensor {
-    time_ns: Vec<i64>,
-    values: Vec<[f64; 3]>,
+type Arrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
+
+fn arrays<'py>(python: Python<'py>, events: &[(i64, Vector3<f64>)]) -> Arrays<'py> {
+    let time_ns = PyArray1::from_iter(python, events.iter().map(|(time_ns, _)| *time_ns));
+    (time_ns, to_rows(python, events.iter().map(|(_, value)| (*value).into()).collect()))
 }
 
-impl Sensor {
-    fn add(&mut self, time_ns: i64, value: Option<magcomp::nalgebra::Vector3<f64>>) {
-        if let Some(value) = value {
-            self.time_ns.push(time_ns);
-            self.values.push(value.into());
-        }
-    }
-
-    fn arrays(self, python: Python<'_>) -> (Bound<'_, PyArray1<i64>>, Bound<'_, PyArray2<f64>>) {
-        (PyArray1::from_vec(python, self.time_ns), to_rows(python, self.values))
-    }
+/// What is amiss with a recording, in sentences.
+pub(crate) fn doubts(loaded: &mut Loaded) -> Vec<String> {
+    let grave = loaded.conventions.findings.drain(..).filter(|finding| finding.weight > Weight::Note);
+    loaded.warnings.drain(..).chain(grave.map(|finding| finding.text)).collect()
 }
 
 /// See `_magcomp.pyi`.
@@ -37,32 +33,18 @@ pub(crate) fn read_session<'py>(python: Python<'py>, paths: Vec<PathBuf>) -> PyR
     if paths.is_empty() {
         return Err(SessionError::new_err("read_session needs the path of a file or a folder"));
     }
-    let read = python.detach(|| {
-        let mut opened = open(&paths, &ImportOptions::default())?;
-        let (mut magnetic, mut rates, mut ups) = (Sensor::default(), Sensor::default(), Sensor::default());
-        for row in opened.source.rows()? {
-            let row = row?;
-            for event in row.inertial() {
-                rates.add(event.time_ns, event.rate_rad_s);
-                ups.add(event.time_ns, event.up_m_s2);
-            }
-            magnetic.add(row.time_ns, Some(row.field_ut));
-        }
-        let grave = opened.conventions.findings.into_iter().filter(|finding| finding.weight > Weight::Note);
-        let warnings: Vec<String> = opened.warnings.into_iter().chain(grave.map(|finding| finding.text)).collect();
-        Ok((magnetic, rates, ups, warnings))
-    });
-    let (magnetic, rates, ups, warnings) =
-        read.map_err(|error: magcomp_lab::error::LabError| SessionError::new_err(error.to_string()))?;
-    for warning in warnings {
-        python.import("warnings")?.call_method1("warn", (warning,))?;
+    let read = python.detach(|| load(&paths, &ImportOptions::default()));
+    let mut loaded = read.map_err(|error| SessionError::new_err(error.to_string()))?;
+    for doubt in doubts(&mut loaded) {
+        python.import("warnings")?.call_method1("warn", (doubt,))?;
     }
+    let Events { field, rate, up, .. } = loaded.events;
     let session = PyDict::new(python);
-    let (time_ns, field_ut) = magnetic.arrays(python);
+    let (time_ns, field_ut) = arrays(python, &field);
     session.set_item("time_ns", time_ns)?;
     session.set_item("field_ut", field_ut)?;
-    session.set_item("rotation_rate", (!rates.time_ns.is_empty()).then(|| rates.arrays(python)))?;
-    session.set_item("up", (!ups.time_ns.is_empty()).then(|| ups.arrays(python)))?;
+    session.set_item("rotation_rate", (!rate.is_empty()).then(|| arrays(python, &rate)))?;
+    session.set_item("up", (!up.is_empty()).then(|| arrays(python, &up)))?;
     Ok(session)
 }
 

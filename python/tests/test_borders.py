@@ -55,6 +55,8 @@ def test_lists_integers_and_strided_arrays_are_taken():
         (TIMES.tolist(), h.tolist()),
         (TIMES.astype(np.uint64), h.astype(np.int32)),
         (np.repeat(TIMES, 2)[::2], np.asfortranarray(h)),
+        (TIMES[::-1][::-1], np.repeat(h, 2, axis=1)[:, ::2]),
+        (np.ma.asarray(TIMES), np.ma.asarray(h)),
     ):
         found = magcomp.Compensator().process(times, fields)["field_ut"]
         assert np.array_equal(found, expected, equal_nan=True)
@@ -69,7 +71,8 @@ def test_lists_integers_and_strided_arrays_are_taken():
         (TIMES[:5], np.zeros((5, 2)), "must be \\(n, 3\\)"),
         (TIMES[:5], np.zeros(5), "must be \\(n, 3\\)"),
         (TIMES[:1], [["a", "b", "c"]], "no array of numbers"),
-        (TIMES[:5], np.ma.masked_greater(np.eye(5, 3), 0.5), "masked values"),
+        (TIMES[:5], np.ma.masked_greater(np.eye(5, 3), 0.5), "field_ut has masked values"),
+        (np.ma.masked_greater(TIMES[:5], 3), np.zeros((5, 3)), "time_ns has masked values"),
         (TIMES[:5].astype(np.uint64) + 2**63, np.zeros((5, 3)), "beyond 2\\^63"),
     ],
 )

@@ -53,6 +53,14 @@ def test_sensors_of_their_own_rows_are_the_same(table, expected):
     same(magcomp.Compensator().process(**magcomp.from_frame(below)), expected)
 
 
+def test_gaps_of_pandas_own_kinds_are_gaps(table, expected):
+    letters = [["time_ns", *(letter + axis for axis in "xyz")] for letter in "mga"]
+    whole = table.assign(time_ns=np.round(table["t_s"] * 1e9).astype("uint64")).drop(columns="t_s")
+    below = pandas.concat([whole[names] for names in letters]).convert_dtypes()
+    assert below["mx"].isna().any() and str(below["mx"].dtype) == "Float64" and str(below["time_ns"].dtype) == "UInt64"
+    same(magcomp.Compensator().process(**magcomp.from_frame(below)), expected)
+
+
 def test_answers_become_a_table(table, expected):
     session = magcomp.from_frame(table)
     frame = magcomp.to_frame(session["time_ns"], expected)
@@ -70,6 +78,8 @@ def test_answers_become_a_table(table, expected):
         (lambda it: it.drop(columns="my"), "magnetometer needs the columns mx, my, mz; missing: my"),
         (lambda it: it.drop(columns=["gx", "gz"]), "gyroscope needs .* missing: gx, gz"),
         (lambda it: it.assign(time_ns=it["t_s"]), "whole nanoseconds"),
+        (lambda it: it.assign(time_ns=pandas.array([None] * len(it), "Int64")), "missing"),
+        (lambda it: it.assign(time_ns=np.uint64(2**63)), "beyond 2\\^63"),
         (lambda it: it.assign(t_s=np.nan), "no number"),
         (lambda it: it.assign(t_s=1e300), "too far from zero"),
         (lambda it: it.set_index(pandas.DatetimeIndex([pandas.NaT] * len(it))).drop(columns="t_s"), "missing"),

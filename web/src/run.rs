@@ -1,13 +1,14 @@
 //! One replay, a chunk of rows at a time, so that the page can show how far it is.
 
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
-use magcomp_lab::conventions::{Conventions, Finding};
-use magcomp_lab::error::LabError;
-use magcomp_lab::import::{ImportOptions, Opened, open_bytes};
-use magcomp_lab::place::{Day, EarthField, GeoPoint, earth_field};
-use magcomp_lab::recording::{Rows, Source, name_of};
-use magcomp_lab::replay::{Gathering, Ignore, Known, Player, calibration_json, usual_part, write_header, write_row};
+use magcomp_lab::replay::{
+    Gathering, Ignore, Known, Player, calibration_json, session_table, usual_part, write_header, write_row,
+};
 use magcomp_lab::report::quoted;
+use magcomp_recordings::conventions::{Conventions, Finding};
+use magcomp_recordings::import::{ImportOptions, Opened, open_bytes};
+use magcomp_recordings::place::{Day, EarthField, GeoPoint, earth_field};
+use magcomp_recordings::recording::{Rows, Source, name_of};
 use serde::{Deserialize, Serialize};
 
 /// Rows of a chunk: some tens of milliseconds.
@@ -47,7 +48,7 @@ pub struct Run {
 }
 
 /// An error in words that fit a page.
-fn words(error: LabError) -> String {
+fn words(error: impl std::fmt::Display) -> String {
     without_options(&error.to_string())
 }
 
@@ -133,7 +134,7 @@ impl Run {
         let conventions =
             Conventions { findings: conventions.findings.into_iter().map(plain).collect(), ..conventions };
         let warnings = warnings.iter().map(|warning| without_options(warning)).collect();
-        let known = Known { session: session.as_ref().map(|session| session.table()), conventions, warnings };
+        let known = Known { session: session.as_ref().map(session_table), conventions, warnings };
         let command = quoted(command.into_iter());
         Ok(Self { source, rows, known, earth, player, gathering, command, has_begun: false })
     }

@@ -1,80 +1,15 @@
-//! Errors of an input or a run. Each is one line that names the place and the form that was expected there.
+//! Errors of a run. Each is one line.
 
-use std::fmt;
+use magcomp_recordings::error::RecordingError;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// Longest text of a file that an error shows, characters.
-const SHOWN: usize = 60;
-
-/// A text of a file that an error can show: short, on one line.
-pub(crate) fn shorten(text: &str) -> String {
-    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().count() <= SHOWN { text } else { text.chars().take(SHOWN).chain("...".chars()).collect() }
-}
-
-/// Where in a file: line and column, counted from 1.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The file.
-    pub path: PathBuf,
-    /// Line, the header being 1.
-    pub line: u64,
-    /// Column of the table and its name; none when the whole line is meant.
-    pub column: Option<(usize, String)>,
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: line {}", self.path.display(), self.line)?;
-        match &self.column {
-            Some((number, name)) if name.is_empty() => write!(f, ", column {number}"),
-            Some((number, name)) => write!(f, ", column {number} ({name})"),
-            None => Ok(()),
-        }
-    }
-}
 
 /// Why the command failed. Each is one line.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// A recording does not have the form that `magcomp replay --help` states.
-    #[error("{place}: expected {expected}, found {found}")]
-    Recording {
-        /// Where.
-        place: Place,
-        /// The content that was expected there.
-        expected: String,
-        /// What was.
-        found: String,
-    },
-    /// A recording has no rows.
-    #[error("{}: a recording has a header t_s,mx,my,mz and rows; this file has {what}", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-        /// The content that the file has instead.
-        what: &'static str,
-    },
-    /// The input is no recording and no session, or has none in it.
-    #[error("{0}")]
-    NoSession(String),
-    /// A file could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The command was built without the importer of a form.
-    #[error("{}: this build does not read {form}; cargo install --path rust/magcomp-lab --features formats makes a command that does", path.display())]
-    Feature {
-        /// The file.
-        path: PathBuf,
-        /// Its form.
-        form: &'static str,
-    },
+    /// An input could not be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// A file could not be written; a file that was there before is untouched.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
@@ -89,20 +24,9 @@ pub enum LabError {
     /// The core refused its configuration.
     #[error(transparent)]
     Config(#[from] magcomp::ConfigError),
-    /// No declination for that place and date.
-    #[error("no declination: {0}")]
-    Declination(String),
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),
-    /// The input holds several recordings.
-    #[error("{why}")]
-    Several {
-        /// How many follow one another in one file; 0 where they are several files.
-        sessions: usize,
-        /// The sentence about it, with what to do.
-        why: String,
-    },
     /// A recording was read, and is bad: all was printed and written.
     #[error("{0}")]
     Bad(String),
@@ -120,29 +44,16 @@ pub enum LabError {
 }
 
 impl LabError {
-    /// For `map_err` on reading `path`.
-    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| {
-            // as flate2 calls it
-            let is_cut = source.to_string() == "incomplete deflate stream";
-            let source = if is_cut { io::Error::new(source.kind(), "the file is cut off") } else { source };
-            Self::Read { path, source }
-        }
-    }
-
     /// For `map_err` on writing `path`.
     pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Write { path, source }
     }
 
-    /// Of two files with the same sensor.
-    pub(crate) fn several(first: &Path, second: &Path) -> Self {
-        let (first, second) = (first.display(), second.display());
-        let why =
-            format!("{first} and {second} are of the same sensor: these are several recordings; give one at a time");
-        Self::Several { sessions: 0, why }
+    /// Whether the options were wrong, or the input was several recordings at once.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Usage(_) | Self::Recording(RecordingError::Usage(_) | RecordingError::Several { .. }))
     }
 
     /// Whether the reader of our output has closed it, which is no failure.

@@ -3,9 +3,9 @@
 
 use crate::motion::Trajectory;
 use crate::random::Random;
-use crate::time::time_ns;
 use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{RotationRateSample, UpSample};
+use magcomp_recordings::time::time_ns;
 
 /// Standard gravity, m/s^2.
 pub const GRAVITY_M_S2: f64 = 9.806_65;

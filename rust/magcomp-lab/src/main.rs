@@ -1,9 +1,9 @@
 //! The command `magcomp`: reads the arguments, runs a verb, turns its result into an exit code.
 
 use clap::Parser;
+use magcomp_lab::atomic::remove_unfinished_on_signals;
 use magcomp_lab::command::Cli;
 use magcomp_lab::error::LabError;
-use magcomp_lab::recording::remove_unfinished_on_signals;
 use std::process::ExitCode;
 
 /// The input or the run failed.
@@ -33,8 +33,7 @@ fn main() -> ExitCode {
             if matches!(error, LabError::Bad(_)) {
                 return ExitCode::from(BAD);
             }
-            let usage = matches!(error, LabError::Usage(_) | LabError::Several { .. });
-            ExitCode::from(if usage { USAGE } else { FAILED })
+            ExitCode::from(if error.is_usage() { USAGE } else { FAILED })
         }
     }
 }

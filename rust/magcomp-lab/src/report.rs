@@ -1,7 +1,7 @@
 //! A report: SVG files in a folder and one HTML page that shows them, with the command that made it; or one page with all in it.
 
+use crate::atomic::write_atomically;
 use crate::error::LabError;
-use crate::recording::write_atomically;
 use crate::table::Table;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -10,9 +10,11 @@ use crate::motion::Trajectory;
 use crate::parameters::Parameters;
 use crate::random::{Purpose, Random};
 use crate::surroundings::Surrounding;
-use crate::time::time_ns;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
+use magcomp_recordings::recording::{Inertial, Recording, Row};
+use magcomp_recordings::time::time_ns;
+use std::path::PathBuf;
 
 /// Samples whose stamps are nearer than this are one, s.
 const APART_S: f64 = 1e-4;
@@ -239,6 +241,43 @@ impl Scenario {
 }
 
 impl Simulation {
+    /// It as a recording, with the truth that a reference would give: each sensor's events at their own times. Events behind the
+    /// last sample are left out.
+    #[must_use]
+    pub fn recording(&self, name: &str) -> Recording {
+        let (mut rates, mut ups) = (self.rotation_rates.iter().peekable(), self.ups.iter().peekable());
+        let samples = self.magnetic.iter().zip(&self.truth);
+        let rows = samples.map(|(sample, truth)| {
+            let mut events = Vec::new();
+            loop {
+                let next_ns = [rates.peek().map(|event| event.time_ns), ups.peek().map(|event| event.time_ns)];
+                let Some(time_ns) = next_ns.into_iter().flatten().min().filter(|time| *time <= sample.time_ns) else {
+                    break;
+                };
+                events.push(Inertial {
+                    time_ns,
+                    rate_rad_s: rates.next_if(|event| event.time_ns == time_ns).map(|event| event.rate_rad_s),
+                    up_m_s2: ups.next_if(|event| event.time_ns == time_ns).map(|event| event.up_m_s2),
+                    course: None,
+                });
+            }
+            let now = events.pop_if(|event| event.time_ns == sample.time_ns);
+            Row {
+                time_s: sample.time_ns as f64 / 1e9,
+                time_ns: sample.time_ns,
+                field_ut: sample.field_ut,
+                before: events,
+                up_m_s2: now.and_then(|event| event.up_m_s2),
+                rate_rad_s: now.and_then(|event| event.rate_rad_s),
+                system_ut: None,
+                attitude: Some(truth.attitude),
+                hard_iron_ut: Some(truth.hard_iron_ut),
+                course: None,
+            }
+        });
+        Recording { path: PathBuf::from(name), rows: rows.collect() }
+    }
+
     /// Removes the events of every sensor between two times, s.
     fn pause(&mut self, from_s: f64, until_s: f64) {
         let is_gone = |at_ns: i64| (time_ns(from_s)..time_ns(until_s)).contains(&at_ns);

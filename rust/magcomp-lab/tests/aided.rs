@@ -10,7 +10,6 @@ use magcomp_lab::experiment::evaluate::{self, EvaluateOptions};
 use magcomp_lab::experiment::nees::Nees;
 use magcomp_lab::experiment::{answers, judge};
 use magcomp_lab::parallel::{cores, map};
-use magcomp_lab::recording::Recording;
 use magcomp_lab::replay::{Ignore, Step, replay_with};
 use magcomp_lab::score::{Begin, Figures, samples};
 use magcomp_lab::simulate::{Noise, Simulation};
@@ -81,7 +80,7 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
                 let variant = find(name).unwrap().with_noise(Some(Noise::SnrDb(snr_db)));
                 let stream = variant.stream(seed);
                 let mut nees = Vec::new();
-                let recording = Recording::of(&stream, name);
+                let recording = stream.recording(name);
                 let steps = replay_with(&recording, &variant.config(), Ignore::default(), |k, compensator| {
                     nees.push(Nees::of(compensator, &stream.truth[k]).map(|nees| nees.hard_iron));
                 });

@@ -8,7 +8,7 @@ use std::path::Path;
 
 #[test]
 fn an_importer_that_was_left_out_says_how_to_get_it() {
-    let sessions = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sessions");
+    let sessions = Path::new(env!("CARGO_MANIFEST_DIR")).join("../magcomp-recordings/tests/sessions");
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("out.csv");
     for (name, form) in [

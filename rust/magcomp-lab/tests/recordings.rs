@@ -3,14 +3,15 @@
 use assert_cmd::Command;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use magcomp::{Config, EventKind, HeadingConfig, ReferenceAxis, Status};
+use magcomp_lab::atomic::write_atomically;
 use magcomp_lab::catalogue::{Variant, find};
 use magcomp_lab::course::{Course, DevicePart};
 use magcomp_lab::parallel::cores;
 use magcomp_lab::parameters::Parameters;
-use magcomp_lab::recording::{Recording, read, write_recording};
 use magcomp_lab::replay::{Ignore, Step, replay};
 use magcomp_lab::simulate::Noise;
 use magcomp_lab::trials::{Score, Trials, judge_folder};
+use magcomp_recordings::recording::{Recording, read, write_recording};
 use serde_json::Value;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -35,7 +36,7 @@ fn simulated(name: &str, seed: u64) -> Recording {
     if name == "step" {
         scenario.device_parts = vec![DevicePart::between(Course::step(50.0), &start, &stepped, 48.0)];
     }
-    let mut recording = Recording::of(&scenario.run(), name);
+    let mut recording = scenario.run().recording(name);
     for row in &mut recording.rows {
         let lie = if name == "lie" && (60.0..64.0).contains(&row.time_s) { LIE_DEG } else { 0.0 };
         let clockwise = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -(TURNED_DEG + lie).to_radians());
@@ -54,10 +55,11 @@ fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (seed, name) in (1..).zip(["calm", "lie", "step", "other"]) {
         let end = if seed % 2 == 0 { ".csv.gz" } else { "_uncal.csv" };
-        write_recording(&folder.path().join(format!("{name}{end}")), &simulated(name, seed)).unwrap();
+        let path = folder.path().join(format!("{name}{end}"));
+        write_atomically(&path, |out| write_recording(out, &simulated(name, seed))).unwrap();
     }
     let half = read(&folder.path().join("calm_uncal.csv")).unwrap();
-    write_recording(&folder.path().join("calm_oscal.csv"), &half).unwrap();
+    write_atomically(&folder.path().join("calm_oscal.csv"), |out| write_recording(out, &half)).unwrap();
     fs::write(folder.path().join("way.csv"), "t_s,x_m,y_m\n0,0,0\n").unwrap();
     let index = format!(
         "recording,group,declination_deg\ncalm*,good,{DECLINATION_DEG}\nlie,bad,{DECLINATION_DEG}\nste?_uncal,bad,{DECLINATION_DEG}\n"

@@ -96,7 +96,7 @@ impl Baseline for Vqf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording;
+    use magcomp_recordings::recording;
     use std::path::Path;
 
     /// Its authors' own program (vqf 2.1.2 from PyPI, `VQF(0.0175)`, all rows from the 22nd on) gives these norths in the device.

@@ -1,14 +1,15 @@
 //! `magcomp check`.
 
 use super::common::{Common, input, warn};
-use crate::conventions::{Conventions, Weight};
+use super::import_options::ImportArguments;
 use crate::error::LabError;
-use crate::import::{ImportOptions, open};
-use crate::place::{GeoPoint, earth_field};
-use crate::recording::name_of;
 use crate::report::Report;
 use crate::table::{Table, number};
 use clap::Args;
+use magcomp_recordings::conventions::{Conventions, Weight};
+use magcomp_recordings::import::open;
+use magcomp_recordings::place::{GeoPoint, earth_field};
+use magcomp_recordings::recording::name_of;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -22,7 +23,7 @@ pub(super) struct Check {
     #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
-    import: ImportOptions,
+    import: ImportArguments,
     /// Where it was recorded (degrees, north and east positive; metres): tells the sign of the dip
     #[arg(long, value_name = "LAT,LON[,HEIGHT_M]", allow_hyphen_values = true)]
     place: Option<GeoPoint>,
@@ -41,7 +42,7 @@ struct Told {
 
 impl Check {
     pub fn run(self) -> Result<(), LabError> {
-        let opened = open(&self.inputs, &self.import)?;
+        let opened = open(&self.inputs, &self.import.into())?;
         warn(&opened.warnings);
         let recording = name_of(opened.source.path());
         let mut conventions = opened.conventions;

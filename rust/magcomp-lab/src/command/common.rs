@@ -1,11 +1,12 @@
 //! Shared by all verbs: options, reading of numbers, printing of tables.
 
-use crate::conventions::{Conventions, Weight};
 use crate::error::LabError;
 use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::Method;
+use magcomp_recordings::conventions::{Conventions, Weight};
+use magcomp_recordings::error::RecordingError;
 use serde::Serialize;
 use std::convert::Infallible;
 use std::io::{self, IsTerminal, Write};
@@ -201,7 +202,7 @@ fn is_same_file(one: &Path, other: &Path) -> Result<bool, LabError> {
     if !is_file(one) || !is_file(other) {
         return Ok(false);
     }
-    same_file::is_same_file(one, other).map_err(LabError::read(other))
+    Ok(same_file::is_same_file(one, other).map_err(RecordingError::read(other))?)
 }
 
 /// The path without links and dots, of which the end may not exist yet.

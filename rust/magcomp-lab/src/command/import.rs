@@ -1,11 +1,13 @@
 //! `magcomp import`.
 
 use super::common::{Common, input, output, refuse_outputs, warn, warn_of};
+use super::import_options::ImportArguments;
+use crate::atomic::write_atomically;
 use crate::error::LabError;
-use crate::import::{ImportOptions, import};
-use crate::recording::write_atomically;
+use crate::replay::session_table;
 use crate::report::Report;
 use clap::Args;
+use magcomp_recordings::import::import;
 use std::path::{Path, PathBuf};
 
 /// Make a phone logger's session into a recording; `replay` takes the same inputs.
@@ -23,7 +25,7 @@ pub(super) struct Import {
     #[arg(short, long, value_name = "OUT.csv.gz", value_parser = output)]
     output: PathBuf,
     #[command(flatten)]
-    options: ImportOptions,
+    options: ImportArguments,
     #[command(flatten)]
     common: Common,
 }
@@ -32,10 +34,11 @@ impl Import {
     pub fn run(self) -> Result<(), LabError> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         refuse_outputs(&inputs, &[("--output", &self.output)], self.common.report.as_deref())?;
-        let summary = import(&self.inputs, &self.options, |write| write_atomically(&self.output, |out| write(out)))?;
+        let (events, summary) = import(&self.inputs, &self.options.into())?;
+        write_atomically(&self.output, |out| events.write(out))?;
         warn(&summary.warnings);
         warn_of(&summary.conventions);
-        let table = summary.table();
+        let table = session_table(&summary);
         self.common.finish_beside(Some(&self.output), std::slice::from_ref(&table), &summary, || {
             let mut report = Report::new("A session imported", "What the logger recorded.");
             report.table(&table);

@@ -9,6 +9,7 @@ mod demo;
 mod evaluate;
 mod evaluate_recordings;
 mod import;
+mod import_options;
 mod replay;
 mod sensitivity;
 mod simulate;

@@ -1,20 +1,22 @@
 //! `magcomp replay`.
 
 use super::common::{Common, MethodChoice, between, input, output, refuse_outputs, warn, warn_of};
+use super::import_options::ImportArguments;
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
-use crate::import::{ImportOptions, Opened, Summary, open};
-use crate::place::{Day, GeoPoint, earth_field};
 use crate::progress;
-use crate::recording::{Row, files_of, name_of};
 use crate::replay::{
     Bearing, ExplainOutput, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Output, Played, Player, Verdict,
-    read_waypoints, usual_part, verdicts_table, write_calibration,
+    read_waypoints, session_table, usual_part, verdicts_table, write_calibration,
 };
 use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
+use magcomp_recordings::error::RecordingError;
+use magcomp_recordings::import::{ImportOptions, Opened, open};
+use magcomp_recordings::place::{Day, GeoPoint, earth_field};
+use magcomp_recordings::recording::{Row, files_of, name_of};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -43,7 +45,7 @@ pub(super) struct Replay {
     #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
-    import: ImportOptions,
+    import: ImportArguments,
     /// How M and b are estimated
     #[arg(long, value_enum, default_value_t)]
     method: MethodChoice,
@@ -152,9 +154,12 @@ impl From<CourseOf> for HeadedAxis {
 
 impl Replay {
     pub fn run(self) -> Result<(), LabError> {
-        match self.play(&self.inputs, &self.import) {
+        let import = self.import.clone().into();
+        match self.play(&self.inputs, &import) {
             Ok(played) => self.finish(played),
-            Err(LabError::Several { sessions, why }) => self.replay_each(sessions, why),
+            Err(LabError::Recording(RecordingError::Several { sessions, why })) => {
+                self.replay_each(&import, sessions, why)
+            }
             Err(why) => Err(why),
         }
     }
@@ -172,7 +177,7 @@ impl Replay {
     }
 
     /// Several recordings: a line each, and a page each where a report is wanted.
-    fn replay_each(&self, sessions: usize, why: String) -> Result<(), LabError> {
+    fn replay_each(&self, import: &ImportOptions, sessions: usize, why: String) -> Result<(), LabError> {
         let one_alone = self.output.is_some()
             || self.explain.is_some()
             || self.calibration.is_some()
@@ -180,11 +185,11 @@ impl Replay {
             || !self.mark.is_empty()
             || !self.bearing.is_empty();
         if one_alone {
-            return Err(LabError::Several { sessions, why });
+            return Err(RecordingError::Several { sessions, why }.into());
         }
         let parts: Vec<(String, PathBuf, ImportOptions)> = if sessions > 0 {
             let part = |number: usize| {
-                let options = ImportOptions { session: Some(number), ..self.import.clone() };
+                let options = ImportOptions { session: Some(number), ..import.clone() };
                 (format!("{}, session {number}", name_of(&self.inputs[0])), self.inputs[0].clone(), options)
             };
             (1..=sessions).map(part).collect()
@@ -193,10 +198,10 @@ impl Replay {
                 [folder] if folder.is_dir() => recordings_of(folder)?,
                 inputs => inputs.to_vec(),
             };
-            paths.into_iter().map(|path| (name_of(&path), path, self.import.clone())).collect()
+            paths.into_iter().map(|path| (name_of(&path), path, import.clone())).collect()
         };
         if parts.len() < 2 {
-            return Err(LabError::Several { sessions, why });
+            return Err(RecordingError::Several { sessions, why }.into());
         }
         let (mut lines, mut links) = (Vec::new(), Vec::new());
         for (name, path, options) in parts {
@@ -338,7 +343,7 @@ impl Replay {
         }
 
         let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-        let known = Known { session: session.as_ref().map(Summary::table), conventions, warnings };
+        let known = Known { session: session.as_ref().map(session_table), conventions, warnings };
         Ok(gathering.finish(&name_of(source.path()), &name, earth, &known))
     }
 }

@@ -1,6 +1,7 @@
 //! `magcomp simulate`.
 
 use super::common::{Common, between, finite, refuse_outputs};
+use crate::atomic::write_atomically;
 use crate::course::{Course, DevicePart};
 use crate::error::LabError;
 use crate::inertial::InertialSensor;
@@ -8,13 +9,13 @@ use crate::motion::Motion;
 use crate::parameters::{Numbers, ParameterSet, TrueParameters};
 use crate::plot::{Colour, Panel, Series, draw};
 use crate::random::{Purpose, Random};
-use crate::recording::{Recording, write_recording};
 use crate::report::Report;
 use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, Spikes, world_field_ut};
 use crate::surroundings::Surrounding;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
+use magcomp_recordings::recording::write_recording;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -113,7 +114,7 @@ impl Simulate {
         refuse_outputs(&[], &[("OUT.csv", &self.output)], self.common.report.as_deref())?;
         let scenario = self.scenario()?;
         let stream = scenario.run();
-        write_recording(&self.output, &Recording::of(&stream, "simulated"))?;
+        write_atomically(&self.output, |out| write_recording(out, &stream.recording("simulated")))?;
         let summary = Summary {
             output: self.output.display().to_string(),
             rows: stream.magnetic.len(),

@@ -3,10 +3,11 @@
 
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::error::LabError;
-use crate::recording::{Extent, Row, Source};
 use crate::replay::{Vectors, VectorsJudge};
 use magcomp::nalgebra::Vector3;
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
+use magcomp_recordings::error::RecordingError;
+use magcomp_recordings::recording::{Extent, Row, Source};
 use serde::Serialize;
 
 /// Share of a recording with a reference to learn from.
@@ -72,7 +73,7 @@ pub fn compare_recording(
 /// [`LabError::Config`], or the first of the rows.
 pub fn compare_rows(
     extent: &Extent,
-    rows: impl IntoIterator<Item = Result<Row, LabError>>,
+    rows: impl IntoIterator<Item = Result<Row, RecordingError>>,
     methods: &[Contestant],
     seed: u64,
 ) -> Result<Vec<RecordingScore>, LabError> {

@@ -6,10 +6,10 @@ use crate::error::LabError;
 use crate::motion::Motion;
 use crate::parallel::{cores, map};
 use crate::progress;
-use crate::recording::Recording;
 use crate::replay::{Ignore, Step};
 use crate::score::{Begin, Figures, Line, Runs, Stretch};
 use magcomp::Method;
+use magcomp_recordings::recording::Recording;
 use serde::Serialize;
 
 /// Options of the experiment.

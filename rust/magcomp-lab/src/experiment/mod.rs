@@ -19,11 +19,11 @@ pub mod story;
 
 use crate::catalogue::Variant;
 use crate::error::LabError;
-use crate::recording::Recording;
 use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::simulate::Simulation;
 use magcomp::{Config, Method};
+use magcomp_recordings::recording::Recording;
 use serde::Serialize;
 
 /// A variant's stream, and what a method makes of it.
@@ -39,7 +39,7 @@ pub fn answers(
     let scenario = variant.scenario(seed);
     let simulation = scenario.run();
     let config = Config { method, initial: variant.initial(&scenario), ..variant.config() };
-    let recording = Recording::of(&simulation, &variant.name);
+    let recording = simulation.recording(&variant.name);
     let mut player = Player::new(&config, ignore)?.adopting(variant.kept(&scenario));
     let steps = recording.rows.iter().map(|row| player.play(row)).collect();
     Ok((simulation, recording, steps))

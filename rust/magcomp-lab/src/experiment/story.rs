@@ -4,8 +4,8 @@ use super::compare_recording::compare_rows;
 use crate::baseline::Contestant;
 use crate::error::LabError;
 use crate::plot::{Colour, Layers, Panel, Series, draw};
-use crate::recording::Recording;
 use crate::replay::HeadingError;
+use magcomp_recordings::recording::Recording;
 use serde::Serialize;
 use std::ops::Range;
 

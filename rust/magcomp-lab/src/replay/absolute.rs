@@ -6,9 +6,9 @@
 use super::circle::{FEWEST, off_deg};
 use super::player::Step;
 use super::sizes::Sizes;
-use crate::recording::Row;
 use magcomp::nalgebra::Vector3;
 use magcomp::{ReferenceAxis, ScreenRotation, Status, heading};
+use magcomp_recordings::recording::Row;
 use serde::Serialize;
 
 /// Sine of the elevation of an axis whose heading is not judged any more, 60 degrees.

@@ -112,10 +112,10 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Recording, Row};
     use crate::replay::{Ignore, replay};
     use magcomp::nalgebra::Matrix3;
     use magcomp::{Calibration, Config};
+    use magcomp_recordings::recording::{Recording, Row};
 
     #[test]
     fn a_change_is_told_with_its_hard_iron_and_a_place_with_its_time() {

@@ -2,8 +2,8 @@
 
 use super::circle::Circle;
 use super::spread::Spread;
-use crate::recording::Row;
 use magcomp::nalgebra::Vector3;
+use magcomp_recordings::recording::Row;
 
 /// Vectors of one kind: the spread of their lengths, and the azimuths they have by the reference.
 #[derive(Clone, Debug, Default)]

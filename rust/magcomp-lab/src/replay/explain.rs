@@ -1,12 +1,13 @@
 //! `replay --explain`: why each reading said what it said, one row for every input row, in order.
 
 use super::output::{cell, vector};
+use crate::atomic::AtomicFile;
 use crate::error::LabError;
-use crate::recording::{AtomicFile, Row};
 use magcomp::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, EventKind, Explanation, HeadingAid,
     Reading, SampleUse, Status,
 };
+use magcomp_recordings::recording::Row;
 use std::io::{self, Write};
 use std::path::Path;
 

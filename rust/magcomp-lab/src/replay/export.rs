@@ -1,7 +1,7 @@
 //! The last calibration as JSON, which `Calibration` reads in Rust, Kotlin and Swift.
 
+use crate::atomic::write_atomically;
 use crate::error::LabError;
-use crate::recording::write_atomically;
 use magcomp::Compensator;
 use serde_json::{Map, Value, json};
 use std::path::Path;

@@ -9,10 +9,10 @@ use super::sphere::Sphere;
 use super::told::Mark;
 use crate::error::LabError;
 use crate::plot::{Band, Colour, Thin};
-use crate::recording::{Extent, Recording, Row};
 use crate::report::Report;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Explanation};
+use magcomp_recordings::recording::{Extent, Recording, Row};
 
 /// Lanes of the status strip, from the bottom, and their colours.
 pub(super) const LANES: [(&str, Colour); 6] = [

@@ -25,9 +25,9 @@ use super::player::Step;
 use super::sizes::Sizes;
 use super::spread::Spread;
 use super::turns::Turns;
-use crate::recording::{Extent, Recording, Row};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Event, ReferenceAxis, RejectReason, Status};
+use magcomp_recordings::recording::{Extent, Recording, Row};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -8,7 +8,7 @@ use super::legs::LegJudgement;
 use super::spread::MeanSpread;
 use super::told::{BearingTold, MarkTold};
 use super::turns::TurnJudgement;
-use crate::place::EarthField;
+use magcomp_recordings::place::EarthField;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

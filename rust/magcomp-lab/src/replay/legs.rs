@@ -6,9 +6,10 @@
 
 use super::level::AveragedUp;
 use super::player::Step;
-use crate::error::LabError;
-use crate::recording::{Row, read_table};
+use crate::beside::read_table;
 use magcomp::{ReferenceAxis, ScreenRotation, heading};
+use magcomp_recordings::error::RecordingError;
+use magcomp_recordings::recording::Row;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::Path;
@@ -39,8 +40,8 @@ pub struct LegJudgement {
 /// Reads waypoints: CSV with the header t_s,x_m,y_m (s; m, x right and y up on the map), gzipped or not.
 ///
 /// # Errors
-/// [`LabError::Recording`] for a file of another form, [`LabError::Read`] when it cannot be read.
-pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, LabError> {
+/// [`RecordingError::Form`] for a file of another form, [`RecordingError::Read`] when it cannot be read.
+pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, RecordingError> {
     read_table(path, "waypoints with the columns t_s,x_m,y_m")
 }
 
@@ -127,10 +128,10 @@ fn plus(sum: (f64, f64), angle_deg: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::Recording;
     use crate::replay::{Ignore, replay};
     use magcomp::nalgebra::Vector3;
     use magcomp::{Config, Method};
+    use magcomp_recordings::recording::Recording;
 
     #[test]
     fn a_turned_map_is_no_error_and_a_wrong_field_is() {

@@ -1,8 +1,8 @@
 //! The device's attitude without a magnetometer, for a judgement of the field that the field itself cannot flatter: gyroscope and
 //! gravity through VQF, whose yaw is free and drifts slowly; without a gyroscope the averaged accelerometer's `up` alone.
 
-use crate::recording::Row;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use magcomp_recordings::recording::Row;
 use vqf_rs::VQF;
 
 /// Events of each sensor that tell its rate before the filter starts.

@@ -3,8 +3,8 @@
 use super::player::Step;
 use super::square::{PANEL, Square, text};
 use crate::plot::{Colour, with_dark_style};
-use crate::recording::Recording;
 use magcomp::nalgebra::{Vector2, Vector3};
+use magcomp_recordings::recording::Recording;
 use std::ops::Range;
 
 /// Height of the line above a panel, pixels.

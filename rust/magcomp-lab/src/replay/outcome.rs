@@ -8,13 +8,13 @@ use super::player::Step;
 use super::told::{Bearing, Bearings, Mark};
 use super::verdict::Verdict;
 use super::view::table;
-use crate::conventions::Conventions;
 use crate::error::LabError;
-use crate::place::EarthField;
-use crate::recording::{Extent, Row};
 use crate::report::Report;
 use crate::table::Table;
 use magcomp::{Explanation, ReferenceAxis, Status};
+use magcomp_recordings::conventions::Conventions;
+use magcomp_recordings::place::EarthField;
+use magcomp_recordings::recording::{Extent, Row};
 use std::ops::Range;
 
 /// Judgement and pictures of a replay in the making.

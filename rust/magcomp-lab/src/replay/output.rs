@@ -1,10 +1,11 @@
 //! The output of `replay`: one row for every input row, in order.
 
 use super::player::Step;
+use crate::atomic::AtomicFile;
 use crate::error::LabError;
-use crate::recording::{AtomicFile, Row};
 use magcomp::Calibration;
 use magcomp::nalgebra::Vector3;
+use magcomp_recordings::recording::Row;
 use std::io::{self, Write};
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! A compensator that is given the rows of a recording, in order.
 
 use crate::error::LabError;
-use crate::recording::{Course, Inertial, Recording, Row};
 use magcomp::{
     Calibration, Compensator, Config, HeadedAxis, HeadingSample, KeptCalibration, MagneticSample, Method,
     NorthReference, Reading, RotationRateSample, Tunings, UpSample,
 };
+use magcomp_recordings::recording::{Course, Inertial, Recording, Row};
 use std::time::Instant;
 
 /// Sensors of the recording that are left out.

@@ -133,12 +133,12 @@ pub(super) fn signed(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::place::EarthField;
-    use crate::recording::{Recording, Row};
     use crate::replay::table;
     use crate::replay::{Ignore, Step, judge, replay, usual_part};
     use magcomp::nalgebra::{UnitQuaternion, Vector3};
     use magcomp::{Config, ReferenceAxis, ScreenRotation, heading};
+    use magcomp_recordings::place::EarthField;
+    use magcomp_recordings::recording::{Recording, Row};
 
     const HARD_IRON_UT: Vector3<f64> = Vector3::new(0.0, 300.0, 0.0);
     /// A field of 40 uT, 60 deg below the horizon.

@@ -3,9 +3,9 @@
 
 use super::marks::marks;
 use super::player::Step;
-use crate::recording::{Extent, Row};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Event};
+use magcomp_recordings::recording::{Extent, Row};
 use serde::Serialize;
 
 /// Samples kept, at most.

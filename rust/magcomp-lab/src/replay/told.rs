@@ -3,7 +3,7 @@
 use super::changes::Declared;
 use super::circle::off_deg;
 use super::player::Step;
-use crate::recording::Row;
+use magcomp_recordings::recording::Row;
 use serde::Serialize;
 use std::str::FromStr;
 

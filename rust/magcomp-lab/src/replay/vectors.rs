@@ -4,8 +4,8 @@ use super::circle::{Circle, HeadingError, off_deg};
 use super::directions::{Directions, azimuth_deg};
 use super::judge::usual_part;
 use super::spread::{MeanSpread, Spread};
-use crate::recording::{Extent, Row};
 use magcomp::nalgebra::Vector3;
+use magcomp_recordings::recording::{Extent, Row};
 use serde::Serialize;
 
 /// Length of a span of the heading's course, s, and the most spans of one.

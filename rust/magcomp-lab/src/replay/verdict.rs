@@ -3,9 +3,9 @@
 use super::judgement::Judgement;
 use super::sentences::short;
 use super::spread::MeanSpread;
-use crate::conventions::{Conventions, Weight};
-use crate::error::shorten;
 use crate::table::Table;
+use magcomp_recordings::conventions::{Conventions, Weight};
+use magcomp_recordings::error::shorten;
 use serde::Serialize;
 
 /// Limits from which on a figure is doubtful, and bad. Quiet rooms have a spread of the dip of 1 to 3 deg and of the total field of 2 to 5 %;

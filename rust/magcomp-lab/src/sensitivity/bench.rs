@@ -3,7 +3,6 @@
 use super::score::{Outcome, Unit, Way};
 use crate::catalogue::{Group, Variant, find};
 use crate::error::LabError;
-use crate::recording::Recording;
 use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::trials::{Folder, TrialScore};
@@ -115,7 +114,7 @@ pub(super) fn group_name(group: Group) -> String {
 pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), LabError> {
     let scenario = variant.scenario(seed);
     let (simulation, initial) = (scenario.run(), variant.initial(&scenario));
-    let recording = Recording::of(&simulation, &variant.name);
+    let recording = simulation.recording(&variant.name);
     let outcomes = settings.iter().map(|tunings| {
         let config = Config { initial, ..variant.config() };
         let mut player = Player::tuned(config, way.method(), way.ignore(), *tunings)?.adopting(variant.kept(&scenario));

@@ -55,8 +55,8 @@ enum Job<'a> {
 /// Every choice and mechanism that is asked for, as the page docs/dev/TUNING.md.
 ///
 /// # Errors
-/// [`LabError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference; [`LabError::Read`] and
-/// [`LabError::Recording`] name a file that is at fault.
+/// [`LabError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference;
+/// [`LabError::Recording`] names a file that is at fault.
 pub fn run(options: &SensitivityOptions) -> Result<Table, LabError> {
     if options.seeds.start() == options.seeds.end() {
         return Err(LabError::Usage("one seed tells no noise; give two at least, such as --seeds 1-8".to_owned()));

@@ -1,7 +1,8 @@
 //! The recordings of a folder that have a reference.
 
 use crate::error::LabError;
-use crate::recording::{files_of, unzipped};
+use magcomp_recordings::error::RecordingError;
+use magcomp_recordings::recording::{files_of, unzipped};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -21,7 +22,7 @@ pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
     };
     let mut found = Vec::new();
     for path in &paths {
-        if is_csv(path) && !is_second_half(path) && has_reference(path).map_err(LabError::read(path))? {
+        if is_csv(path) && !is_second_half(path) && has_reference(path).map_err(RecordingError::read(path))? {
             found.push(path.clone());
         }
     }
@@ -34,20 +35,20 @@ pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
 
 /// A recording's name in tables and for patterns: its file's without .csv or .csv.gz.
 pub(super) fn name_of(path: &Path) -> String {
-    let name = crate::recording::name_of(path);
+    let name = magcomp_recordings::recording::name_of(path);
     let short = name.strip_suffix(".gz").unwrap_or(&name);
     short.strip_suffix(".csv").unwrap_or(short).to_owned()
 }
 
 /// The operating system's half of a trial, where it lies beside the raw one.
 pub(super) fn system_half(path: &Path) -> Option<PathBuf> {
-    let name = crate::recording::name_of(path);
+    let name = magcomp_recordings::recording::name_of(path);
     let half = path.with_file_name(name.replace(RAW, SYSTEM));
     (half != path && half.is_file()).then_some(half)
 }
 
 fn is_csv(path: &Path) -> bool {
-    let name = crate::recording::name_of(path);
+    let name = magcomp_recordings::recording::name_of(path);
     name.ends_with(".csv") || name.ends_with(".csv.gz")
 }
 

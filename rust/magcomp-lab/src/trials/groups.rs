@@ -1,9 +1,10 @@
 //! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
 //! recording,group[,declination_deg[,magnet_s]]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
 
-use crate::error::{LabError, Place};
-use crate::recording::read_table;
+use crate::beside::read_table;
+use crate::error::LabError;
 use glob::Pattern;
+use magcomp_recordings::error::{Place, RecordingError};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,7 @@ impl Groups {
         let lines: Vec<Line> =
             read_table(&path, "an index with the columns recording,group[,declination_deg[,magnet_s]]")?;
         let rule = |(k, line): (usize, Line)| {
-            let wrong = |expected: &str, found: String| LabError::Recording {
+            let wrong = |expected: &str, found: String| RecordingError::Form {
                 place: Place { path: path.clone(), line: k as u64 + 2, column: None },
                 expected: expected.to_owned(),
                 found,
@@ -78,7 +79,7 @@ impl Groups {
             let magnet_s = magnet_s.transpose()?;
             Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s })
         };
-        let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, _>>()?;
+        let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, RecordingError>>()?;
         Ok(Self { path: Some(path), rules })
     }
 

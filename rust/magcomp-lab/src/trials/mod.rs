@@ -26,7 +26,7 @@ use std::path::Path;
 /// (`magcomp evaluate --help`), the folder's own `INDEX.csv` when it is none. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`LabError::Read`] and [`LabError::Recording`] name the file that is at fault; [`LabError::Usage`] where no recording has a
+/// [`LabError::Recording`] names the file that is at fault; [`LabError::Usage`] where no recording has a
 /// reference.
 pub fn judge_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Trials, LabError> {
     let paths = recordings(folder)?;

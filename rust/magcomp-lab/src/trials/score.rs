@@ -4,10 +4,11 @@ use super::figures::{FIGURES, Worse, device_steps};
 use super::folder::name_of;
 use super::groups::{Groups, Told};
 use crate::error::LabError;
-use crate::import::{ImportOptions, Opened, open};
-use crate::recording::{Extent, Row};
 use crate::replay::{Ignore, Judge, Judgement, Player, usual_part};
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
+use magcomp_recordings::error::RecordingError;
+use magcomp_recordings::import::{ImportOptions, Opened, open};
+use magcomp_recordings::recording::{Extent, Row};
 use serde::Serialize;
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
@@ -112,7 +113,7 @@ pub(super) fn config(declination_deg: f64) -> Config {
 pub(super) fn judge_rows<R: Borrow<Row>>(
     mut player: Player,
     extent: &Extent,
-    rows: impl Iterator<Item = Result<R, LabError>>,
+    rows: impl Iterator<Item = Result<R, RecordingError>>,
 ) -> Result<Judgement, LabError> {
     let mut judge = Judge::new(extent, usual_part(extent), AXIS);
     for row in rows {

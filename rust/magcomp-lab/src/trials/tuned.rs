@@ -5,11 +5,11 @@ use super::folder::{name_of, recordings};
 use super::groups::{Groups, INDEX, Told};
 use super::score::{config, judge_rows};
 use crate::error::LabError;
-use crate::import::{ImportOptions, open};
-use crate::recording::{Extent, Row};
 use crate::replay::{Ignore, Judgement, Player};
 use crate::score::is_explained;
 use magcomp::{Method, Tunings};
+use magcomp_recordings::import::{ImportOptions, open};
+use magcomp_recordings::recording::{Extent, Row};
 use std::path::{Path, PathBuf};
 
 /// The recordings of a folder that have a reference, and what its index says of them.
@@ -62,7 +62,7 @@ impl Folder {
     /// Reads one of them.
     ///
     /// # Errors
-    /// [`LabError::Read`] and [`LabError::Recording`] name what is wrong with the file.
+    /// [`LabError::Recording`] names what is wrong with the file.
     pub fn read(&self, path: &Path) -> Result<Trial, LabError> {
         let name = name_of(path);
         let Told { group, declination_deg, magnet_s } = self.groups.find(&name);
@@ -156,7 +156,9 @@ mod tests {
         assert_eq!(trial.magnet_s, Some((45.1, 99.8)));
         let extent = Extent::default();
         let player = Player::new(&config(0.0), Ignore::default()).unwrap();
-        let mut found = judge_rows(player, &extent, std::iter::empty::<Result<Row, LabError>>()).unwrap();
+        let mut found =
+            judge_rows(player, &extent, std::iter::empty::<Result<Row, magcomp_recordings::error::RecordingError>>())
+                .unwrap();
         let change = |since_s, decided_s| DeviceChange { since_s, decided_s, back: false, hard_iron_change_ut: None };
         found.device_changes = vec![change(45.0, 46.0), change(70.0, 71.0), change(100.0, 101.0), change(45.0, 45.05)];
         assert_eq!(trial.false_steps(&found, 0.0), 2);

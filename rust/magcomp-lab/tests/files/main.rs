@@ -3,6 +3,8 @@
 
 #![cfg(all(unix, feature = "formats"))]
 
+#[path = "../../../magcomp-recordings/tests/bag/mod.rs"]
+mod bag;
 mod bags;
 mod damage;
 mod left_out;
@@ -75,9 +77,9 @@ fn field(rows: usize) -> String {
     logged(rows, |k| [20.0 + k as f64 % 7.0, 30.0, -40.0])
 }
 
-/// A file of `tests/sessions`.
+/// A file of the importers' tests.
 fn session(name: &str) -> Vec<u8> {
-    fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sessions").join(name)).unwrap()
+    fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../magcomp-recordings/tests/sessions").join(name)).unwrap()
 }
 
 const TABLE: [&str; 4] = ["--columns", "t=time,mx=bx,my=by,mz=bz,gx=rate_x,gy=rate_y,gz=rate_z", "--units", "t=ns"];

@@ -1,6 +1,6 @@
 //! Pipes are read once, from their first byte.
 
-use crate::bags::bag;
+use crate::bag::bag;
 use crate::{GNSS, TABLE, field, folder, run_in, session};
 use std::fs;
 use std::io::{Cursor, Write as _};

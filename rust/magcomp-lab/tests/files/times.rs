@@ -1,6 +1,6 @@
 //! Times that are too coarse, too far away, or that tell a date.
 
-use crate::bags::bag;
+use crate::bag::bag;
 use crate::{folder, imported, refused, run_in};
 use std::fs;
 

@@ -66,8 +66,8 @@ const HEADER: &str = "time,seconds_elapsed,z,y,x\n";
 const RAW: &str =
     "time,seconds_elapsed,z,y,x\n1700000000000000000,0.0,-400,30,200\n1700000000010000100,0.0100001,-401,31,201\n";
 
-/// A file of `tests/sessions`, which `make.py` there made with other people's writers.
+/// A file of `tests/sessions` of the importers' crate, which `make.py` there made with other people's writers.
 #[cfg(feature = "formats")]
 fn session(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sessions").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../magcomp-recordings/tests/sessions").join(name)
 }

@@ -1,0 +1,198 @@
+"""Many recordings at once: the same answers as one by one, errors by recording, Ctrl-C, results that are taken up again, engines."""
+
+import os
+import pickle
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import dask.dataframe
+import numpy as np
+import pandas
+import polars
+import pyarrow
+import pytest
+
+import magcomp
+import magcomp.dask
+import magcomp.spark
+
+from conftest import ROOT
+from test_borders import TIMES, turned
+
+RECORDINGS = sorted((ROOT / "tests/recordings").glob("broad_*.csv.gz"))[:3]
+
+
+def one_by_one(recordings):
+    """What `process` answers for each, below one another."""
+    frames = []
+    for path in recordings:
+        session = magcomp.read_session(path)
+        frame = magcomp.to_frame(session["time_ns"], magcomp.Compensator().process(**session)).reset_index()
+        frames.append(frame.assign(recording=str(path)))
+    return pandas.concat(frames, ignore_index=True)
+
+
+def same(found, expected):
+    for name in ("recording", "status"):
+        assert found[name].astype(str).tolist() == expected[name].tolist(), name
+    for name in ("time_ns", "field_x_ut", "filtered_field_z_ut", "field_sigma_ut", "heading_deg", "heading_sigma_deg", "direction_sigma_deg"):
+        np.testing.assert_array_equal(found[name].to_numpy(), expected[name].to_numpy(), name)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return one_by_one(RECORDINGS)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_answers_are_those_of_process_and_an_error_ends_nothing(expected, tmp_path, capsys):
+    broken = tmp_path / "broken.csv"
+    broken.write_text("nothing of a sensor\n")
+    many = magcomp.process_many([RECORDINGS[0], broken, *RECORDINGS[1:], "nowhere.csv"], workers=3)
+    assert many.recordings == [str(path) for path in RECORDINGS] and len(many) == len(expected)
+    assert list(many.errors) == [str(broken), "nowhere.csv"]
+    assert "broken.csv" in many.errors[str(broken)] and "nowhere.csv" in many.errors["nowhere.csv"]
+    assert set(many.warnings) == set(many.left_out) == set(many.events) == set(many.recordings)
+    same(many.to_pandas(), expected)
+    assert capsys.readouterr().err.endswith("5 of 5 recordings, 2 errors\n")
+
+
+def test_arrow_and_polars_read_it(expected):
+    many = magcomp.process_many(RECORDINGS, progress=False)
+    table = pyarrow.table(many)
+    same(table.to_pandas(), expected)
+    same(polars.DataFrame(many).to_pandas(), expected)
+    assert table["heading_deg"].null_count == expected["heading_deg"].isna().sum() > 0
+
+
+def test_tables_are_taken_and_what_is_wrong_with_one_is_its_error():
+    h = turned(2000)
+    frame = pandas.DataFrame(h, columns=["mx", "my", "mz"]).assign(time_ns=TIMES)
+    session = {"time_ns": TIMES, "field_ut": h, "rotation_rate": None, "up": None}
+    tables = {"frame": frame, "session": session, "seconds": {**session, "time_ns": TIMES / 1e9}, "bare": frame.drop(columns="mz"), "no": 7}
+    many = magcomp.process_many(tables, progress=False, method="Adaptive")
+    assert many.recordings == ["frame", "session"] and list(many.errors) == ["seconds", "bare", "no"]
+    assert "whole nanoseconds" in many.errors["seconds"] and "missing: mz" in many.errors["bare"] and "it is a int" in many.errors["no"]
+    found = many.to_pandas()
+    expected = magcomp.Compensator(method="Adaptive").process(TIMES, h)["field_ut"][:, 0]
+    for name in many.recordings:
+        np.testing.assert_array_equal(found.loc[found.recording == name, "field_x_ut"], expected)
+
+
+def test_what_is_no_list_of_recordings_is_refused():
+    for given, why in [("a.csv", "needs a list"), ({"time_ns": [], "field_ut": []}, "needs a list"), (["a.csv", "a.csv"], "twice")]:
+        with pytest.raises(magcomp.MagcompError, match=why):
+            magcomp.process_many(given)
+    with pytest.raises(magcomp.MagcompError, match="workers is 0"):
+        magcomp.process_many([], workers=0)
+    with pytest.raises(magcomp.ConfigError, match="methode"):
+        magcomp.process_many([], methode="Aided")
+
+
+def test_a_folder_of_results_is_taken_up_again(expected, tmp_path):
+    results = tmp_path / "results"
+    own = tmp_path / "own.csv.gz"
+    shutil.copy(RECORDINGS[1], own)
+    paths = [RECORDINGS[0], own, tmp_path / "later.csv.gz"]
+    first = magcomp.process_many(paths, results=results, progress=False)
+    assert list(first.errors) == [str(paths[2])]
+    written = {path.name: path.stat().st_mtime_ns for path in results.iterdir()}
+    assert len(written) == 2 and all(name.endswith(".arrow") for name in written)
+    # one is new, one is another file of the same name, one is taken as it is
+    shutil.copy(RECORDINGS[2], paths[2])
+    shutil.copy(RECORDINGS[2], own)
+    second = magcomp.process_many(paths, results=results, progress=False)
+    now = {path.name: path.stat().st_mtime_ns for path in results.iterdir()}
+    assert not second.errors and len(now) == 3 and sum(now[name] == at for name, at in written.items()) == 1
+    found = second.to_pandas()
+    names = {str(RECORDINGS[0]): str(paths[0]), str(RECORDINGS[2]): str(own)}
+    for source, name in names.items():
+        part = expected[expected.recording == source]
+        same(found[found.recording == name].assign(recording=source), part)
+    # other settings are another run
+    other = magcomp.process_many(paths[:1], results=results, progress=False, heading={"declination_deg": 3.0})
+    assert other.to_pandas()["true_heading_deg"].notna().any()
+    # a file that a run left half
+    half = next(results.iterdir())
+    half.write_bytes(half.read_bytes()[:1000])
+    assert not magcomp.process_many(paths, results=results, progress=False).errors
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_ctrl_c_ends_it(tmp_path):
+    """While recordings are answered that would take minutes."""
+    program = f"""
+import magcomp, numpy as np
+field = np.random.default_rng(1).normal(size=(1_000_000, 3)) * 20 + 30
+table = {{"time_ns": np.arange(len(field)) * 10_000_000, "field_ut": field, "rotation_rate": None, "up": None}}
+print("begun", flush=True)
+try:
+    magcomp.process_many({{str(k): table for k in range(4)}}, progress=False)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-P", "-c", program], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(1)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+    assert out == "interrupted\n" and process.returncode == 0
+
+
+def test_other_threads_run_meanwhile():
+    ticks, ended = [], threading.Event()
+
+    def tick():
+        while not ended.wait(0.001):
+            ticks.append(1)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    magcomp.process_many(RECORDINGS, progress=False)
+    ended.set()
+    thread.join()
+    assert ticks
+
+
+def test_a_new_compensator_is_pickled_and_one_that_learned_is_not():
+    made = magcomp.Compensator(method="Adaptive", rail_ut=1200.0)
+    again = pickle.loads(pickle.dumps(made))
+    assert again.config == made.config
+    h = turned(500)
+    np.testing.assert_array_equal(again.process(TIMES[:500], h)["field_ut"], made.process(TIMES[:500], h)["field_ut"])
+    with pytest.raises(magcomp.MagcompError, match="keep"):
+        pickle.dumps(made)
+    version = magcomp.__version__.encode()
+    other = pickle.dumps(magcomp.Compensator()).replace(version, b"9" * len(version))
+    with pytest.raises(magcomp.MagcompError, match="pickled by magcomp 9"):
+        pickle.loads(other)
+
+
+def engine_rows(found, expected):
+    failed = found["error"].notna()
+    assert found.loc[failed, "recording"].tolist() == ["nowhere.csv"] and "nowhere.csv" in found.loc[failed, "error"].item()
+    order = ["recording", "time_ns"]
+    found, expected = found[~failed].sort_values(order), expected.sort_values(order)
+    same(found.astype({"time_ns": np.int64}), expected)
+
+
+def test_spark_gives_the_same_rows(expected, monkeypatch):
+    sql = pytest.importorskip("pyspark.sql")
+    monkeypatch.setenv("PYSPARK_PYTHON", sys.executable)
+
+    session = sql.SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false").getOrCreate()
+    try:
+        paths = session.createDataFrame([(str(path),) for path in [*RECORDINGS, "nowhere.csv"]], ["recording"])
+        engine_rows(magcomp.spark.process_many(paths.repartition(2)).toPandas(), expected)
+    finally:
+        session.stop()
+
+
+def test_dask_gives_the_same_rows(expected):
+    paths = dask.dataframe.from_pandas(pandas.DataFrame({"recording": [str(path) for path in [*RECORDINGS, "nowhere.csv"]]}), npartitions=2)
+    engine_rows(magcomp.dask.process_many(paths).compute(scheduler="processes"), expected)

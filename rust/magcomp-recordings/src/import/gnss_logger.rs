@@ -1,0 +1,99 @@
+//! GnssLogger (Google) and loggers of its form: each row begins with the name of its kind, then has `utcTimeMillis,
+//! elapsedRealtimeNanos, x, y, z`, and for an uncalibrated sensor the system's estimate of the bias. From LOGGING_FORMAT.md
+//! (github.com/google/gps-measurement-tools).
+//!
+//! A fix is `Fix,Provider,LatitudeDegrees,LongitudeDegrees,AltitudeMeters,SpeedMps,AccuracyMeters,BearingDegrees,UnixTimeMillis,
+//! SpeedAccuracyMps,BearingAccuracyDegrees,elapsedRealtimeNanos,...`.
+//!
+//! The system's calibrated field is `Mag` where it was recorded, else `UncalMag` less its bias.
+
+use super::document::Document;
+use super::fix::course;
+use super::session::Session;
+use super::sheet::Sheet;
+use crate::error::RecordingError;
+
+/// Columns of a row: milliseconds since 1970, the time, the value, the bias.
+const UNIX_MS: usize = 1;
+const TIME: usize = 2;
+const VALUE: [usize; 3] = [3, 4, 5];
+const BIAS: [usize; 3] = [6, 7, 8];
+/// Columns of a fix: latitude and longitude, degrees, and height, m; m/s, degrees, degrees, the time of the sensors' clock.
+const FIX_PLACE: [usize; 3] = [2, 3, 4];
+const FIX_SPEED: usize = 5;
+const FIX_BEARING: usize = 7;
+const FIX_ACCURACY: usize = 10;
+const FIX_TIME: usize = 11;
+/// Rows of sensors that are read.
+const KINDS: [&str; 6] = ["UncalMag", "Mag", "UncalGyro", "Gyro", "UncalAccel", "Accel"];
+
+/// Whether some row of the first few hundred kilobytes is of this form.
+pub(super) fn is_log(document: &Document) -> bool {
+    let start = &document.text[..document.text.len().min(300_000)];
+    let kind = |line: &[u8]| {
+        KINDS.iter().any(|kind| line.strip_prefix(kind.as_bytes()).is_some_and(|rest| rest.starts_with(b",")))
+    };
+    start.split(|byte| *byte == b'\n').any(kind)
+}
+
+pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
+    let [mut session, mut calibrated] = [Session::default(), Session::default()];
+    let mut first: Option<&Document> = None;
+    for document in documents {
+        let sheet = Sheet::new(document);
+        let before = session.raw.events.len() + calibrated.raw.events.len();
+        let cut = sheet.lines(|cells| {
+            let kind = cells.text(0);
+            if kind == "Fix" {
+                let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
+                let found = course(known(FIX_BEARING), known(FIX_ACCURACY), known(FIX_SPEED));
+                session.stand_at(known(FIX_PLACE[0]), known(FIX_PLACE[1]), known(FIX_PLACE[2]));
+                // an older log has no time of the sensors' clock in its fixes
+                if let (Some(course), Ok(time_ns)) = (found, cells.time_ns(FIX_TIME, 1)) {
+                    session.course.add(time_ns, course, || [cells.place(FIX_TIME), cells.place(FIX_BEARING)])?;
+                }
+                return Ok(());
+            }
+            if !KINDS.contains(&kind.as_str()) {
+                return Ok(());
+            }
+            let time_ns = cells.time_ns(TIME, 1)?;
+            session.start_unix_ns = session.start_unix_ns.or_else(|| cells.time_ns(UNIX_MS, 1_000_000).ok());
+            let Some(value) = cells.vector(VALUE)? else { return Ok(()) };
+            let of = if kind.starts_with("Uncal") { &mut session } else { &mut calibrated };
+            let stream = match kind.as_str() {
+                "UncalMag" | "Mag" => &mut of.raw,
+                "UncalGyro" | "Gyro" => &mut of.rate,
+                _ => &mut of.up,
+            };
+            stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])])?;
+            if kind == "UncalMag"
+                && let Some(bias) = cells.vector(BIAS)?
+            {
+                session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])])?;
+            }
+            Ok(())
+        })?;
+        cut.iter().for_each(|why| session.cut_off(why));
+        if session.raw.events.len() + calibrated.raw.events.len() > before {
+            if let Some(first) = first {
+                return Err(RecordingError::several(&first.path, &document.path));
+            }
+            first = Some(document);
+        }
+    }
+    if session.raw.events.is_empty() && !calibrated.raw.events.is_empty() {
+        session.raw = calibrated.raw;
+        session
+            .notes
+            .push("the magnetometer is the one that the system calibrates: the log has no UncalMag rows".to_owned());
+    } else if !calibrated.raw.events.is_empty() {
+        session.system = calibrated.raw;
+    }
+    for (uncalibrated, calibrated) in [(&mut session.rate, calibrated.rate), (&mut session.up, calibrated.up)] {
+        if uncalibrated.events.is_empty() {
+            *uncalibrated = calibrated;
+        }
+    }
+    Ok(session)
+}

@@ -1,0 +1,149 @@
+//! phyphox (RWTH Aachen): a zip with one CSV for each sensor, or one CSV; `Time (s)` counts from the start of the experiment. The
+//! app writes commas, semicolons or tabs, a decimal point or a decimal comma, and names the columns in the user's language. So
+//! the unit in a column's name tells the sensor, and the last letter before it the axis. Accelerations are taken to have
+//! Android's sign on both platforms. phyphox does not say whether the system calibrated the field.
+
+use super::document::Document;
+use super::fix::course;
+use super::session::Session;
+use super::sheet::Sheet;
+use crate::error::RecordingError;
+use std::path::Path;
+
+/// Nanoseconds of a second.
+const SECOND_NS: i64 = 1_000_000_000;
+
+/// Parts of the names of files that sensors have in any language.
+const SENSORS: [&str; 3] = ["magn", "gyro", "accel"];
+
+#[derive(Clone, Copy, PartialEq)]
+enum Sensor {
+    Field,
+    Rate,
+    Acceleration,
+}
+
+/// The sensor and axis that a column's name says: `Gyroscope y (rad/s)`.
+fn column(name: &str) -> Option<(Sensor, usize)> {
+    let (what, unit) = name.strip_suffix(')')?.rsplit_once('(')?;
+    let axis =
+        ["x", "y", "z"].iter().position(|axis| what.to_lowercase().split_whitespace().next_back() == Some(axis))?;
+    // the micro sign has two code points, and one more in files of other encodings
+    let sensor = match unit {
+        "rad/s" => Sensor::Rate,
+        "m/s^2" | "m/s²" => Sensor::Acceleration,
+        _ if unit.ends_with('T') && unit.chars().count() == 2 => Sensor::Field,
+        _ => return None,
+    };
+    Some((sensor, axis))
+}
+
+/// Whether the acceleration in this column or file is without gravity.
+fn is_linear(name: &str) -> bool {
+    name.to_lowercase().contains("linear")
+}
+
+/// The columns of fixes, by their units in any language: `Latitude (°)`, `Longitude (°)`, `Height (m)`, `Velocity (m/s)`, `Direction (°)`.
+struct Location {
+    angles: [usize; 3],
+    height: Option<usize>,
+    speed: usize,
+}
+
+impl Location {
+    fn of(header: &[String]) -> Option<Self> {
+        let unit = |name: &String| Some(name.strip_suffix(')')?.rsplit_once('(')?.1.to_owned());
+        let of = |wanted: &[&str]| {
+            let is = move |name: &String| unit(name).is_some_and(|unit| wanted.contains(&unit.as_str()));
+            header.iter().enumerate().filter(|(_, name)| is(name)).map(|(column, _)| column).collect::<Vec<_>>()
+        };
+        // a degree sign in another encoding is one character that is no letter
+        let degrees: Vec<usize> = (header.iter().enumerate())
+            .filter(|(_, name)| unit(name).is_some_and(|unit| unit.chars().count() == 1 && !unit.is_ascii()))
+            .map(|(column, _)| column)
+            .collect();
+        let [latitude, longitude, direction, ..] = degrees[..] else { return None };
+        header.first().filter(|name| name.ends_with("(s)"))?;
+        let speed = *of(&["m/s"]).first()?;
+        Some(Self { angles: [latitude, longitude, direction], height: of(&["m"]).first().copied(), speed })
+    }
+
+    fn read(&self, sheet: &Sheet<'_>, session: &mut Session) -> Result<(), RecordingError> {
+        let [latitude, longitude, direction] = self.angles;
+        sheet.rows(|cells| {
+            let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
+            session.stand_at(known(latitude), known(longitude), self.height.map_or(f64::NAN, known));
+            if let Some(course) = course(known(direction), f64::NAN, known(self.speed)) {
+                let time_ns = cells.time_ns(0, SECOND_NS)?;
+                session.course.add(time_ns, course, || [cells.place(0), cells.place(direction)])?;
+            }
+            Ok(())
+        })?;
+        Ok(())
+    }
+}
+
+pub(super) fn is_header(header: &[String]) -> bool {
+    header.first().is_some_and(|name| name.ends_with("(s)")) && header.iter().any(|name| column(name).is_some())
+}
+
+pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
+    let mut session = Session::default();
+    let mut linear = false;
+    for document in documents {
+        let sheet = Sheet::new(document);
+        if !is_header(&sheet.header) {
+            if let Some(began) = sheet.column("system time") {
+                let began = sheet.first_row().and_then(|cells| cells.time_ns(began, SECOND_NS).ok());
+                session.start_unix_ns = session.start_unix_ns.or(began);
+            } else if let Some(location) = Location::of(&sheet.header) {
+                if let Err(why) = location.read(&sheet, &mut session) {
+                    session.leave_out(&document.stem(), why);
+                }
+            } else if SENSORS.iter().any(|name| document.stem().contains(name)) {
+                session.leave_out(
+                    &document.stem(),
+                    format!("{}: no header of phyphox, but {}", document.path.display(), sheet.shown()),
+                );
+            }
+            continue;
+        }
+        for sensor in [Sensor::Field, Sensor::Rate, Sensor::Acceleration] {
+            let axis = |wanted: usize| {
+                let has = |name: &String| column(name) == Some((sensor, wanted)) && !is_linear(name);
+                sheet.header.iter().position(has)
+            };
+            let Some(axes) = axis(0).zip(axis(1)).zip(axis(2)).map(|((x, y), z)| [x, y, z]) else {
+                linear |= sensor == Sensor::Acceleration && sheet.header.iter().any(|name| is_linear(name));
+                continue;
+            };
+            if sensor == Sensor::Acceleration && is_linear(&document.stem()) {
+                linear = true;
+                continue;
+            }
+            let stream = match sensor {
+                Sensor::Field => &mut session.raw,
+                Sensor::Rate => &mut session.rate,
+                Sensor::Acceleration => &mut session.up,
+            };
+            if !stream.events.is_empty() {
+                let before = stream.first.as_ref().map_or(Path::new("another file"), |[place, _]| &place.path);
+                return Err(RecordingError::several(before, &document.path));
+            }
+            match sheet.stream(0, axes, |cells| cells.time_ns(0, SECOND_NS)) {
+                Err(why) if sensor != Sensor::Field => session.leave_out(&document.stem(), why),
+                found => *stream = found?,
+            }
+        }
+    }
+    if !session.raw.events.is_empty() {
+        let note = "phyphox does not say whether the system calibrated the field: switch its magnetometer to uncalibrated where it can";
+        session.notes.push(note.to_owned());
+    }
+    if linear && session.up.events.is_empty() {
+        session
+            .notes
+            .push("linear acceleration has no gravity in it and was left out; record acceleration with g".to_owned());
+    }
+    Ok(session)
+}
