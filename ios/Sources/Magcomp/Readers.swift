@@ -126,7 +126,6 @@ final class Readers: Sendable {
         // else whoever asked has left
         if !Task.isCancelled {
             do {
-                await estimation.settled()
                 try await estimation.begin()
                 try await feedAll(run)
             } catch {
@@ -261,7 +260,8 @@ final class Taken: Sendable {
 
     /// Waits for that many; one task at a time. False when patience was lost before.
     func atLeast(_ wanted: Int) async -> Bool {
-        await withCheckedContinuation { continuation in
+        if count >= wanted { return true }
+        return await withCheckedContinuation { continuation in
             let woken = state.change { state in
                 (state.wanted, state.waiting, state.wait) = (wanted, continuation, state.wait + 1)
                 return state.wake(true)

@@ -192,6 +192,9 @@ import Testing
     }
 
     @Test func theTwinSavesForgetsAndTellsAsTheModelDoes() async throws {
+        let wrong = CompassObject(compass: Compass(source: Played(events: [])), display: CompassDisplay(rateHz: 0))
+        await wrong.run()
+        #expect(wrong.state.error != nil)
         let (source, store) = (Live(), Slow())
         let object = CompassObject(
             compass: Compass(source: source, store: store), display: CompassDisplay(rateHz: 10))
