@@ -260,8 +260,7 @@ final class Taken: Sendable {
 
     /// Waits for that many; one task at a time. False when patience was lost before.
     func atLeast(_ wanted: Int) async -> Bool {
-        if count >= wanted { return true }
-        return await withCheckedContinuation { continuation in
+        await withCheckedContinuation { continuation in
             let woken = state.change { state in
                 (state.wanted, state.waiting, state.wait) = (wanted, continuation, state.wait + 1)
                 return state.wake(true)
