@@ -23,8 +23,8 @@ for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompF
     # the generator leaves spaces at line ends
     sed -i 's/[ \t]*$//' "$fresh/$file"
 done
-perl bindings/kotlin.pl "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
-perl bindings/swift.pl "$fresh/swift/Magcomp.swift"
+perl bindings/uniffi.pl kotlin "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
+perl bindings/uniffi.pl swift "$fresh/swift/Magcomp.swift"
 perl bindings/texts.pl "$fresh/texts"
 made=(android/library/src/main/res android/library/src/maven android/aar/src/main/aar/R.txt ios/Sources/Magcomp/Resources ios/Sources/Magcomp/EnglishTexts.swift)
 if [ "${1:-}" = --check ]; then

@@ -19,7 +19,7 @@ rust() {
 swift() {
     need api python3:python3
     python3 - "$target/swift/symbols" <<'PYTHON'
-import json, pathlib, sys
+import json, pathlib, re, sys
 
 lines, conforms = set(), {}
 graphs = [json.loads(file.read_text()) for file in pathlib.Path(sys.argv[1]).glob("Magcomp*.symbols.json")]
@@ -38,6 +38,15 @@ for symbol in (symbol for graph in graphs for symbol in graph["symbols"]):
         lines.add(" ".join(f"{'.'.join(symbol['pathComponents'])}: {declaration}{also and ' // ' + also}".split()))
 if not any(line.startswith("Compass.") for line in lines):
     sys.exit(f"api: {sys.argv[1]} has no symbols of the package; run tests/swift.sh build")
+names = {line.split(":")[0].split("(")[0] for line in lines}
+# SwiftUI's views too, which Linux does not compile
+for file in pathlib.Path("ios/Sources/Magcomp").glob("*.swift"):
+    names.update(re.findall(r"^public (?:final class|class|struct|enum|protocol) (\w+)", file.read_text(), re.M))
+elsewhere = [line.split(":")[1].split() for line in pathlib.Path("ios/Tests/Consumer/names.txt").read_text().splitlines() if line[:1] != "#"]
+clash = {name for name in names for theirs in elsewhere if name in theirs}
+clash |= {name for name in names if re.match("(AR|CA|CG|CL|CM|MK|MLN|NS|RK|SCN|UI)[A-Z]", name)}
+if clash:
+    sys.exit(f"api: names that an app has from elsewhere (ios/Tests/Consumer/names.txt): {sorted(clash)}")
 print("\n".join(sorted(lines)))
 PYTHON
 }

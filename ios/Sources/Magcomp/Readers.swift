@@ -126,7 +126,6 @@ final class Readers: Sendable {
         // else whoever asked has left
         if !Task.isCancelled {
             do {
-                await estimation.settled()
                 try await estimation.begin()
                 try await feedAll(run)
             } catch {

@@ -1,7 +1,7 @@
 import Foundation
 
 /// A recording is not in order.
-public struct RecordingError: Error, Equatable, Sendable {
+public struct RecordingSourceError: Error, Equatable, Sendable {
     /// The recording.
     public let name: String
     /// Line in it, from 1.
@@ -12,7 +12,7 @@ public struct RecordingError: Error, Equatable, Sendable {
     public let problem: String
 }
 
-extension RecordingError: LocalizedError {
+extension RecordingSourceError: LocalizedError {
     public var errorDescription: String? {
         "\(name), line \(line)" + (column.map { ", column \($0)" } ?? "") + ": \(problem)"
     }
@@ -24,7 +24,7 @@ extension RecordingError: LocalizedError {
 /// sensor there are all columns or none, and a row leaves all its cells empty where the sensor said nothing at that time. Every row is a
 /// gyroscope event, an `up` event, one of the system's field, a course and a magnetometer event, in this order, as far as it has them.
 ///
-/// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingError`` where the
+/// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingSourceError`` where the
 /// recording is not in order.
 public struct RecordingSource: MagneticFieldSource {
     private let name: String
@@ -158,11 +158,12 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         try pace?.check()
         let data = try open()
         guard !data.starts(with: Self.gzip) else {
-            throw RecordingError(name: name, line: 1, column: nil, problem: "it is compressed; decompress it with gunzip")
+            throw RecordingSourceError(
+                name: name, line: 1, column: nil, problem: "it is compressed; decompress it with gunzip")
         }
         lines = Lines(data: data)
         guard let header = nextLine() else {
-            throw RecordingError(name: name, line: 1, column: nil, problem: "the header is missing")
+            throw RecordingSourceError(name: name, line: 1, column: nil, problem: "the header is missing")
         }
         // spreadsheets write a mark first
         let names = cells(header.hasPrefix("\u{FEFF}") ? String(header.dropFirst()) : header)
@@ -239,8 +240,8 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         text.split(separator: ",", omittingEmptySubsequences: false).map { $0.trimmingCharacters(in: .whitespaces) }
     }
 
-    private func wrong(_ column: String?, _ problem: String) -> RecordingError {
-        RecordingError(name: name, line: line, column: column, problem: problem)
+    private func wrong(_ column: String?, _ problem: String) -> RecordingSourceError {
+        RecordingSourceError(name: name, line: line, column: column, problem: problem)
     }
 }
 

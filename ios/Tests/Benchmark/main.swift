@@ -90,4 +90,71 @@ for (name, method, code, events) in cases {
         print("  \(way.padding(toLength: 24, withPad: " ", startingAt: 0))\(ns) ns  (\(ratio))")
     }
 }
+
+/// One event a time, as they are asked for.
+struct Pulled: MagneticFieldSource {
+    struct Events: AsyncSequence, AsyncIteratorProtocol, Sendable {
+        let events: [SensorSample]
+        var at = 0
+
+        func makeAsyncIterator() -> Events { self }
+
+        mutating func next() async -> SensorSample? {
+            guard at < events.count else { return nil }
+            at += 1
+            return events[at - 1]
+        }
+    }
+
+    let events: [SensorSample]
+
+    func samples() -> SensorSamples { SensorSamples(isLive: false) { [events] in Events(events: events) } }
+}
+
+/// Of the whole process, as a compass works on several threads.
+func processorNs() -> Double {
+    var now = timespec()
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now)
+    return Double(now.tv_sec) * 1e9 + Double(now.tv_nsec)
+}
+
+func read(_ compass: Compass) async throws -> Double {
+    var sum = 0.0
+    for try await answer in compass.readings() { sum += answer.headingDeg ?? 0 }
+    return sum
+}
+
+keep(all)
+let ways: [(name: String, run: @MainActor () async throws -> Double)] = [
+    ("bare Rust", { Double(magcomp_test_bare_ns(0)) }),
+    ("Compensator", { try overC(all, CompensationConfig()) }),
+    (
+        "compass.readings()",
+        { try await Task.detached { [all] in try await read(Compass(source: Pulled(events: all))) }.value }
+    ),
+    ("the same, on the main actor", { try await read(Compass(source: Pulled(events: all))) }),
+    (
+        "CompassModel.run(), 60 Hz",
+        {
+            let model = CompassModel(compass: Compass(source: Pulled(events: all)))
+            await model.run()
+            return model.headingDeg ?? 0
+        }
+    ),
+]
+var costs = Array(repeating: [Double](), count: ways.count)
+for round in 0..<13 {
+    for (k, way) in ways.enumerated() {
+        let begin = processorNs()
+        seen += try await way.run()
+        // the first two warm up
+        if round >= 2 { costs[k].append((processorNs() - begin) / Double(magnetic.count)) }
+    }
+}
+print("processor ns a sample with its events of gyroscope and up, by the ways that an app has: median of 11 rounds, in turns")
+for (k, way) in ways.enumerated() {
+    let ns = String(format: "%9.0f", median(costs[k]))
+    let ratio = String(format: "%.2f", median(zip(costs[k], costs[0]).map { $0 / $1 }))
+    print("  \(way.name.padding(toLength: 32, withPad: " ", startingAt: 0))\(ns) ns  (\(ratio))")
+}
 exit(seen.isFinite ? 0 : 1)

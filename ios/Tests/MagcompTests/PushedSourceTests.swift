@@ -44,10 +44,15 @@ import Testing
             .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 1, y: 2, z: 3)))
         }
         source.push([magnetic(10_000_000), magnetic(20_000_000)])
+        // another one takes nothing from what waits
+        var other = source.samples().makeAsyncIterator()
+        other.start()
         source.push([rate(5_000_000), rate(15_000_000), rate(25_000_000), magnetic(75_000_000)])
         var times: [Int64] = []
-        for _ in 0..<4 { times.append(try await iterator.next()?.timeNs ?? 0) }
-        #expect(times == [5_000_000, 10_000_000, 15_000_000, 20_000_000])
+        for _ in 0..<3 { times.append(try await iterator.next()?.timeNs ?? 0) }
+        try #require(times == [5_000_000, 10_000_000, 15_000_000])
+        #expect(try await iterator.next()?.timeNs == 20_000_000)
+        #expect(try await other.next()?.timeNs == 5_000_000)
     }
 
     @Test(arguments: [-0.01, 0.26, .nan]) func aHoldOutOfRangeIsAnError(holdS: Double) async {

@@ -26,7 +26,7 @@ import Testing
             ("t_s,mx,my,mz\n,1,2,3\n", 2, "t_s", "an empty cell, where others of the sensor have numbers"),
         ] as [(String, Int, String?, String)])
     func oneThatIsNotInOrderSaysWhere(text: String, line: Int, column: String?, problem: String) async {
-        let error = RecordingError(name: "r.csv", line: line, column: column, problem: problem)
+        let error = RecordingSourceError(name: "r.csv", line: line, column: column, problem: problem)
         await #expect(throws: error) { try await source(text).samples().collected() }
     }
 
@@ -36,7 +36,7 @@ import Testing
         do {
             _ = try await source.samples().collected()
             Issue.record("no error")
-        } catch let error as RecordingError {
+        } catch let error as RecordingSourceError {
             #expect(error.localizedDescription.hasSuffix("it is compressed; decompress it with gunzip"))
         }
     }

@@ -54,6 +54,16 @@ import Testing
         events.map { SavingTests().moved($0, byNs: Int64(samples) * stepNs) }
     }
 
+    @Test func aResetForgetsTheStoresError() async throws {
+        let phone = Played()
+        phone.store.state.change { $0.text = "no calibration" }
+        try await phone.start()
+        #expect(try await phone.play(flat(0)).last?.storeError != nil)
+        phone.compass.reset()
+        #expect(try await phone.play(flat(1)).last?.storeError == nil)
+        try await phone.end()
+    }
+
     @Test func aResetIsAFirstLaunchButForTheFrame() async throws {
         let phone = Played()
         try phone.compass.setDeclinationDeg(7)

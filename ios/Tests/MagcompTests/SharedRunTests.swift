@@ -155,6 +155,25 @@ import Testing
         withExtendedLifetime(model) { #expect(source.state.value.ends == 0) }
     }
 
+    @Test func whoComesBackInTimeReadsOnWhenItIsOver() async throws {
+        let source = Live()
+        let compass = Compass(source: source, graceS: 0.3)
+        let leaving = reader(compass, Shared([]))
+        try await source.started(1)
+        source.play(flat(0))
+        leaving.cancel()
+        try await leaving.value
+        let seen = Shared<[CompensatedReading]>([])
+        let staying = reader(compass, seen)
+        try await Task.sleep(for: .seconds(0.6))
+        // where it came too late it has a run of its own, which goes on as well
+        source.play(flat(1))
+        try await eventually { seen.value.count == 1 || source.state.value.ends == source.state.value.starts }
+        #expect(seen.value.count == 1)
+        staying.cancel()
+        try await staying.value
+    }
+
     @Test func sensorsStopWhenTheGraceTimeIsOverOrNobodyCanComeBack() async throws {
         let source = Live()
         var compass: Compass? = Compass(source: source, graceS: 0.01)
@@ -192,6 +211,9 @@ import Testing
     }
 
     @Test func theTwinSavesForgetsAndTellsAsTheModelDoes() async throws {
+        let wrong = CompassObject(compass: Compass(source: Played(events: [])), display: CompassDisplay(rateHz: 0))
+        await wrong.run()
+        #expect(wrong.state.error != nil)
         let (source, store) = (Live(), Slow())
         let object = CompassObject(
             compass: Compass(source: source, store: store), display: CompassDisplay(rateHz: 10))

@@ -48,6 +48,23 @@ import Testing
         #expect(try all == Compensator(config: config).pushAll(events), "as if it had never stopped")
     }
 
+    @Test func whoLeavesLeavesTheOthersReading() async throws {
+        let source = Live()
+        let compass = Compass(source: source)
+        let (one, other) = (Shared<[CompensatedReading]>([]), Shared<[CompensatedReading]>([]))
+        let (leaving, staying) = (reader(compass, one), reader(compass, other))
+        try await source.started(1)
+        source.play(flat(0))
+        try await eventually { one.value.count == 1 && other.value.count == 1 }
+        leaving.cancel()
+        try await leaving.value
+        source.play(flat(1))
+        try await eventually { other.value.count == 2 || source.state.value.ends == 1 }
+        #expect(other.value.count == 2)
+        staying.cancel()
+        try await staying.value
+    }
+
     @Test func aClockThatBeginsAnewKeepsTheCalibration() async throws {
         let compass = Compass(source: Played(events: events))
         _ = try await compass.readings().collected()

@@ -16,7 +16,7 @@ public class NativeLibraryException(cause: Throwable) :
 
 /**
  * The native library, loaded once: over JNI for `FastPath`, and over JNA for the generated code, each of whose calls asks here first
- * (`bindings/kotlin.pl`). So both reach one copy of it, whatever an app calls first.
+ * (`bindings/uniffi.pl`). So both reach one copy of it, whatever an app calls first.
  */
 internal object NativeLibrary {
     private const val NAME = "magcomp_ffi"
@@ -57,7 +57,7 @@ internal object NativeLibrary {
     }
 }
 
-/** What an error says in a sentence; without the native library its fields. The generated code asks here (`bindings/kotlin.pl`). */
+/** What an error says in a sentence; without the native library its fields. The generated code asks here (`bindings/uniffi.pl`). */
 internal fun MagcompException.sentence(otherwise: String): String = try {
     text()
 } catch (_: RuntimeException) {

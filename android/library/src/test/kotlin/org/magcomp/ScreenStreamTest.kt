@@ -109,6 +109,8 @@ class ScreenStreamTest {
         assertTrue(first.headingSigmaDeg!! > 10, "the data show one: ${first.headingSigmaDeg}")
         val sure = asked(3000) { compass.heading(withinMs = 60_000, worstSigmaDeg = 10.0) }!!
         assertTrue(sure.headingSigmaDeg!! <= 10, "${sure.headingSigmaDeg}")
+        val why = asked(20) { compass.heading(withinMs = 3000, worstSigmaDeg = 1e-6) }!!
+        assertTrue(why.headingSigmaDeg!! > 1e-6, "$why")
         val none = asked(0) { Compass(sensors.source(), graceMs = 0).heading(withinMs = 1) }
         assertNull(none)
         for (wrong in listOf<suspend () -> Any?>({ compass.heading(withinMs = 0) }, { compass.heading(worstSigmaDeg = Double.NaN) })) {

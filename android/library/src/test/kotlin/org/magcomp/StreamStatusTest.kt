@@ -20,6 +20,7 @@ import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
 import org.junit.jupiter.api.Assertions.assertEquals
+import org.junit.jupiter.api.Assertions.assertNotEquals
 import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertNull
 import org.junit.jupiter.api.Assertions.assertTrue
@@ -112,6 +113,7 @@ class StreamStatusTest {
         assertNotNull(readings.last().reading.heading)
         play(250, PhoneSensor.GRAVITY)
         assertEquals(StreamStatus.Silent(setOf(PhoneSensor.GRAVITY)), readings.last().stream)
+        assertNotEquals(StreamStatus.Silent(setOf(PhoneSensor.GYROSCOPE)), readings.last().stream)
         assertEquals("the gravity sensor delivers nothing", readings.last().stream.text(resources))
         play(1)
         assertEquals(StreamStatus.Live, readings.last().stream)
@@ -149,8 +151,13 @@ class StreamStatusTest {
     @Test
     fun `of a source without a vertical it is told as well`() = runBlocking {
         val fields = List(300) { phone.advance(still = false) }.flatten().filter { it !is SensorSample.Up }
-        val told = fields.asFlow().compensated(capacity = 300).toList().map { it.stream }
-        assertEquals(List(101) { StreamStatus.Live } + List(199) { StreamStatus.NoVertical }, told)
+        val told = fields.asFlow().compensated(capacity = 300).toList()
+        assertEquals(List(101) { StreamStatus.Live } + List(199) { StreamStatus.NoVertical }, told.map { it.stream })
+        // who is asked to turn the phone mends no vertical
+        val (live, without) = told.partition { it.stream == StreamStatus.Live }
+        assertNotNull(CompassReading(live.last()).guidance(resources))
+        assertNotNull(without.first().reading.status.guidance(resources))
+        for (reading in without) assertNull(CompassReading(reading).guidance(resources))
         val all = List(300) { phone.advance(still = false) }.flatten()
         assertTrue(all.asFlow().compensated(capacity = 300).toList().all { it.stream == StreamStatus.Live })
     }
