@@ -308,7 +308,9 @@ fn the_pages_link_to_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let pages = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "ROADMAP.md", "SECURITY.md"];
     let mut found: Vec<_> = pages.map(|page| root.join(page)).into();
-    ["docs", "android", "benchmarks", "ios", "c", "python"].iter().for_each(|folder| paths(&root.join(folder), &mut found));
+    ["docs", "android", "benchmarks", "ios", "c", "python"]
+        .iter()
+        .for_each(|folder| paths(&root.join(folder), &mut found));
     let mut links = 0;
     for page in found.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
         let text = fs::read_to_string(page).expect("a page");
