@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Figures of the pages. `tests/figures.py` compares those that one page takes from another, at once: LIMITS's with EVALUATION's, README's with COMPARISON's
 and LIMITS's. `tests/figures.py commands` runs the commands beside figures too, for about ten minutes: before a release, with the command built
-(`cargo build --release`), or with MAGCOMP naming it. With `--write` either corrects the pages."""
+(`cargo build --release`), or with MAGCOMP naming it. `tests/figures.py comparison [PHONES]` runs COMPARISON's two comparisons alone; PHONES is what
+`benchmarks/convert.py smartphones` wrote, and without it the phones' tables stay. With `--write` each corrects the pages."""
 
 import json
 import os
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -32,7 +34,8 @@ class Pages:
     def expect(self, name, old, new, what):
         """`old` of page `name` should read `new`."""
         if old != new:
-            self.wrong.append(f"{name}: {what}: {' '.join(old.split())!r} should be {' '.join(new.split())!r}")
+            shorten = lambda text: textwrap.shorten(text, 300)
+            self.wrong.append(f"{name}: {what}: {shorten(old)!r} should be {shorten(new)!r}")
             self.texts[name] = self.text(name).replace(old, new, 1)
             self.changed.add(name)
 
@@ -204,17 +207,48 @@ def aided(pages):
                            [seconds["median"], seconds["worst"], 100 * within[0], 100 * within[1]])
 
 
+def tables(folder, order):
+    """What `compare` prints of a folder of recordings, as COMPARISON has it: the groups in this order."""
+    command = os.environ.get("MAGCOMP") or os.environ.get("CARGO_TARGET_DIR", "target") + "/release/magcomp"
+    line = [str(Path(ROOT, command)), "compare", "--recordings", str(folder), "--markdown"]
+    print("figures: magcomp compare --recordings", Path(folder).name, flush=True)
+    printed = subprocess.run(line, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    found = {}
+    for title, rows, notes in re.findall(r"^([^|\n][^\n]*)\n\n((?:\|[^\n]*\n)+)\n?((?:[^|\n][^\n]*\n)*)", printed, re.MULTILINE):
+        notes = " ".join(notes.split())
+        notes = notes.split(" Rms of the heading error")[0].replace("*: the best.", "Bold: the best.")
+        found[title[0].upper() + title[1:]] = rows + ("\n" + textwrap.fill(notes, 158, break_on_hyphens=False) + "\n" if notes else "")
+    place = lambda title: next((k for k, begin in enumerate(order) if title.startswith(begin)), len(order))
+    return "\n".join(f"### {title}\n\n{found[title]}" for title in sorted(found, key=place)) + "\n"
+
+
+def comparison(pages, phones=None):
+    page = "docs/COMPARISON.md"
+    places = [("## A sensor with magnets", "\n## Phones", "tests/recordings", ["Median", "A magnet is put", "Nothing", "Past", "A magnet on"])]
+    if phones is not None:
+        places.append(("## Phones", "\nVQF starts from", phones, ["Median", "Quiet", "Running", "Past"]))
+    for begin, end, folder, order in places:
+        text = pages.text(page)
+        first = text.index("\n### ", text.index(begin)) + 1
+        old = text[first : text.index(end, first)]
+        pages.expect(page, old, tables(Path(folder).resolve(), order).rstrip("\n") + "\n", begin)
+
+
 def main():
-    arguments = set(sys.argv[1:])
-    if arguments - {"commands", "--write"}:
+    arguments = sys.argv[1:]
+    writes = "--write" in arguments
+    what, *phones = [argument for argument in arguments if argument != "--write"] or ["pages"]
+    if what not in ("pages", "commands", "comparison") or len(phones) > (what == "comparison"):
         sys.exit(__doc__)
     pages = Pages()
-    parts = [limits, readme] + ([headline, steps, paper, aided] if "commands" in arguments else [])
+    if what == "comparison":
+        comparison(pages, *phones)
+    parts = [limits, readme] + ([headline, steps, paper, aided] if what == "commands" else [])
     for part in parts:
         part(pages)
     for wrong in pages.wrong:
         print(f"figures: {wrong}", file=sys.stderr)
-    if "--write" in arguments:
+    if writes:
         for name in pages.changed:
             (ROOT / name).write_text(pages.text(name))
     sys.exit(1 if pages.wrong else 0)

@@ -21,12 +21,13 @@ def hash_of(script):
 parts = {name: (here / "page" / name).read_text() for name in ("page.css", "page.js", "worker.js")}
 parts["report.css"] = (lab / "report.css").read_text()
 parts["wasm"] = base64.b64encode(gzip.compress(module.read_bytes(), 9, mtime=0)).decode()
-# the report shows the sphere, whose script is the same for every recording
+# the report has a cursor, and shows the sphere: their scripts are the same for every recording
 [sphere] = re.findall(r"<script>(.*?)</script>", (lab / "replay/sphere.html").read_text(), re.DOTALL)
+cursor = (lab / "report.js").read_text()
 parts["policy"] = "; ".join(
     [
         "default-src 'none'",
-        f"script-src 'wasm-unsafe-eval' {hash_of(parts['page.js'])} {hash_of(sphere)}",
+        f"script-src 'wasm-unsafe-eval' {hash_of(parts['page.js'])} {hash_of(sphere)} {hash_of(cursor)}",
         "worker-src blob:",
         "style-src 'unsafe-inline'",
         "img-src data:",

@@ -18,10 +18,19 @@ pub struct Report {
     tables: usize,
 }
 
+/// The time axis of a picture: where it begins and ends, as shares of the width; from 0 to `until_s`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Time {
+    /// Begin and end.
+    pub axis: (f64, f64),
+    /// Time at its end, s.
+    pub until_s: f64,
+}
+
 #[derive(Clone, Debug)]
 enum Part {
     Html(String),
-    Picture { name: String, svg: String, caption: String },
+    Picture { name: String, svg: String, caption: String, time: Option<Time> },
     Page { name: String, html: String, title: String },
 }
 
@@ -39,9 +48,10 @@ impl Part {
     fn with_files(&self) -> String {
         match self {
             Self::Html(html) => html.clone(),
-            Self::Picture { name, caption, .. } => format!(
-                "<figure><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a><figcaption>{caption}</figcaption></figure>\n"
-            ),
+            Self::Picture { name, caption, time, .. } => {
+                let image = format!("<a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{caption}\"></a>");
+                format!("<figure>{}<figcaption>{caption}</figcaption></figure>\n", with_cursor(image, *time))
+            }
             Self::Page { name, title, .. } => format!(
                 "<figure><iframe src=\"{name}.html\" title=\"{title}\" loading=\"lazy\"></iframe>\
                  <figcaption><a href=\"{name}.html\">{title}</a>, as a page of its own: one file that needs no network.</figcaption></figure>\n"
@@ -53,7 +63,7 @@ impl Part {
     fn alone(&self) -> String {
         match self {
             Self::Html(html) => html.clone(),
-            Self::Picture { svg, caption, .. } => {
+            Self::Picture { svg, caption, time, .. } => {
                 let svg = svg.chars().fold(String::with_capacity(svg.len()), |mut out, c| {
                     match c {
                         '%' | '#' | '"' | '&' | '\n' | '\t' => _ = write!(out, "%{:02X}", c as u32),
@@ -61,9 +71,8 @@ impl Part {
                     }
                     out
                 });
-                format!(
-                    "<figure><img src=\"data:image/svg+xml,{svg}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
-                )
+                let image = format!("<img src=\"data:image/svg+xml,{svg}\" alt=\"{caption}\">");
+                format!("<figure>{}<figcaption>{caption}</figcaption></figure>\n", with_cursor(image, *time))
             }
             Self::Page { html, title, .. } => format!(
                 "<figure><iframe srcdoc=\"{}\" title=\"{title}\"></iframe><figcaption>{title}.</figcaption></figure>\n",
@@ -73,9 +82,18 @@ impl Part {
     }
 }
 
+/// An image with the cursor that all pictures over time share.
+fn with_cursor(image: String, time: Option<Time>) -> String {
+    let Some(Time { axis: (from, to), until_s }) = time else { return image };
+    format!(
+        "<div class=\"time\" data-from=\"{from:.5}\" data-to=\"{to:.5}\" data-until=\"{until_s:.3}\">{image}<i hidden></i><output hidden></output></div>"
+    )
+}
+
 /// Fewest sections of a page that has its contents at the top.
 const CONTENTS: usize = 4;
 const STYLE: &str = include_str!("report.css");
+const CURSOR: &str = include_str!("report.js");
 
 impl Report {
     /// A page with a title and a first paragraph.
@@ -162,7 +180,12 @@ impl Report {
 
     /// Adds a picture, written as `name`.svg beside the page.
     pub fn figure(&mut self, name: &str, svg: String, caption: &str) {
-        self.body.push(Part::Picture { name: name.to_owned(), svg, caption: escape(caption) });
+        self.body.push(Part::Picture { name: name.to_owned(), svg, caption: escape(caption), time: None });
+    }
+
+    /// Adds a picture whose panels lie below each other over one time axis; a cursor shows the same moment in all of them.
+    pub fn figure_over_time(&mut self, name: &str, svg: String, caption: &str, time: Time) {
+        self.body.push(Part::Picture { name: name.to_owned(), svg, caption: escape(caption), time: Some(time) });
     }
 
     /// Adds a page of its own, written as `name`.html beside this one and shown in it.
@@ -194,11 +217,13 @@ impl Report {
     fn whole(&self, shown: fn(&Part) -> String, command: &str) -> String {
         let (title, lead, command) = (escape(&self.title), escape(&self.lead), escape(command));
         let (contents, body) = (self.contents(), self.body.iter().map(shown).collect::<String>());
+        let is_over_time = self.body.iter().any(|part| matches!(part, Part::Picture { time: Some(_), .. }));
+        let script = if is_over_time { format!("<script>{CURSOR}</script>\n") } else { String::new() };
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n<p class=\"lead\">{lead}</p>\n\
-             {contents}{body}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n</body>\n</html>\n",
+             {contents}{body}<footer><p>Made by</p><pre><code>{command}</code></pre><p>magcomp {}</p></footer>\n</main>\n{script}</body>\n</html>\n",
             env!("CARGO_PKG_VERSION")
         )
     }
@@ -287,12 +312,18 @@ mod tests {
             .unwrap();
         report.table(&Table::new("table", &["a", "b"]));
         report.figure("picture", "<svg a=\"#1%\">\n&amp;</svg>".to_owned(), "what it shows");
+        assert!(!report.alone("").contains("<script>"));
+        let time = Time { axis: (0.1, 0.97), until_s: 60.0 };
+        report.figure_over_time("course", "<svg></svg>".to_owned(), "over time", time);
         report.page("turned", "<p class=\"a\">&amp;</p>".to_owned(), "turn it");
         let alone = report.alone("magcomp <1>");
         assert!(alone.contains("data:image/svg+xml,<svg a=%22%231%25%22>%0A%26amp;</svg>\""), "{alone}");
         assert!(
             alone.contains("srcdoc=\"&lt;p class=&quot;a&quot;&gt;&amp;amp;&lt;/p&gt;\"")
                 && alone.contains("magcomp &lt;1&gt;")
+        );
+        assert!(
+            alone.contains("data-from=\"0.10000\" data-to=\"0.97000\" data-until=\"60.000\"") && alone.contains(CURSOR)
         );
         assert!(!alone.contains("picture.svg") && !alone.contains("turned.html"));
         let page = report.write(&folder.path().join("deep/er")).unwrap();

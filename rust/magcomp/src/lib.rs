@@ -1,4 +1,4 @@
-//! Frees a smartphone's magnetometer from the magnetic disturbance the phone carries, continuously, while it is in use.
+//! A compass library: it keeps a phone's heading right when magnets on the phone would spoil it, and says how far off it may be.
 //!
 //! A raw magnetometer reads h_m = M h + b: the Earth's field h, squeezed by soft iron M and shifted by hard iron b.
 //! [`Compensator`] re-estimates M and b from the stream of raw samples and returns for each a [`Reading`]: the corrected

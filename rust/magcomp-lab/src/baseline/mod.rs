@@ -9,8 +9,10 @@ mod method;
 mod network;
 mod none;
 mod ours;
+mod turns;
 mod vqf;
 mod window;
+mod xio;
 
 pub use fusion::Fusion;
 pub use helmholtz::Helmholtz;
@@ -19,12 +21,14 @@ pub use method::Baseline;
 pub use network::Network;
 pub use none::Nothing;
 pub use ours::Ours;
+pub use turns::Turns;
 pub use vqf::Vqf;
 pub use window::{Surface, Windowed};
+pub use xio::Xio;
 
 use crate::parameters::Parameters;
 use clap::ValueEnum;
-use magcomp::{Calibration, Compensator, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
+use magcomp::{Calibration, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -65,6 +69,10 @@ pub enum Contestant {
     VqfRaw,
     /// VQF, given our corrected sample
     VqfCorrected,
+    /// VQF, given the field by a least-squares fit of M and b that uses the gyroscope's turns
+    VqfTurns,
+    /// The orientation filter Fusion of x-io Technologies, given the raw field
+    XioRaw,
     /// A complementary filter that tracks b alone
     Fusion,
 }
@@ -80,7 +88,7 @@ pub struct Known {
     pub field_ut: f64,
     /// Parameters before the change; None for a recording.
     pub parameters: Option<Parameters>,
-    /// A calibration from an earlier session, where there is one: for ours.
+    /// A calibration from an earlier session, where there is one: for ours and for the paper's.
     pub initial: Option<Calibration>,
     /// True directions will be taught, of the samples before the change or of a recording's first part.
     pub reference: bool,
@@ -103,7 +111,7 @@ impl Contestant {
                 &[0.1, 0.3, 0.5, 0.65]
             }
             Self::Network => &[1e-4, 1e-3, 5e-3],
-            Self::VqfRaw | Self::VqfCorrected => &[3.0, 9.0, 27.0],
+            Self::VqfRaw | Self::VqfCorrected | Self::VqfTurns => &[3.0, 9.0, 27.0],
             Self::Fusion => &[0.1, 0.3, 1.0],
             _ => &[0.0],
         }
@@ -118,7 +126,7 @@ impl Contestant {
     /// Whether it answers with north by its own attitude, where others answer with a field.
     #[must_use]
     pub fn gives_attitude(self) -> bool {
-        matches!(self, Self::Aided | Self::VqfRaw | Self::VqfCorrected | Self::Fusion)
+        matches!(self, Self::Aided | Self::VqfRaw | Self::VqfCorrected | Self::VqfTurns | Self::XioRaw | Self::Fusion)
     }
 
     /// A fresh one; None where it cannot take part.
@@ -140,7 +148,9 @@ impl Contestant {
             }
             Self::AidedSample => return ours(method(Method::Aided)),
             Self::VqfRaw => Some(Box::new(Vqf::new(value, None))),
-            Self::VqfCorrected => Some(Box::new(Vqf::new(value, Some(Compensator::new(method(Method::Aided))?)))),
+            Self::VqfCorrected => Some(Box::new(Vqf::new(value, ours(method(Method::Aided))?))),
+            Self::VqfTurns => Some(Box::new(Vqf::new(value, Some(Box::new(Turns::default()))))),
+            Self::XioRaw => Some(Box::new(Xio::default())),
             Self::Fusion => Some(Box::new(Fusion::new(value))),
             Self::Constant => return ours(method(Method::Constant)),
             Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),

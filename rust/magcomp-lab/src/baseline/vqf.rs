@@ -1,21 +1,21 @@
 //! VQF, an orientation filter (D. Laidig, T. Seel, Information Fusion 91, 2023), by the crate `vqf-rs`: gyroscope, accelerometer
 //! and magnetometer to an attitude, with a gyroscope bias and a rejection of disturbed fields of its own. It takes the field for
-//! calibrated, so it is given either the raw field or our corrected sample.
+//! calibrated, so it is given either the raw field or what another method makes of it.
 
 use super::method::Baseline;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use magcomp::{Compensator, MagneticSample, RotationRateSample, UpSample};
+use magcomp::{MagneticSample, RotationRateSample, UpSample};
 use vqf_rs::{Params, VQF};
 
 /// Events of each sensor that tell its rate before the filter starts.
-const TIMED: usize = 21;
+pub(super) const TIMED: usize = 21;
 
-/// The filter, and the compensator whose samples it is given.
+/// The filter, and the method whose corrected samples it is given.
 pub struct Vqf {
     /// Time constant of the magnetometer's correction, s; the filter's own default is 9.
     tau_mag_s: f64,
     /// Corrects the field before the filter sees it; none where it gets the raw one.
-    ours: Option<Compensator>,
+    before: Option<Box<dyn Baseline>>,
     /// First times of gyroscope, accelerometer and magnetometer, ns.
     times_ns: [Vec<i64>; 3],
     filter: Option<VQF>,
@@ -25,10 +25,10 @@ pub struct Vqf {
 }
 
 impl Vqf {
-    /// With a time constant, s; fed with the raw field, or with the corrected samples of `ours`.
+    /// With a time constant, s; fed with the raw field, or with the corrected samples of `before`.
     #[must_use]
-    pub fn new(tau_mag_s: f64, ours: Option<Compensator>) -> Self {
-        Self { tau_mag_s, ours, times_ns: Default::default(), filter: None, rate_ns: 0, pointed: false }
+    pub fn new(tau_mag_s: f64, before: Option<Box<dyn Baseline>>) -> Self {
+        Self { tau_mag_s, before, times_ns: Default::default(), filter: None, rate_ns: 0, pointed: false }
     }
 
     /// Counts an event while the rates are unknown; then starts the filter.
@@ -44,7 +44,7 @@ impl Vqf {
     }
 }
 
-fn usual_step_s(times_ns: &[i64]) -> f64 {
+pub(super) fn usual_step_s(times_ns: &[i64]) -> f64 {
     let mut steps: Vec<i64> = times_ns.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_unstable();
     steps[steps.len() / 2] as f64 / 1e9
@@ -52,8 +52,8 @@ fn usual_step_s(times_ns: &[i64]) -> f64 {
 
 impl Baseline for Vqf {
     fn push_rate(&mut self, sample: &RotationRateSample) {
-        if let Some(ours) = &mut self.ours {
-            let _ = ours.push_rotation_rate(*sample);
+        if let Some(before) = &mut self.before {
+            before.push_rate(sample);
         }
         let step_s = (sample.time_ns - self.rate_ns) as f64 / 1e9;
         self.rate_ns = sample.time_ns;
@@ -65,8 +65,8 @@ impl Baseline for Vqf {
     }
 
     fn push_up(&mut self, sample: &UpSample) {
-        if let Some(ours) = &mut self.ours {
-            let _ = ours.push_up(*sample);
+        if let Some(before) = &mut self.before {
+            before.push_up(sample);
         }
         match &mut self.filter {
             Some(filter) => filter.update_acc(sample.up_m_s2.into()),
@@ -75,8 +75,11 @@ impl Baseline for Vqf {
     }
 
     fn push(&mut self, sample: &MagneticSample) {
-        let field_ut = match &mut self.ours {
-            Some(ours) => ours.push(*sample).field_ut,
+        let field_ut = match &mut self.before {
+            Some(before) => {
+                before.push(sample);
+                before.latest(&sample.field_ut)
+            }
             None => Some(sample.field_ut),
         };
         let Some(filter) = &mut self.filter else { return self.time(2, sample.time_ns) };

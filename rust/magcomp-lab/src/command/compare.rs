@@ -7,7 +7,7 @@ use crate::catalogue::{COMPARED, Variant, find};
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_variant, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_recording};
-use crate::experiment::compare_view::{Given, add_case, case_table, overview, recording_figure, recording_table};
+use crate::experiment::compare_view::{Given, add_case, case_table, dots, overview, recording_figure, recording_table};
 use crate::progress;
 use crate::report::Report;
 use crate::simulate::Noise;
@@ -74,6 +74,16 @@ struct Recorded {
 
 const BOTH: [Given; 2] = [Given::Magnetometer, Given::Inertial];
 
+/// The picture of all scenarios or recordings, where there is more than one method.
+fn add_dots(report: &mut Report, errors: &[(&str, f64)], dot: &str, given: Given) -> Result<(), LabError> {
+    let is_compared = errors.iter().any(|(name, _)| *name != errors[0].0);
+    if is_compared {
+        let name = if given == Given::Inertial { "compare_inertial" } else { "compare" };
+        report.figure(name, dots(errors, dot, given)?, "Errors of each method");
+    }
+    Ok(())
+}
+
 impl Compare {
     pub fn run(self) -> Result<(), LabError> {
         if let Some(folder) = self.folder.folder() {
@@ -124,6 +134,10 @@ impl Compare {
                 "Of the magnetometer alone: direction error of what each method makes of the noise-free sample. With gyroscope and \
                  accelerometer: error of its heading. Over the samples since the change.",
             );
+            for given in BOTH {
+                let errors = all.iter().flat_map(|one| one.of(given).1).map(|it| (it.name.as_str(), it.after_deg));
+                add_dots(&mut report, &errors.collect::<Vec<_>>(), "a scenario", given)?;
+            }
             overview.iter().for_each(|table| report.table(table));
             for one in &all {
                 report.section(&one.scenario, "The change is at 0.");
@@ -157,6 +171,11 @@ impl Compare {
             .collect();
         self.common.finish(&tables, &all, || {
             let mut report = Report::new("Methods side by side on recordings", "Each on the same samples, causal.");
+            for given in BOTH {
+                let all = all.iter().flat_map(|one| if given == Given::Inertial { &one.aided } else { &one.methods });
+                let errors = all.filter_map(|it| Some((it.name.as_str(), it.vectors.heading?.rms_deg)));
+                add_dots(&mut report, &errors.collect::<Vec<_>>(), "a recording", given)?;
+            }
             for one in &all {
                 report.section(&one.recording, "Heading error, rms over a second, up to one constant.");
                 let name = one.recording.split('.').next().unwrap_or_default();

@@ -81,12 +81,12 @@ impl Evaluate {
             write!(std::io::stdout(), "{}", result.markdown())?;
             return Ok(());
         }
-        common.finish(&result.tables(), &result, || {
+        common.finish(&result.told(), &result, || {
             let mut report = Report::new(
                 "Evaluation",
                 "Published headings of simulated phones with the default config, against the truth.",
             );
-            result.tables().iter().for_each(|table| report.table(table));
+            result.add_to(&mut report)?;
             Ok(report)
         })
     }

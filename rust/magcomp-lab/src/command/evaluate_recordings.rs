@@ -40,7 +40,7 @@ impl EvaluateRecordings {
             let rule =
                 "Each recording went through the default config in order, and was judged by its reference orientation.";
             let mut report = Report::new("Recordings judged", rule);
-            tables.iter().rev().for_each(|table| report.table(table));
+            trials.add_to(&mut report)?;
             Ok(report)
         })
     }

@@ -3,7 +3,7 @@
 use super::compare::{BOUND_AT, MethodScore, NO_ANSWER_DEG, TOLD_AT};
 use super::compare_recording::RecordingScore;
 use crate::error::LabError;
-use crate::plot::{Colour, Panel, Series, draw};
+use crate::plot::{Colour, DotRow, Dots, Panel, Series, draw};
 use crate::report::Report;
 use crate::table::{Table, number};
 
@@ -162,6 +162,24 @@ pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])
 
 fn capital(text: &str) -> String {
     text[..1].to_uppercase() + &text[1..]
+}
+
+/// A dot for each scenario or recording, a row for each method: `errors` are their names and errors, degrees.
+///
+/// # Errors
+/// [`LabError::Plot`].
+pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, LabError> {
+    let mut rows: Vec<DotRow> = Vec::new();
+    for (name, error) in errors {
+        let is_ours = ["adaptive", "aided", "aided-sample"].contains(name);
+        let colour = if is_ours { Colour::Blue } else { Colour::Orange };
+        match rows.iter_mut().find(|row| row.name == *name) {
+            Some(row) => row.values.push(*error),
+            None => rows.push(DotRow { name: (*name).to_owned(), values: vec![*error], colour }),
+        }
+    }
+    let x_label = format!("{}, rms, deg", given.error());
+    Dots { title: given.what().to_owned(), dot: dot.to_owned(), x_label, rows, marks_best: true }.draw()
 }
 
 /// The picture and the tables of a scenario.

@@ -1,6 +1,9 @@
 //! The output of `magcomp evaluate`: a table for each group, and a list of the bad lines.
 
 use super::evaluate::{EvaluateResult, GroupResult, VariantResult};
+use crate::error::LabError;
+use crate::plot::{Colour, DotRow, Dots};
+use crate::report::Report;
 use crate::table::{Table, number};
 
 /// A line is bad when less than this share of the errors lies within two sigmas (95 % is right) ...
@@ -12,6 +15,16 @@ const MOST_FALSE_PER_H: f64 = 10.0;
 
 /// Seeds from here on judge: nobody runs them while developing.
 const LEAST_JUDGED: u64 = 10_000;
+
+/// What the columns mean, in short.
+const LEGEND: [&str; 2] = [
+    "answered: share of the samples with a heading. < 5 deg: seconds from a change, or from the start, until the heading stays right to 5 degrees; \
+     median and worst run. error: rms of the heading against the truth, median and worst run. 1 sigma, 2 sigma: errors within one and two sigmas; 68 \
+     and 95 are right. z2: mean square of error over sigma; 1 is right.",
+    "f: angle between the carried field and the Earth's, calibration: that of a sample by the calibration; median runs. lie: longest time of status \
+     tracking with an error beyond three sigmas. missed: changes of the device that are not told. false: changes told that did not happen. lost: changes \
+     after which the carried field is still wrong by 5 degrees when the next comes.",
+];
 
 /// What the columns mean.
 const NOTES: &str = "\
@@ -42,6 +55,46 @@ impl EvaluateResult {
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         self.groups.iter().map(GroupResult::table).collect()
+    }
+
+    /// The same with what the columns mean below the last.
+    #[must_use]
+    pub fn told(&self) -> Vec<Table> {
+        let mut tables = self.tables();
+        if let Some(last) = tables.last_mut() {
+            LEGEND.iter().for_each(|text| last.note(text));
+        }
+        tables
+    }
+
+    /// Adds a picture and a table for each group to a report.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+        for (k, (group, table)) in self.groups.iter().zip(self.told()).enumerate() {
+            let row = |variant: &VariantResult| {
+                let values = variant.runs.iter().filter_map(|run| run.error.heading_deg).collect();
+                DotRow { name: variant.about.clone(), values, colour: Colour::Blue }
+            };
+            let rows: Vec<DotRow> = group.variants.iter().map(row).filter(|row| !row.values.is_empty()).collect();
+            if !rows.is_empty() {
+                let dots = Dots {
+                    title: group.title.to_owned(),
+                    dot: "a run".to_owned(),
+                    x_label: "error of the published heading, rms, deg".to_owned(),
+                    rows,
+                    marks_best: false,
+                };
+                report.figure(
+                    &format!("group{}", k + 1),
+                    dots.draw()?,
+                    &format!("{}: errors of the published heading", group.title),
+                );
+            }
+            report.table(&table);
+        }
+        Ok(())
     }
 
     /// The whole page, docs/EVALUATION.md.

@@ -129,6 +129,7 @@ fn nine_panels(course: &Course) -> Vec<Panel> {
             title: (*name).to_owned(),
             x_label: if i >= 6 { "sample".to_owned() } else { String::new() },
             y_label: String::new(),
+            x_range: None,
             y_range: Some((low - room, high + room)),
             series: vec![
                 Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, course.truth[i].clone()),

@@ -63,6 +63,19 @@ impl Colour {
     }
 }
 
+/// Puts the rule that exchanges ink and paper behind the opening tag.
+pub(crate) fn with_dark_style(svg: &str) -> String {
+    let rules: String = DARK
+        .iter()
+        .map(|(from, to)| format!("[fill=\"{from}\"]{{fill:{to}}}[stroke=\"{from}\"]{{stroke:{to}}}"))
+        .collect();
+    let style = format!("<style>@media (prefers-color-scheme: dark){{{rules}}}</style>");
+    match svg.find('>') {
+        Some(end) => format!("{}{style}{}", &svg[..=end], &svg[end + 1..]),
+        None => svg.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

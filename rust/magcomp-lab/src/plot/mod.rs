@@ -2,15 +2,18 @@
 //! paper are exchanged by a style rule of the SVG itself.
 
 mod colour;
+mod dots;
 mod layers;
 mod thin;
 
 pub use colour::Colour;
+pub(crate) use colour::with_dark_style;
+pub use dots::{DotRow, Dots};
 pub use layers::{Band, Layers, Span};
 pub use thin::Thin;
 
 use crate::error::LabError;
-use colour::{DARK, INK, MESH, PAPER};
+use colour::{INK, MESH, PAPER};
 use plotters::prelude::*;
 
 /// A line; points that are not finite interrupt it.
@@ -45,12 +48,26 @@ pub struct Panel {
     pub x_label: String,
     /// Left of the y axis, with the unit.
     pub y_label: String,
+    /// Fixed range of x; by the data when none.
+    pub x_range: Option<(f64, f64)>,
     /// Fixed range of y; by the data when none.
     pub y_range: Option<(f64, f64)>,
     /// Lines, later ones on top.
     pub series: Vec<Series>,
     /// The layers behind the lines.
     pub layers: Layers,
+}
+
+/// Around a panel, right of its axes, and left of them for the labels, pixels.
+const MARGIN: u32 = 10;
+const MARGIN_RIGHT: u32 = 18;
+const Y_LABELS: u32 = 58;
+
+/// Where the x axis of panels below each other begins and ends, as shares of a picture of this width.
+#[must_use]
+pub fn x_axis(width: u32) -> (f64, f64) {
+    let share = |pixels: u32| f64::from(pixels) / f64::from(width);
+    (share(MARGIN + Y_LABELS), share(width - MARGIN_RIGHT))
 }
 
 /// Height of the row with title and legend, pixels.
@@ -91,17 +108,17 @@ impl Panel {
         let text = |size: u32| ("sans-serif", size).into_font().color(&INK);
         let points = || self.series.iter().flat_map(|series| &series.points);
         let spans = self.layers.spans.iter().flat_map(|span| [span.from, span.to]);
-        let (x_low, x_high) = range(points().map(|p| p.0).chain(spans), 0.0);
+        let (x_low, x_high) = self.x_range.unwrap_or_else(|| range(points().map(|p| p.0).chain(spans), 0.0));
         let y_range = self.y_range.or(self.layers.y_range());
         let (y_low, y_high) = y_range.unwrap_or_else(|| range(points().map(|p| p.1), 0.06));
         let lanes = !self.layers.lanes.is_empty();
         let mut chart = ChartBuilder::on(area)
-            .margin(10)
+            .margin(MARGIN)
             .margin_top(TITLE_ROW)
-            .margin_right(18)
+            .margin_right(MARGIN_RIGHT)
             .x_label_area_size(if self.x_label.is_empty() { 22 } else { 38 })
             // one for all, so that the axes of panels below each other line up
-            .y_label_area_size(58)
+            .y_label_area_size(Y_LABELS)
             .build_cartesian_2d(x_low..x_high, y_low..y_high)?;
         chart
             .configure_mesh()
@@ -176,21 +193,9 @@ fn short(v: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Puts the rule that exchanges ink and paper behind the opening tag.
-pub(crate) fn with_dark_style(svg: &str) -> String {
-    let rules: String = DARK
-        .iter()
-        .map(|(from, to)| format!("[fill=\"{from}\"]{{fill:{to}}}[stroke=\"{from}\"]{{stroke:{to}}}"))
-        .collect();
-    let style = format!("<style>@media (prefers-color-scheme: dark){{{rules}}}</style>");
-    match svg.find('>') {
-        Some(end) => format!("{}{style}{}", &svg[..=end], &svg[end + 1..]),
-        None => svg.to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::colour::DARK;
     use super::*;
 
     #[test]

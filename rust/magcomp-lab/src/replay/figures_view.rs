@@ -3,8 +3,8 @@
 use super::figures::{Figures, Inside, LANES};
 use super::sphere_view::show;
 use crate::error::LabError;
-use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw};
-use crate::report::Report;
+use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw, x_axis};
+use crate::report::{Report, Time};
 
 /// The test ratio above which a sample is not used.
 const GATE: f64 = 1.0;
@@ -128,10 +128,13 @@ impl Figures {
         marks.extend(self.noted.iter().map(|(at_s, name)| (*at_s, format!("noted: {name}"))));
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         // the moments of the events in every panel; the strip names them
+        let end_s = self.extent.duration_s();
         for panel in first.iter_mut().chain(&mut panels) {
+            panel.x_range = Some((0.0, end_s)).filter(|_| end_s > 0.0);
             panel.layers.marks = marks.iter().map(|(x, _)| (*x, String::new())).collect();
         }
         first.push(Panel {
+            x_range: first[0].x_range,
             layers: Layers {
                 lanes: LANES.map(|(name, _)| name).to_vec(),
                 spans: spans.collect(),
@@ -152,7 +155,8 @@ impl Figures {
             "{recording}: the heading with two sigmas;{error} the status, one row each. Vertical lines: onsets of events, named in the \
              strip by the kinds that were decided.{band}"
         );
-        report.figure(name, draw(&first, 1, SIZE)?, &caption);
+        let time = Time { axis: x_axis(SIZE.0), until_s: end_s };
+        report.figure_over_time(name, draw(&first, 1, SIZE)?, &caption, time);
         show(&self.sphere, report, name, recording);
         let caption = format!(
             "{recording}: total field and dip; heading errors of raw and corrected samples, where there is a reference; b and M with one \
@@ -160,7 +164,7 @@ impl Figures {
              learned, where that was asked for."
         );
         report.folded("Why: field, dip, M and b over time", |report| {
-            report.figure(&format!("{name}_why"), draw(&panels, 1, SIZE)?, &caption);
+            report.figure_over_time(&format!("{name}_why"), draw(&panels, 1, SIZE)?, &caption, time);
             Ok::<_, LabError>(())
         })?;
         Ok(())

@@ -1,5 +1,5 @@
 //! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
-//! recording,group[,declination_deg[,magnet_s]]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
+//! recording,group[,declination_deg][,magnet_s][,calibration]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
 
 use crate::beside::read_table;
 use crate::error::LabError;
@@ -22,6 +22,8 @@ struct Line {
     declination_deg: Option<f64>,
     #[serde(default)]
     magnet_s: Option<String>,
+    #[serde(default)]
+    calibration: Option<String>,
 }
 
 /// What an index says of a recording.
@@ -32,6 +34,8 @@ pub(super) struct Told<'a> {
     pub declination_deg: f64,
     /// From when to when a magnet sat on the sensor, s.
     pub magnet_s: Option<(f64, f64)>,
+    /// The recording of the same device and day whose field is constant: what a calibration is made of beforehand.
+    pub calibration: Option<&'a str>,
 }
 
 /// A line of an index.
@@ -40,6 +44,7 @@ struct Rule {
     group: String,
     declination_deg: f64,
     magnet_s: Option<(f64, f64)>,
+    calibration: Option<String>,
 }
 
 /// The lines of an index, in order.
@@ -56,7 +61,7 @@ impl Groups {
             return Ok(Self { path: None, rules: Vec::new() });
         };
         let lines: Vec<Line> =
-            read_table(&path, "an index with the columns recording,group[,declination_deg[,magnet_s]]")?;
+            read_table(&path, "an index with the columns recording,group[,declination_deg][,magnet_s][,calibration]")?;
         let rule = |(k, line): (usize, Line)| {
             let wrong = |expected: &str, found: String| RecordingError::Form {
                 place: Place { path: path.clone(), line: k as u64 + 2, column: None },
@@ -77,7 +82,8 @@ impl Groups {
                 known.ok_or_else(|| wrong("from when to when a magnet sat there, such as 45.1-99.8, in seconds", told))
             });
             let magnet_s = magnet_s.transpose()?;
-            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s })
+            let calibration = line.calibration.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
+            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s, calibration })
         };
         let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, RecordingError>>()?;
         Ok(Self { path: Some(path), rules })
@@ -87,10 +93,12 @@ impl Groups {
     pub fn find(&self, recording: &str) -> Told<'_> {
         let rest = if self.path.is_some() { OTHERS } else { ALL };
         let found = self.rules.iter().find(|rule| rule.pattern.matches(recording));
-        found.map_or(Told { group: rest, declination_deg: 0.0, magnet_s: None }, |rule| Told {
+        let nothing = Told { group: rest, declination_deg: 0.0, magnet_s: None, calibration: None };
+        found.map_or(nothing, |rule| Told {
             group: &rule.group,
             declination_deg: rule.declination_deg,
             magnet_s: rule.magnet_s,
+            calibration: rule.calibration.as_deref(),
         })
     }
 

@@ -11,7 +11,7 @@ mod tuned;
 mod view;
 
 pub use figures::{FIGURES, Figure};
-pub use rivals::{Comparison, compare_folder};
+pub use rivals::{Comparison, Entry, compare_folder};
 pub use score::{GroupScore, Score, Summary, Trials};
 pub use tuned::{Folder, Trial, TrialScore};
 

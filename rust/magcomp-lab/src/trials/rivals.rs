@@ -10,13 +10,14 @@ use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use crate::replay::VectorsJudge;
 use crate::{parallel, progress};
-use magcomp::MagneticSample;
-use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::Row;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// A method in the comparison.
 #[derive(Clone, Copy, Debug)]
@@ -26,26 +27,41 @@ pub(super) struct Rival {
     contestant: Contestant,
     /// Value of its one free number.
     value: f64,
-    /// It is given the field that the operating system has calibrated, in place of the raw one.
-    of_system: bool,
+    given: Given,
 }
 
-const fn rival(name: &'static str, contestant: Contestant, value: f64, of_system: bool) -> Rival {
-    Rival { name, contestant, value, of_system }
+/// What a method is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Given {
+    /// The raw field.
+    Raw,
+    /// The field that the operating system has calibrated.
+    System,
+    /// The raw field, and a calibration from a constant field of that day.
+    Calibrated,
+}
+
+const fn rival(name: &'static str, contestant: Contestant, value: f64, given: Given) -> Rival {
+    Rival { name, contestant, value, given }
 }
 
 /// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. magcomp's is the last of each.
-pub(super) const RIVALS: [Rival; 10] = [
-    rival("the raw field", Contestant::None, 0.0, false),
-    rival("the system's field", Contestant::None, 0.0, true),
-    rival("a sphere, window of 2000", Contestant::Sphere, 2000.0, false),
-    rival("an ellipsoid, window of 2000", Contestant::Linear, 2000.0, false),
-    rival("the paper's method", Contestant::PaperHalfRange, 0.5, false),
-    rival("magcomp, magnetometer alone: corrected sample", Contestant::Adaptive, 0.0, false),
-    rival("VQF on the raw field", Contestant::VqfRaw, 9.0, false),
-    rival("VQF on the system's field", Contestant::VqfRaw, 9.0, true),
-    rival("VQF on magcomp's corrected sample", Contestant::VqfCorrected, 9.0, false),
-    rival("magcomp: heading", Contestant::Aided, 0.0, false),
+pub(super) const RIVALS: [Rival; 15] = [
+    rival("the raw field", Contestant::None, 0.0, Given::Raw),
+    rival("the system's field", Contestant::None, 0.0, Given::System),
+    rival("a sphere, window of 2000", Contestant::Sphere, 2000.0, Given::Raw),
+    rival("an ellipsoid, window of 2000", Contestant::Linear, 2000.0, Given::Raw),
+    rival("a calibration of that day, kept", Contestant::Constant, 0.0, Given::Calibrated),
+    rival("the paper's method, cold", Contestant::PaperHalfRange, 0.5, Given::Raw),
+    rival("the paper's method, with its first step", Contestant::PaperHalfRange, 0.5, Given::Calibrated),
+    rival("magcomp, magnetometer alone: corrected sample", Contestant::Adaptive, 0.0, Given::Raw),
+    rival("x-io Fusion on the raw field", Contestant::XioRaw, 0.0, Given::Raw),
+    rival("x-io Fusion on the system's field", Contestant::XioRaw, 0.0, Given::System),
+    rival("VQF on the raw field", Contestant::VqfRaw, 9.0, Given::Raw),
+    rival("VQF on the system's field", Contestant::VqfRaw, 9.0, Given::System),
+    rival("VQF on a fit with the gyroscope's turns", Contestant::VqfTurns, 9.0, Given::Raw),
+    rival("VQF on magcomp's corrected sample", Contestant::VqfCorrected, 9.0, Given::Raw),
+    rival("magcomp: heading", Contestant::Aided, 0.0, Given::Raw),
 ];
 
 /// Time that a hand needs about a change, s: before it, and after it.
@@ -89,8 +105,8 @@ pub struct Compared {
 /// What a folder of recordings came to.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// Names of the methods.
-    pub methods: Vec<&'static str>,
+    /// Names of the methods; those of the entries are the last.
+    pub methods: Vec<String>,
     /// By name.
     pub recordings: Vec<Compared>,
     /// Our published heading by groups, as `evaluate --recordings` judges it.
@@ -99,16 +115,86 @@ pub struct Comparison {
     pub warnings: Vec<String>,
 }
 
-/// Plays every recording of `folder` that has a reference through all methods; `index` and `threads` as of [`super::judge_folder`].
+/// The answers of a program that is none of ours.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Its name in tables.
+    pub name: String,
+    /// Where they are, a file for each recording, of its name: as many rows, with qw,qx,qy,qz (device to east-north-up) or a corrected
+    /// field, cx,cy,cz. A row without an answer has empty cells.
+    pub folder: PathBuf,
+}
+
+impl FromStr for Entry {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, folder) = text
+            .split_once('=')
+            .filter(|(name, folder)| !name.is_empty() && !folder.is_empty())
+            .ok_or("expected NAME=DIR")?;
+        Ok(Self { name: name.to_owned(), folder: PathBuf::from(folder) })
+    }
+}
+
+/// A line of an entry.
+#[derive(Deserialize)]
+struct EntryLine {
+    qw: Option<f64>,
+    qx: Option<f64>,
+    qy: Option<f64>,
+    qz: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+    cz: Option<f64>,
+}
+
+impl EntryLine {
+    /// Magnetic north, or the corrected field, in the device.
+    fn vector(&self) -> Option<Vector3<f64>> {
+        let vector = if let (Some(w), Some(x), Some(y), Some(z)) = (self.qw, self.qx, self.qy, self.qz) {
+            UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)).inverse() * Vector3::y()
+        } else {
+            Vector3::new(self.cx?, self.cy?, self.cz?)
+        };
+        vector.iter().all(|value| value.is_finite()).then_some(vector)
+    }
+}
+
+impl Entry {
+    /// Its answers to a recording; none where it has no file of that name.
+    fn answers(&self, recording: &str, rows: usize) -> Result<Option<Vec<EntryLine>>, LabError> {
+        let Some(file) = csv_of(&self.folder, recording) else { return Ok(None) };
+        let lines: Vec<EntryLine> = read_table(&file, "answers with the columns qw,qx,qy,qz or cx,cy,cz")?;
+        if lines.len() == rows {
+            return Ok(Some(lines));
+        }
+        let why = format!("{} rows for a recording of {rows}", lines.len());
+        Err(LabError::Usage(format!("{}: {why}", file.display())))
+    }
+}
+
+/// The file of this name in a folder, as it is or packed.
+fn csv_of(folder: &Path, name: &str) -> Option<PathBuf> {
+    ["csv.gz", "csv"].map(|end| folder.join(format!("{name}.{end}"))).into_iter().find(|file| file.is_file())
+}
+
+/// Plays every recording of `folder` that has a reference through all methods, beside the answers of `entries`; `index` and `threads` as
+/// of [`super::judge_folder`].
 ///
 /// # Errors
 /// As of [`super::judge_folder`].
-pub fn compare_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Comparison, LabError> {
+pub fn compare_folder(
+    folder: &Path,
+    index: Option<&Path>,
+    entries: &[Entry],
+    threads: NonZeroUsize,
+) -> Result<Comparison, LabError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
     let bar = progress::bar(paths.len(), "compare");
     let both = parallel::map(&paths, threads, |path| {
-        let both = Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups)?)));
+        let both = Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups, entries)?)));
         bar.inc(1);
         both
     });
@@ -119,7 +205,9 @@ pub fn compare_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize
     let mut warnings = warnings.concat();
     warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
     let ours = GroupScore::of_all(&scores, &groups);
-    Ok(Comparison { methods: RIVALS.map(|rival| rival.name).to_vec(), recordings, ours, warnings })
+    let methods = RIVALS.iter().map(|rival| rival.name.to_owned());
+    let methods = methods.chain(entries.iter().map(|entry| entry.name.clone())).collect();
+    Ok(Comparison { methods, recordings, ours, warnings })
 }
 
 /// A line of the operating system's half of a trial.
@@ -131,9 +219,10 @@ struct SystemLine {
 }
 
 /// One recording through all methods.
-fn compared(path: &Path, groups: &Groups) -> Result<Compared, LabError> {
+fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, LabError> {
     let recording = name_of(path);
-    let Told { group, declination_deg, magnet_s } = groups.find(&recording);
+    let Told { group, declination_deg, magnet_s, calibration } = groups.find(&recording);
+    let initial = calibration.map(|name| first_step(path, name)).transpose()?;
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
     let half = system_half(path);
@@ -143,9 +232,16 @@ fn compared(path: &Path, groups: &Groups) -> Result<Compared, LabError> {
         Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
     let mut running = Vec::new();
     for rival in RIVALS {
-        let method = rival.contestant.make(rival.value, &known)?;
+        let known = match (rival.given, initial) {
+            (Given::Calibrated, Some(_)) => Some(Known { initial, ..known.clone() }),
+            (Given::Calibrated, None) => None,
+            _ => Some(known.clone()),
+        };
+        let method = known.map(|known| rival.contestant.make(rival.value, &known)).transpose()?.flatten();
         running.push((rival, method, VectorsJudge::new(&extent)));
     }
+    let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, VectorsJudge::new(&extent))));
+    let mut entered: Vec<(Option<Vec<EntryLine>>, VectorsJudge)> = entered.collect::<Result<_, LabError>>()?;
     let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
     for (k, row) in opened.source.rows()?.enumerate() {
         let row = row?;
@@ -156,12 +252,16 @@ fn compared(path: &Path, groups: &Groups) -> Result<Compared, LabError> {
             if rival.contestant.is_aided() {
                 push_inertial(method.as_mut(), &row);
             }
-            let field_ut = if rival.of_system { system_ut } else { Some(row.field_ut) };
+            let field_ut = if rival.given == Given::System { system_ut } else { Some(row.field_ut) };
             let field_ut = field_ut.filter(|field| field.iter().all(|value| value.is_finite()));
             let answer = field_ut.and_then(|field_ut| {
                 method.push(&MagneticSample { time_ns: row.time_ns, field_ut });
                 method.latest(&field_ut)
             });
+            judge.add(&row, answer.as_ref());
+        }
+        for (lines, judge) in &mut entered {
+            let answer = lines.as_ref().and_then(|lines| lines.get(k)?.vector());
             judge.add(&row, answer.as_ref());
         }
         if let (Some(magnet), Some((_, Some(ours), _))) = (&mut magnet, running.last()) {
@@ -173,8 +273,22 @@ fn compared(path: &Path, groups: &Groups) -> Result<Compared, LabError> {
         let error = vectors.heading?;
         Some(Heading { answered: vectors.answered, rms_deg: error.rms_deg, absolute_deg: error.absolute_rms_deg })
     };
-    let headings = running.iter().map(|(_, _, judge)| heading(judge)).collect();
+    let judges = running.iter().map(|(_, _, judge)| judge).chain(entered.iter().map(|(_, judge)| judge));
+    let headings = judges.map(heading).collect();
     Ok(Compared { group: group.to_owned(), recording, magnet: magnet.and_then(|it| it.step()), headings })
+}
+
+/// The paper's first step: the ellipsoid through all samples of the recording of this name, which lies beside `path`, as (10) is written.
+fn first_step(path: &Path, name: &str) -> Result<Calibration, LabError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let missing = || LabError::Usage(format!("{}: there is no recording {name} beside it", path.display()));
+    let file = csv_of(folder, name).ok_or_else(missing)?;
+    let mut opened = open(std::slice::from_ref(&file), &ImportOptions::default())?;
+    let rows: Vec<Row> = opened.source.rows()?.collect::<Result<_, _>>()?;
+    let samples: Vec<Vector3<f64>> = rows.iter().map(|row| row.field_ut).collect();
+    let options = FitOptions { residual: Residual::Algebraic, ..FitOptions::default() };
+    let refused = |error| LabError::Usage(format!("{}: no calibration: {error}", file.display()));
+    fit_ellipsoid(&samples, &options).map(|fit| fit.calibration).map_err(refused)
 }
 
 /// What a magnet did, gathered row by row.
@@ -234,7 +348,30 @@ fn median(vectors: Vec<Vector3<f64>>) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use magcomp::Calibration;
+
+    /// The raw field as an entry comes to what the raw field does; a row without cells is no answer; too few rows are refused.
+    #[test]
+    fn an_entry_is_judged_as_the_methods_are() {
+        let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
+        let name = "broad_36_attached_magnet_5cm";
+        let path = recordings.join(format!("{name}.csv.gz"));
+        let mut source = open(&[path.clone()], &ImportOptions::default()).unwrap().source;
+        let rows: Vec<Row> = source.rows().unwrap().map(Result::unwrap).collect();
+        let line = |(k, row): (usize, &Row)| {
+            let [x, y, z] = row.field_ut.into();
+            if k % 2 == 0 { format!("{x},{y},{z}\n") } else { ",,\n".to_owned() }
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let text: String = rows.iter().enumerate().map(line).collect();
+        std::fs::write(folder.path().join(format!("{name}.csv")), format!("cx,cy,cz\n{text}")).unwrap();
+        let entry: Entry = format!("mine={}", folder.path().display()).parse().unwrap();
+        let groups = Groups::of(&recordings, None).unwrap();
+        let found = compared(&path, &groups, std::slice::from_ref(&entry)).unwrap();
+        let [raw, mine] = [found.headings[0].unwrap(), found.headings.last().unwrap().unwrap()];
+        assert!((raw.rms_deg - mine.rms_deg).abs() < 0.1 && (mine.answered - 0.5).abs() < 0.01, "{raw:?} {mine:?}");
+        assert!(entry.answers(name, rows.len() + 1).is_err() && entry.answers("other", 1).unwrap().is_none());
+        assert!("mine".parse::<Entry>().is_err());
+    }
     use magcomp::nalgebra::Matrix3;
 
     /// A turning sensor in a field of 50 uT, (1, -2, 30) uT from 50 s to 100 s; our hard iron is 0.5 uT short of that along z.

@@ -1,26 +1,98 @@
-//! The comparison as tables: what a magnet did, then each group.
+//! The comparison as tables, the medians of all groups, what a magnet did, then each group; and as a picture for each group.
 
 use super::figures::Worse;
 use super::rivals::{Compared, Comparison, Heading, MagnetStep};
 use super::score::{GroupScore, Summary};
+use crate::error::LabError;
+use crate::plot::{Colour, DotRow, Dots};
+use crate::report::Report;
 use crate::table::{Table, number};
 use magcomp::nalgebra::Vector3;
 
 impl Comparison {
-    /// Magnets that were put on sensors, where there are any; then a table a group.
+    /// The medians, where there is more than one group; magnets that were put on sensors, where there are any; then a table a group.
     #[must_use]
     pub fn tables(&self) -> Vec<Table> {
-        let mut tables: Vec<Table> = self.magnets().into_iter().collect();
+        let mut tables: Vec<Table> = self.medians().into_iter().chain(self.magnets()).collect();
         tables.extend(self.ours.iter().map(|ours| self.group(ours)));
         if let Some(last) = tables.last_mut() {
             last.note(
                 "Rms of the heading error in degrees: median / nine of ten are not worse / worst recording. Up to one constant: the \
                  constant angle between the frames of reference and sensor is taken out. Against north: magnetic, by the reference. Rows from 20 s on. A field's heading is levelled by the reference, so that its own error \
-                 alone is judged; VQF and magcomp level by themselves. Each method starts cold and answers each sample before it sees the next. Windows, \
-                 the paper's threshold (0.5) and VQF's time constant (9 s, its default) are the same everywhere.",
+                 alone is judged; x-io, VQF and magcomp level by themselves. Each method but the calibrated ones starts cold, and answers each sample before it sees the next. Windows, \
+                 the paper's threshold (0.5) and VQF's time constant (9 s, its default) are the same everywhere. A calibration of that day, which is the paper's first step: \
+                 an ellipsoid through a recording of the same device in a constant field, where the index names one. A fit with the gyroscope's turns: \
+                 least squares of M and b, 60 s of memory.",
             );
         }
         tables
+    }
+
+    /// Adds the pictures and the tables to a report.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+        for (k, ours) in self.ours.iter().enumerate() {
+            let own: Vec<&Compared> = self.of_group(ours);
+            let row = |method: usize| {
+                let name = self.methods[method].clone();
+                let colour = if name.starts_with("magcomp") { Colour::Blue } else { Colour::Orange };
+                DotRow {
+                    name,
+                    values: own.iter().filter_map(|it| Some(it.headings[method]?.rms_deg)).collect(),
+                    colour,
+                }
+            };
+            let dots = Dots {
+                title: ours.group.clone(),
+                dot: "a recording".to_owned(),
+                x_label: "heading error, rms up to one constant, deg".to_owned(),
+                rows: self.taking_part(own.iter().copied()).into_iter().map(row).collect(),
+                marks_best: true,
+            };
+            report.figure(
+                &format!("group{}", k + 1),
+                dots.draw()?,
+                &format!("{}: heading errors of each method", ours.group),
+            );
+        }
+        self.tables().iter().for_each(|table| report.table(table));
+        Ok(())
+    }
+
+    fn of_group(&self, ours: &GroupScore) -> Vec<&Compared> {
+        self.recordings.iter().filter(|it| it.group == ours.group).collect()
+    }
+
+    fn medians(&self) -> Option<Table> {
+        if self.ours.len() < 2 {
+            return None;
+        }
+        let columns: Vec<&str> =
+            std::iter::once("method").chain(self.ours.iter().map(|it| it.group.as_str())).collect();
+        let mut table = Table::new("Median heading error up to one constant, degrees", &columns);
+        let median = |ours: &GroupScore, k: usize| {
+            let values = self.of_group(ours).iter().filter_map(|it| Some(it.headings[k]?.rms_deg)).collect();
+            Summary::of(values, Worse::Large).map(|it| number(Some(it.median), 1))
+        };
+        let kept = self.taking_part(self.recordings.iter());
+        let cells: Vec<Vec<Option<String>>> =
+            kept.iter().map(|k| self.ours.iter().map(|ours| median(ours, *k)).collect()).collect();
+        let least = |column: usize| {
+            let values = cells.iter().filter_map(|row| row[column].as_ref()?.parse::<f64>().ok());
+            number(Some(values.fold(f64::INFINITY, f64::min)), 1)
+        };
+        for (k, row) in kept.iter().zip(&cells) {
+            let shown = row.iter().enumerate().map(|(column, cell)| match cell {
+                Some(cell) if *cell == least(column) => format!("*{cell}"),
+                Some(cell) => cell.clone(),
+                None => "-".to_owned(),
+            });
+            table.row(std::iter::once(self.methods[*k].clone()).chain(shown).collect());
+        }
+        table.note("*: the best. -: it did not take part, or answered too seldom.");
+        Some(table)
     }
 
     fn magnets(&self) -> Option<Table> {
@@ -28,11 +100,11 @@ impl Comparison {
             self.recordings.iter().filter_map(|it| Some((it, it.magnet?))).collect();
         (!magnets.is_empty()).then(|| {
             let columns = ["recording", "true step, uT", "found, uT", "off, uT"];
-            let columns: Vec<&str> = columns.into_iter().chain(self.methods.iter().copied()).collect();
+            let columns: Vec<&str> = columns.into_iter().chain(self.methods.iter().map(String::as_str)).collect();
             let kept = self.taking_part(magnets.iter().map(|(it, _)| *it));
             let mut table = Table::new("A magnet is put on a sensor and taken off again", &[]);
             table.columns = columns.iter().take(4).map(|it| (*it).to_owned()).collect();
-            table.columns.extend(kept.iter().map(|k| self.methods[*k].to_owned()));
+            table.columns.extend(kept.iter().map(|k| self.methods[*k].clone()));
             for (it, MagnetStep { true_ut, found_ut }) in magnets {
                 let (real, found) = (Vector3::from(true_ut), Vector3::from(found_ut));
                 let along = found.dot(&real) / real.norm();
@@ -50,7 +122,7 @@ impl Comparison {
     }
 
     fn group(&self, ours: &GroupScore) -> Table {
-        let own: Vec<&Compared> = self.recordings.iter().filter(|it| it.group == ours.group).collect();
+        let own = self.of_group(ours);
         let count = if own.len() == 1 { "one recording".to_owned() } else { format!("{} recordings", own.len()) };
         let title = format!("{}: {count}, {:.1} minutes", ours.group, ours.hours * 60.0);
         let mut table = Table::new(&title, &["method", "up to one constant", "against north", "answered %"]);
@@ -59,7 +131,7 @@ impl Comparison {
             let cell = |of: fn(&Heading) -> f64| three(headings.iter().map(of).collect());
             let answered = headings.iter().map(|it| it.answered).sum::<f64>() / own.len() as f64;
             let cells = [cell(|it| it.rms_deg), cell(|it| it.absolute_deg), number(Some(100.0 * answered), 0)];
-            table.row(std::iter::once(self.methods[k].to_owned()).chain(cells).collect());
+            table.row(std::iter::once(self.methods[k].clone()).chain(cells).collect());
         }
         let share = |name: &str| ours.figures[name].map(|it| (100.0 * it.median, 100.0 * it.worst));
         let told = |name: &str| {

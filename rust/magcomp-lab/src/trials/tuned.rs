@@ -65,7 +65,7 @@ impl Folder {
     /// [`LabError::Recording`] names what is wrong with the file.
     pub fn read(&self, path: &Path) -> Result<Trial, LabError> {
         let name = name_of(path);
-        let Told { group, declination_deg, magnet_s } = self.groups.find(&name);
+        let Told { group, declination_deg, magnet_s, .. } = self.groups.find(&name);
         let mut source = open(&[path.to_owned()], &ImportOptions::default())?.source;
         let rows = source.rows()?.collect::<Result<_, _>>()?;
         Ok(Trial { group: group.to_owned(), declination_deg, magnet_s, name, rows })

@@ -2,6 +2,9 @@
 
 use super::figures::{FIGURES, Figure, Worse};
 use super::score::{GroupScore, Score, Summary, Trials};
+use crate::error::LabError;
+use crate::plot::{Colour, DotRow, Dots};
+use crate::report::Report;
 use crate::table::{Table, number};
 
 impl Trials {
@@ -9,6 +12,28 @@ impl Trials {
     #[must_use]
     pub fn tables(&self) -> [Table; 2] {
         [recordings(&self.recordings), groups(&self.groups)]
+    }
+
+    /// Adds a picture and the tables to a report, the groups first.
+    ///
+    /// # Errors
+    /// [`LabError::Plot`].
+    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+        let row = |group: &GroupScore| {
+            let own = self.recordings.iter().filter(|score| score.group == group.group);
+            let values = own.filter_map(|score| score.figures["heading_rms_deg"]).collect();
+            DotRow { name: group.group.clone(), values, colour: Colour::Blue }
+        };
+        let dots = Dots {
+            title: "published heading".to_owned(),
+            dot: "a recording".to_owned(),
+            x_label: "error, rms up to one constant, deg".to_owned(),
+            rows: self.groups.iter().map(row).collect(),
+            marks_best: false,
+        };
+        report.figure("groups", dots.draw()?, "Errors of the published heading by groups");
+        self.tables().iter().rev().for_each(|table| report.table(table));
+        Ok(())
     }
 }
 
