@@ -1,8 +1,7 @@
 //! The first calibration: one fit (`batch`) of all samples of the start, made anew after each group of them.
 //!
 //! ```text
-//! P_hh += D, P_bb += Q D Q', P_hb -= D Q',   Q = mean back,  (lambda_i, v_i) = eig(I - Q' Q),  w_i = Q v_i / |Q v_i|
-//! D = sum min(|h|^2 chain^2 / lambda_i, far^2 - w_i' P_bb w_i) v_i v_i'            what the rotations, off by chain, can't tell
+//! Q = mean back,  (lambda_i, v_i) = eig(I - Q' Q)
 //! information -= C N^-1 C',   C = sum J_k' bend_k / v,   N = P_gg^-1 + sum bend_k' bend_k / v    what a bias would feign (`feigned`)
 //! bend_k = M d(back_k far v_i)/dg                                                  i: the least lambda
 //! ```
@@ -27,9 +26,6 @@ use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
 use crate::strength::{EARTH_UT, POSSIBLE_UT, STRONGEST_AXIS_UT};
 
-/// Choice: what the chain of the gyroscope's rotations is off in shape, by cross axes and timing: turns about another axis by less tell
-/// nothing, rad.
-const CHAIN_RAD: f64 = 8.7e-4;
 /// Choice: delay of the magnetometer against the gyroscope before anything is known, s: phones were found with -7 to 27 ms.
 const DELAY_SD_S: f64 = 0.010;
 /// Mathematics: variance of the trace of E, a gauge: as good as none.
@@ -249,8 +245,7 @@ impl FirstFit {
         Prior { mean, precision, noise_ut2, place_ut2: place_ut2(misfit_ut2, tuning), place_s: tuning.local_time_s }
     }
 
-    /// Covariance of x for the information `before` the samples: that of the fit with what it left, and what the chain of
-    /// rotations can't tell.
+    /// Covariance of x for the information `before` the samples: that of the fit with what it left.
     fn covariance(&mut self, normal: &Normal, before: &Matrix, prior: &Prior, tuning: &Tuning) -> Option<Matrix> {
         let mean_t = normal.moved_s / normal.groups;
         let white = prior.noise_ut2 * normal.groups / normal.count;
@@ -268,24 +263,8 @@ impl FirstFit {
         let unseen = eigen.eigenvectors.column(eigen.eigenvalues.imin());
         let feigned =
             if tuning.feigned { self.feigned(&p, unseen * STRONGEST_AXIS_UT, prior)? } else { Matrix::zeros() };
-        let mut p = (seen - feigned * share + before).cholesky()?.inverse();
         self.widest_rad2 = eigen.eigenvalues.max();
-        let chain_ut2 = if tuning.chain { self.field().norm_squared() * CHAIN_RAD.powi(2) } else { 0.0 };
-        let p_bb = HARD_IRON.block(&p);
-        // at most what was known before any sample
-        let given_ut2 = self.given.as_ref().map(|given| given.calibration.own(HARD_IRON_ALONE));
-        let d = Vector3::from_fn(|k, _| {
-            let axis = (q * eigen.eigenvectors.column(k)).try_normalize(1e-6).unwrap_or_default();
-            let before_ut2 = given_ut2.map_or(LARGEST_UT.powi(2), |given| axis.dot(&(given * axis)));
-            let most_ut2 = before_ut2.min(STRONGEST_AXIS_UT.powi(2));
-            (chain_ut2 / eigen.eigenvalues[k].max(f64::EPSILON)).min(most_ut2 - axis.dot(&(p_bb * axis))).max(0.0)
-        });
-        let mut spread = SMatrix::<f64, 6, 3>::zeros();
-        spread.fixed_rows_mut::<3>(FIELD.start()).copy_from(&eigen.eigenvectors);
-        spread.fixed_rows_mut::<3>(HARD_IRON.start()).copy_from(&(-q * eigen.eigenvectors));
-        let mut to = FIELD.with_next::<6>().block_mut(&mut p);
-        to += spread * Matrix3::from_diagonal(&d) * spread.transpose();
-        Some(p)
+        Some((seen - feigned * share + before).cholesky()?.inverse())
     }
 
     /// Information of the samples that a bias of the gyroscope would feign. Where the least seen part of the field is found to be

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::measure::{Innovation, Judged, NONE};
 use super::phase::{Phase, Running};
-use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
+use super::state::{HARD_IRON, LOCAL, Parts};
 use super::step::Step;
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
@@ -94,7 +94,7 @@ impl Aided {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         }
-        let Some(innovation) = filter.innovation(step, &self.tuning) else {
+        let Some(innovation) = filter.innovation(step) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         };
@@ -104,9 +104,7 @@ impl Aided {
             || self.tuning.local_gate
                 && local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let unexplained_ut = innovation.v + local_ut;
-        let field = filter.part(FIELD);
-        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
+        running.watch.step(step, gated.then_some(&unexplained_ut), is_open, &self.tuning);
         if !step.resting {
             self.bursts.pass(gated, step.dt_s, &self.tuning);
         }

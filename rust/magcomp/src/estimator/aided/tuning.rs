@@ -54,7 +54,7 @@ choices! {
         gate: OUTLYING * OUTLYING, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
-        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
+        /// Least size of a step; less than half of it is no misfit of a start, and no event
         smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: RAMP_S, "s", "priors";
@@ -81,8 +81,6 @@ choices! {
         gyroscope_axes;
         /// Delay of the magnetometer: tau
         delay;
-        /// Recall of the calibration from before the last step
-        recall;
         /// The Earth's field, carried beside that of a new place
         new_place;
         /// What was learned just before a misfit is taken back
@@ -101,8 +99,6 @@ choices! {
         followed;
         /// A local field beyond what is left to a place is a misfit
         local_gate;
-        /// The second-order term of the innovation's covariance
-        second_order;
         /// The mean rate since the delay, in place of the latest
         recent;
         /// A change takes a while: the hypotheses' unknown walks meanwhile
@@ -115,8 +111,6 @@ choices! {
         misfit;
         /// First fit: information that a bias of the gyroscope would feign
         feigned;
-        /// First fit: what the chain of rotations is off
-        chain;
         /// First fit: what is unlikely beforehand is none
         plausible;
         /// First fit: the oldest groups go where a device may have changed
