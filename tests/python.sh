@@ -18,4 +18,5 @@ PATH=$home/venv/bin:$PATH maturin build --quiet --locked --profile "${PROFILE:-r
 # from the folder of the tests: the package must come from the wheel
 cd python/tests
 MAGCOMP_COMMAND=$native/magcomp "$home/venv/bin/python" -P -m pytest -q -p no:cacheprovider "$@"
+"$home/venv/bin/python" -P -m mypy --config-file ../pyproject.toml --cache-dir "$home/mypy" --package magcomp
 "$home/venv/bin/python" -P -m mypy.stubtest magcomp

@@ -16,6 +16,8 @@ def process_many(recordings: dask.dataframe.DataFrame, **settings: typing.Any) -
     partition is a task and is answered whole: ``dask.dataframe.from_pandas(paths, npartitions=200)``."""
 
     def answers(paths: pandas.DataFrame) -> pandas.DataFrame:
-        return table(paths["recording"].tolist(), settings).to_pandas()
+        found: pandas.DataFrame = table(paths["recording"].tolist(), settings).to_pandas()
+        return found
 
-    return recordings.map_partitions(answers, meta=table([], settings).to_pandas())
+    answered: dask.dataframe.DataFrame = recordings.map_partitions(answers, meta=table([], settings).to_pandas())
+    return answered

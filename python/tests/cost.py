@@ -19,7 +19,7 @@ compensator = magcomp.Compensator(method=method)
 if how == "process":
     first = [(times[:count], values[:count]) for times, values in (rate, up, field)]
     answers = compensator.process(*first[2], rotation_rate=first[0], up=first[1])
-    assert len(answers.heading_deg) == count and answers.left_out == 0
+    assert len(answers["heading_deg"]) == count and answers["left_out"] == 0
 else:
     for turned, leans, sample in zip(rows["g"][:count], rows["a"][:count], rows["m"][:count], strict=True):
         compensator.push_rotation_rate(*turned)
