@@ -355,7 +355,7 @@ mod tests {
         let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");
         let name = "broad_36_attached_magnet_5cm";
         let path = recordings.join(format!("{name}.csv.gz"));
-        let mut source = open(&[path.clone()], &ImportOptions::default()).unwrap().source;
+        let mut source = open(std::slice::from_ref(&path), &ImportOptions::default()).unwrap().source;
         let rows: Vec<Row> = source.rows().unwrap().map(Result::unwrap).collect();
         let line = |(k, row): (usize, &Row)| {
             let [x, y, z] = row.field_ut.into();
