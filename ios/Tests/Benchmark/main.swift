@@ -151,7 +151,7 @@ for round in 0..<13 {
         if round >= 2 { costs[k].append((processorNs() - begin) / Double(magnetic.count)) }
     }
 }
-print("processor ns a sample with its events of gyroscope and up, by the ways that an app has: median of 11 rounds, in turns")
+print("processor ns a sample with its events of gyroscope and up, by the ways of an app: median of 11 rounds, in turns")
 for (k, way) in ways.enumerated() {
     let ns = String(format: "%9.0f", median(costs[k]))
     let ratio = String(format: "%.2f", median(zip(costs[k], costs[0]).map { $0 / $1 }))
