@@ -165,7 +165,7 @@ impl Trial {
             self.place.update_bias(step.rate_rad_s, variance);
         }
         if !step.resting {
-            let seen = |it: &Filter| it.innovation(step);
+            let seen = |it: &Filter| it.innovation(step, tuning);
             if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
                 self.judge(&device, &place, step, tuning);
                 if device.nis < tuning.gate {

@@ -94,7 +94,7 @@ impl Aided {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         }
-        let Some(innovation) = filter.innovation(step) else {
+        let Some(innovation) = filter.innovation(step, &self.tuning) else {
             self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         };

@@ -3,17 +3,18 @@
 //! ```text
 //! h0 = m + d,   R = exp([tau w]x),   h = R h0,   raw = M h + b + n,   n ~ sigma^2 I,   w = (I - S) rate - g,   rate: mean over the last tau
 //! dr/dm = dr/dd = M R,  dr/db = I,  dr/de = D(h),  dr/dg = tau M [h]x J_l,  dr/ds = dr/dg (rate' (x) I),   dr/dtau = M (w x h)
-//! S = H P H^T + sigma^2 I,   S = L L^T,   V = P H^T L^-T,   z = L^-1 v
+//! S = H P H^T + sigma^2 I + B,   S = L L^T,   V = P H^T L^-T,   z = L^-1 v
 //! x <- x + V z,   P <- P - V V^T + U U^T
 //! ```
-//! U is the part of V that belongs to states which an update holds (Schmidt): they
+//! B is the second-order term of the bilinear E h. U is the part of V that belongs to states which an update holds (Schmidt): they
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::ln;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::state::{BIAS, DELAY, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES, covariance};
+use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
 use super::step::Step;
+use super::tuning::Tuning;
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
@@ -108,13 +109,31 @@ impl Model {
 }
 
 impl Filter {
+    /// B_i = sum_jl P(E_ij, E_il) (P_mm + P_dd)_jl + P(E_ij, m_l) P(m_j, E_il), not below zero.
+    fn second_order(&self) -> Vector3<f64> {
+        let field = self.own(FIELD) + self.own(LOCAL);
+        Vector3::from(ELEMENT.map(|row| {
+            let mut sum = 0.0;
+            for (j, &ij) in row.iter().enumerate() {
+                for (l, &il) in row.iter().enumerate() {
+                    let (ij, il, j_m, l_m) =
+                        (SOFT_IRON.start() + ij, SOFT_IRON.start() + il, FIELD.start() + j, FIELD.start() + l);
+                    let cross = self.covariance[(ij, l_m)] * self.covariance[(j_m, il)];
+                    sum += (self.covariance[(ij, il)] * field[(j, l)] + cross).max(0.0);
+                }
+            }
+            sum
+        }))
+    }
+
     /// The innovation of a sample; `None` when S has no Cholesky factor.
-    pub(crate) fn innovation(&self, step: &Step<'_>) -> Option<Innovation> {
+    pub(crate) fn innovation(&self, step: &Step<'_>, tuning: &Tuning) -> Option<Innovation> {
         let (raw_ut, sigma_ut) = (step.raw_ut, step.sigma_ut);
         let model = Model::of(&self.parts(), &step.delayed_rad_s, step.late_s);
+        let bilinear_ut2 = if tuning.second_order { self.second_order() } else { Vector3::zeros() };
         let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
         let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
-            + Matrix3::from_diagonal_element(sigma_ut * sigma_ut);
+            + Matrix3::from_diagonal(&bilinear_ut2.add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();
         let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
         let v = raw_ut - model.raw_ut;

@@ -99,6 +99,8 @@ choices! {
         followed;
         /// A local field beyond what is left to a place is a misfit
         local_gate;
+        /// The second-order term of the innovation's covariance
+        second_order;
         /// The mean rate since the delay, in place of the latest
         recent;
         /// A change takes a while: the hypotheses' unknown walks meanwhile
