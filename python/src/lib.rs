@@ -37,8 +37,9 @@ fn _magcomp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<compensator::Reading>()?;
     module.add_class::<fit::EllipsoidFit>()?;
     module.add_class::<many::Many>()?;
-    module.add_function(wrap_pyfunction!(compensator::_compensator, module)?)?;
-    module.add_function(wrap_pyfunction!(many::_process_many, module)?)?;
+    // for the package alone: not in `__all__`
+    module.setattr("_compensator", wrap_pyfunction!(compensator::_compensator, module)?)?;
+    module.setattr("_process_many", wrap_pyfunction!(many::_process_many, module)?)?;
     module.add_function(wrap_pyfunction!(session::read_session, module)?)?;
     module.add_function(wrap_pyfunction!(session::earth_field, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit_ellipsoid, module)?)
