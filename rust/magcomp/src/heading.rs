@@ -201,7 +201,8 @@ pub fn heading_sigma_deg(
         let (one, other) = (tilted(-TILT_STEP_RAD), tilted(TILT_STEP_RAD));
         let (sin, cos) =
             (other.east * one.north - other.north * one.east, one.east * other.east + one.north * other.north);
-        sin / cos / (2.0 * TILT_STEP_RAD)
+        // an axis that tips over the vertical turns by half a circle
+        atan2(sin, cos) / (2.0 * TILT_STEP_RAD)
     };
     let tilt = tilt_sigma_deg.to_radians() * hypot(slope(across), slope(up.cross(&across))) * horizontal;
     let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;

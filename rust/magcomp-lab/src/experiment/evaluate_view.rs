@@ -6,6 +6,8 @@ use crate::plot::{Colour, DotRow, Dots};
 use crate::report::Report;
 use crate::table::{Table, number};
 
+/// Characters of a line of the page, but of its tables.
+const WIDTH: usize = 160;
 /// A line is bad when less than this share of the errors lies within two sigmas (95 % is right) ...
 const LEAST_WITHIN_TWO: f64 = 0.90;
 /// ... when a lie lasts longer than this, s ...
@@ -105,7 +107,11 @@ impl EvaluateResult {
         let lines = || self.groups.iter().flat_map(|group| group.variants.iter().map(move |line| (group.title, line)));
         let faults = |fault: &dyn Fn(&VariantResult) -> Option<String>| {
             let found: String = lines()
-                .filter_map(|(group, one)| fault(one).map(|text| format!("* {}: {text} ({group})\n", one.about)))
+                .filter_map(|(group, one)| {
+                    let told = format!("* {}: {}", one.about, fault(one)?);
+                    let between = if told.len() + group.len() + " ()".len() > WIDTH { "\n  " } else { " " };
+                    Some(format!("{told}{between}({group})\n"))
+                })
                 .collect();
             if found.is_empty() { "None.\n".to_owned() } else { found }
         };

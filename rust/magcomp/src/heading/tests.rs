@@ -69,13 +69,11 @@ fn a_tilt_turns_a_steep_axis_as_sigma_says() {
             assert!((0.85..1.15).contains(&(sigma / seen)), "{axis:?} {pitch_deg} {roll_deg}: {sigma}, seen {seen}");
         }
     }
-    let upright = heading_sigma_deg(
-        &field,
-        &Vector3::new(0.0, 1.0, 0.001),
-        ReferenceAxis::TopEdge,
-        ScreenRotation::Deg0,
-        &Matrix3::zeros(),
-        tilt_deg,
-    );
-    assert_eq!(upright, Some(180.0));
+    // also where the step of the slope tips the axis over the vertical
+    for off in [0.001, 5e-6] {
+        let up = Vector3::new(0.0, 1.0, off);
+        let none = Matrix3::zeros();
+        let upright = heading_sigma_deg(&field, &up, ReferenceAxis::TopEdge, ScreenRotation::Deg0, &none, tilt_deg);
+        assert_eq!(upright, Some(180.0), "{off}");
+    }
 }

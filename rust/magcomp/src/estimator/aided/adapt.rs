@@ -56,12 +56,13 @@ pub(crate) struct Adaptation {
 #[derive(Clone, Debug, Default, PartialEq)]
 struct White {
     variance_ut2: f64,
-    previous_ut: Option<Vector3<f64>>,
+    /// The one before, uT, and the turn since then.
+    previous: Option<(Vector3<f64>, Matrix3<f64>)>,
 }
 
 impl White {
     fn new(tuning: &Tuning) -> Self {
-        Self { variance_ut2: tuning.noise_start_ut.powi(2), previous_ut: None }
+        Self { variance_ut2: tuning.noise_start_ut.powi(2), previous: None }
     }
 
     /// A sample or a mean, with the turn from the one before.
@@ -75,15 +76,22 @@ impl White {
         tuning: &Tuning,
     ) {
         let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
-        if let (Some(previous), Some(w)) = (self.previous_ut, soft_iron.try_inverse()) {
-            let e = raw_ut - offset_ut - soft_iron * (turn * (w * (previous - offset_ut)));
+        if let (Some((previous, since)), Some(w)) = (self.previous, soft_iron.try_inverse()) {
+            let e = raw_ut - offset_ut - soft_iron * (turn * since * (w * (previous - offset_ut)));
             let size = e.norm();
             let share = if tuning.noise_learning { (dt_s / memory_s).min(1.0) } else { 0.0 };
             let variance = self.variance_ut2;
             self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
         }
-        self.previous_ut = Some(*raw_ut);
+        self.previous = Some((*raw_ut, Matrix3::identity()));
+    }
+
+    /// One that says nothing.
+    fn pass(&mut self, turn: &Matrix3<f64>) {
+        if let Some((_, since)) = &mut self.previous {
+            *since = turn * *since;
+        }
     }
 }
 
@@ -193,7 +201,7 @@ impl Adaptation {
 
     /// Breaks the chain of one-step increments (gap, or no rotation known).
     pub(crate) fn forget_previous(&mut self) {
-        (self.sample.previous_ut, self.mean.previous_ut) = (None, None);
+        (self.sample.previous, self.mean.previous) = (None, None);
     }
 
     /// One sample, with the step from the one before.
@@ -206,6 +214,16 @@ impl Adaptation {
         tuning: &Tuning,
     ) {
         self.sample.step(raw_ut, &known.x, turn, dt_s, tuning.memory_s, tuning);
+    }
+
+    /// One sample that says nothing.
+    pub(crate) fn pass(&mut self, turn: &Matrix3<f64>) {
+        self.sample.pass(turn);
+    }
+
+    /// One frame of such.
+    pub(crate) fn pass_mean(&mut self, turn: &Matrix3<f64>) {
+        self.mean.pass(turn);
     }
 
     /// A sample stands for itself: nothing else is known of the mean of several.

@@ -13,8 +13,9 @@ use super::Aided;
 use super::events::{Began, Trial, Verdict};
 use super::phase::Phase;
 use super::quarantine::Quarantine;
-use super::state::{Filter, HARD_IRON};
+use super::state::Filter;
 use super::step::Step;
+use super::watch::Former;
 use crate::reading::{Event, EventKind};
 
 impl Aided {
@@ -23,21 +24,21 @@ impl Aided {
         let Phase::Running(running) = &self.phase else { return };
         let began = Began { is_blind, hold_s: self.bursts.hold_s(&self.tuning) };
         self.bursts.begin();
-        self.phase.doubt(Trial::start(&running.filter, &running.watch, began, &self.tuning));
+        self.phase.doubt(Trial::start(&running.filter, &running.watch, self.former.as_ref(), began, &self.tuning));
     }
 
     /// One sample while the hypotheses run; the filter is as it was, predicted.
     pub(super) fn run_trial(&mut self, step: &Step<'_>) {
         let Phase::Undecided(running, trial) = &mut self.phase else { return };
-        let verdict = trial.step(step, &running.filter, &running.watch, &self.tuning);
+        let verdict = trial.step(step, &running.filter, &running.watch, self.former.as_ref(), &self.tuning);
         let since_ns = trial.onset_ns();
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
                 self.bursts.was_the_device();
-                if let Some(kind) = trial.device_event(&running.filter, self.former_ut, &self.tuning) {
+                if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
                     self.event = event(kind);
-                    self.former_ut = Some(running.filter.part(HARD_IRON));
+                    self.former = self.tuning.recall.then(|| Former::of(&running.filter));
                 }
                 if trial.was_place() {
                     running.carry_earth(since_ns, &self.tuning);

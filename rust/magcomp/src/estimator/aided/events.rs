@@ -6,15 +6,14 @@
 //! place     P_mm += s^2 I, updates correct m and d only: the field of the place stepped, the calibration holds
 //! s = max(mean |v| of the gated samples, 8 uT),   l = -(min(NIS, gate) + ln det S) / 2,   L += dt / 10 ms (l_device - l_place)
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md; starting at the onset instead of at the declaration and holding the calibration while undecided are new.
-
-use nalgebra::Vector3;
+//! Source: docs/dev/METHOD-AIDED.md; starting at the onset instead of at the declaration, holding the calibration while undecided and
+//! the recall of a former calibration are new.
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{SAMPLE_S, Step, gain};
 use super::tuning::Tuning;
-use super::watch::Watch;
+use super::watch::{Former, Watch};
 use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::reading::EventKind;
@@ -58,6 +57,7 @@ pub(crate) struct Trial {
     onset_ns: i64,
     device: Filter,
     place: Filter,
+    recalled: bool,
     began: Began,
     log_ratio: f64,
     device_misfit: f64,
@@ -73,8 +73,16 @@ pub(crate) struct Trial {
 
 impl Trial {
     /// Starts the hypotheses from the filter as it is.
-    pub(crate) fn start(filter: &Filter, watch: &Watch, began: Began, tuning: &Tuning) -> Self {
-        Self { began, ..Self::start_in(filter, filter, watch, tuning) }
+    pub(crate) fn start(
+        filter: &Filter,
+        watch: &Watch,
+        former: Option<&Former>,
+        began: Began,
+        tuning: &Tuning,
+    ) -> Self {
+        // after a pause the turn alone may have been wrong: it is no time to recall
+        let former = former.filter(|_| !began.is_blind);
+        Self { began, ..Self::start_in(filter, filter, watch, former, tuning) }
     }
 
     /// Whether the field of the place was found to have changed.
@@ -109,20 +117,12 @@ impl Trial {
         self.place
     }
 
-    /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned. `former_ut`: b before the last step.
-    pub(crate) fn device_event(
-        &self,
-        filter: &Filter,
-        former_ut: Option<Vector3<f64>>,
-        tuning: &Tuning,
-    ) -> Option<EventKind> {
-        let now_ut = self.device.part(HARD_IRON);
-        let moved_ut = (now_ut - filter.part(HARD_IRON)).norm();
+    /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
+    pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
+        let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
         // after a pause b may have walked
         let least_ut = if self.began.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
-        // it has hardly been found: most of the way back will do
-        let is_back = former_ut.is_some_and(|former_ut| 4.0 * (now_ut - former_ut).norm() < moved_ut);
-        let kind = if is_back { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+        let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
         (moved_ut > least_ut).then_some(kind)
     }
 
@@ -132,17 +132,22 @@ impl Trial {
     }
 
     /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
-    fn start_in(filter: &Filter, there: &Filter, watch: &Watch, tuning: &Tuning) -> Self {
+    fn start_in(filter: &Filter, there: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         let step_ut = watch.misfit_ut().max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
-        device.add_variance(HARD_IRON, step_ut * step_ut);
-        let iron = (tuning.iron_sd * (step_ut / STRONGEST_AXIS_UT).min(1.0)).powi(2);
-        device.add_soft_iron_variance(iron);
-        // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
-        let m = device.part(FIELD);
-        device.add(FIELD, &(m * m.transpose() * (iron / 3.0)));
+        let recall = former.filter(|_| watch.fits_former(tuning));
+        if let Some(former) = recall {
+            former.put_into(&mut device, tuning);
+        } else {
+            device.add_variance(HARD_IRON, step_ut * step_ut);
+            let iron = (tuning.iron_sd * (step_ut / STRONGEST_AXIS_UT).min(1.0)).powi(2);
+            device.add_soft_iron_variance(iron);
+            // the trace of M may have stepped too: in the gauge of the filter that is a step of |m|
+            let m = device.part(FIELD);
+            device.add(FIELD, &(m * m.transpose() * (iron / 3.0)));
+        }
         place.add_variance(FIELD, step_ut * step_ut);
-        Self { onset_ns: watch.since_ns(), device, place, ..Self::default() }
+        Self { onset_ns: watch.since_ns(), device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
     /// The device turns.
@@ -152,7 +157,14 @@ impl Trial {
     }
 
     /// One sample. `filter` is the filter as it was, predicted to now.
-    pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Filter, watch: &Watch, tuning: &Tuning) -> Verdict {
+    pub(crate) fn step(
+        &mut self,
+        step: &Step<'_>,
+        filter: &Filter,
+        watch: &Watch,
+        former: Option<&Former>,
+        tuning: &Tuning,
+    ) -> Verdict {
         self.turn(step);
         if tuning.ramp && self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
@@ -176,6 +188,14 @@ impl Trial {
                 }
             }
         }
+        // a cover comes off in a while: what it leaves shows later than the onset
+        if let Some(former) = former.filter(|_| !self.recalled && !self.is_place && watch.fits_former(tuning)) {
+            self.device = filter.clone();
+            former.put_into(&mut self.device, tuning);
+            self.recalled = true;
+            self.log_ratio = 0.0;
+            self.device_misfit = 0.0;
+        }
         // while the filter as it was explains the samples, nothing else wins
         let unchanged = !self.began.is_blind && !self.is_place && watch.share() < MOST;
         if step.resting || unchanged {
@@ -189,7 +209,7 @@ impl Trial {
                 onset_ns: if held { self.fitted_ns } else { self.onset_ns },
                 began: self.began,
                 was_place: self.was_place || self.is_place,
-                ..Self::start_in(filter, if held { &self.place } else { filter }, watch, tuning)
+                ..Self::start_in(filter, if held { &self.place } else { filter }, watch, former, tuning)
             };
             Verdict::Neither
         })
@@ -201,8 +221,9 @@ impl Trial {
             let gated_share = Some(gated_share);
             ChangeHypothesis { kind, onset_ns: self.onset_ns, log_odds: log_odds.min(0.0), gated_share }
         };
+        let device = if self.recalled { ChangeKind::DeviceBack } else { ChangeKind::Device };
         let place = if self.began.is_blind { ChangeKind::Unchanged } else { ChangeKind::Place };
-        let device = of(ChangeKind::Device, self.log_ratio, self.device_misfit);
+        let device = of(device, self.log_ratio, self.device_misfit);
         let place = of(place, -self.log_ratio, self.place_misfit);
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
     }
@@ -237,8 +258,9 @@ impl Trial {
         if !device_fits && !place_fits {
             return None;
         }
-        let hold_s = self.began.hold_s;
-        let rotation_rad = tuning.decide_rotation_rad * (1.0 + hold_s / tuning.quick_s);
+        // a former calibration that fits again needs less
+        let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.began.hold_s) };
+        let rotation_rad = tuning.decide_rotation_rad * (share + hold_s / tuning.quick_s);
         let device_holds = self.device_misfit < tuning.suspect_share;
         Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s + hold_s {
             Verdict::Open

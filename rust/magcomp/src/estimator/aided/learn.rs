@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::measure::{Innovation, Judged, NONE};
 use super::phase::{Phase, Running};
-use super::state::{HARD_IRON, LOCAL, Parts};
+use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
 use super::step::Step;
 use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
@@ -83,7 +83,9 @@ impl Aided {
         filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
         let sigma_ut = self.adaptation.mean_sigma_ut();
         let step = &Step { sigma_ut, ..*step };
-        if !step.is_blank {
+        if step.is_blank {
+            self.adaptation.pass_mean(&turn.rotation);
+        } else {
             self.adaptation.step_mean(step, &x, &turn.rotation, &self.tuning);
         }
         self.quarantine.turn(step);
@@ -104,7 +106,9 @@ impl Aided {
             || self.tuning.local_gate
                 && local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let unexplained_ut = innovation.v + local_ut;
-        running.watch.step(step, gated.then_some(&unexplained_ut), is_open, &self.tuning);
+        let field = filter.part(FIELD);
+        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
+        running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
             self.bursts.pass(gated, step.dt_s, &self.tuning);
         }

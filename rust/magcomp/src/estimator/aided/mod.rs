@@ -52,6 +52,7 @@ use recent::Recent;
 use state::{BIAS, CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
+use watch::Former;
 
 /// Mathematics: seconds in a nanosecond.
 const NANO: f64 = 1e-9;
@@ -73,8 +74,7 @@ pub(crate) struct Aided {
     /// Of what was published after the latest frame, c and f, uT^2.
     covariances: Option<[Matrix3<f64>; 2]>,
     motion: Motion,
-    /// b before the last step, uT: whether the next one is its way back is told, and moves nothing.
-    former_ut: Option<Vector3<f64>>,
+    former: Option<Former>,
     event: Option<Event>,
     /// Seconds since the chain of rotations began, and whether there was one before.
     chain_s: f64,
@@ -97,7 +97,7 @@ impl Aided {
             frame: Frame::default(),
             covariances: None,
             motion: Motion::new(),
-            former_ut: None,
+            former: None,
             event: None,
             chain_s: 0.0,
             was_broken: false,

@@ -39,7 +39,7 @@ impl Aided {
         self.motion.carry_up(&turn, up, &known, rotation.variance_rad2, dt_s, tuning);
         let Waited { raw_ut, is_blank, age_s: late_s } = sample;
         if *is_blank {
-            self.adaptation.forget_previous();
+            self.adaptation.pass(&turn);
         } else {
             self.adaptation.step(raw_ut, &known, &turn, dt_s, tuning);
         }

@@ -54,7 +54,7 @@ choices! {
         gate: OUTLYING * OUTLYING, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
-        /// Least size of a step; less than half of it is no misfit of a start, and no event
+        /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
         ramp_s: RAMP_S, "s", "priors";
@@ -81,6 +81,8 @@ choices! {
         gyroscope_axes;
         /// Delay of the magnetometer: tau
         delay;
+        /// Recall of the calibration from before the last step
+        recall;
         /// The Earth's field, carried beside that of a new place
         new_place;
         /// What was learned just before a misfit is taken back

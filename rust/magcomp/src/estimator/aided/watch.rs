@@ -1,15 +1,42 @@
-//! What is kept of the samples that do not fit: their share, size and beginning.
+//! What is kept of the samples that do not fit: their share, size and beginning; and the calibration before the last step.
 //!
 //! ```text
 //! share += (1 - exp(-dt / t)) ([NIS > gate] - share),   t = 0.5 s, falling with 0.25 s while hypotheses run
-//! |v|:  low-passed over gated samples (0.125 s)
+//! |v|, raw - (M h + b)_former:  low-passed over gated samples (0.125 s)
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md.
+//! Source: docs/dev/METHOD-AIDED.md; the recall of a former calibration is new.
 
 use nalgebra::Vector3;
 
+use super::state::{CALIBRATION, Filter, HARD_IRON, HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::step::{Step, gain};
 use super::tuning::Tuning;
+use crate::calibration::iron_rows;
+use crate::math::gaussian::Gaussian;
+
+/// A calibration that was in force before a step.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Former {
+    calibration: Gaussian<9>,
+}
+
+impl Former {
+    pub(crate) fn of(filter: &Filter) -> Self {
+        Self { calibration: filter.marginal(CALIBRATION) }
+    }
+
+    /// raw - (M h + b) of this calibration, uT.
+    pub(crate) fn residual(&self, raw_ut: &Vector3<f64>, h: &Vector3<f64>) -> Vector3<f64> {
+        raw_ut - h - self.calibration.part(HARD_IRON_ALONE) - iron_rows(h) * self.calibration.part(SOFT_IRON_ALONE)
+    }
+
+    /// Puts this calibration into a filter, apart from all else in it.
+    pub(crate) fn put_into(&self, filter: &mut Filter, tuning: &Tuning) {
+        filter.isolate(CALIBRATION, &self.calibration.covariance);
+        filter.set_part(CALIBRATION, &self.calibration.mean);
+        filter.add_variance(HARD_IRON, tuning.noise_start_ut * tuning.noise_start_ut);
+    }
+}
 
 /// Watches the share of samples that the filter does not explain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +47,8 @@ pub(crate) struct Watch {
     since_ns: i64,
     /// Low-passed |v| over gated samples, uT.
     misfit_ut: f64,
+    /// Low-passed residual of the former calibration over gated samples, uT.
+    former_ut: Vector3<f64>,
 }
 
 impl Watch {
@@ -44,16 +73,32 @@ impl Watch {
         self.misfit_ut = misfit_ut;
     }
 
-    /// One sample: its innovation if it was gated.
-    pub(crate) fn step(&mut self, step: &Step<'_>, gated: Option<&Vector3<f64>>, clearing: bool, tuning: &Tuning) {
+    /// Whether the samples that do not fit now fit the calibration from before the last step.
+    pub(crate) fn fits_former(&self, tuning: &Tuning) -> bool {
+        self.former_ut.norm() < 0.5 * tuning.smallest_step_ut
+    }
+
+    /// One sample: its innovation if it was gated, and the residual of the former calibration.
+    pub(crate) fn step(
+        &mut self,
+        step: &Step<'_>,
+        gated: Option<&Vector3<f64>>,
+        former: Option<Vector3<f64>>,
+        clearing: bool,
+        tuning: &Tuning,
+    ) {
         let time_s = if clearing && gated.is_none() { tuning.quick_s } else { tuning.memory_s };
         if let Some(v) = gated {
             if self.share < 0.5 * tuning.suspect_share {
                 self.begin(step.time_ns, v.norm());
+                self.former_ut = former.unwrap_or_default();
             }
             // short against a change
             let gain = gain(step.dt_s, 0.5 * tuning.quick_s);
             self.misfit_ut += gain * (v.norm() - self.misfit_ut);
+            if let Some(former) = former {
+                self.former_ut += (former - self.former_ut) * gain;
+            }
         }
         self.share += gain(step.dt_s, time_s) * (f64::from(gated.is_some()) - self.share);
     }

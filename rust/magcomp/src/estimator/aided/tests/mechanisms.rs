@@ -5,10 +5,12 @@ use nalgebra::Vector3;
 use super::super::state::{AXES, DELAY, HARD_IRON, LOCAL};
 use super::super::{Aided, Tuning};
 use super::simulator::World;
+use crate::reading::EventKind;
 use crate::tuning::Mechanism;
 
 /// What is for places that change, magnets, steps, poor starts and other sensors does nothing where nothing happens.
-const QUIET: [&str; 11] = [
+const QUIET: [&str; 12] = [
+    "recall",
     "new_place",
     "quarantine",
     "hold",
@@ -98,6 +100,21 @@ fn a_hard_iron_that_does_not_walk_is_known_ever_better() {
 }
 
 #[test]
+fn without_recall_the_way_back_is_a_step_like_any_other() {
+    for (mechanism, kind) in [("", EventKind::DeviceStepBack), ("recall", EventKind::DeviceStep)] {
+        let (mut world, mut aided) = without(mechanism);
+        world.hard_iron_ut += MAGNET_UT;
+        run(&mut world, &mut aided, 1_500);
+        assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStep);
+        let first_ns = aided.event.unwrap().since_ns;
+        world.hard_iron_ut -= MAGNET_UT;
+        run(&mut world, &mut aided, 800);
+        let event = aided.event.unwrap();
+        assert!(event.kind == kind && event.since_ns > first_ns, "{mechanism}: {event:?}");
+    }
+}
+
+#[test]
 fn without_a_new_place_its_field_is_the_earths() {
     for (mechanism, is_carried) in [("", true), ("new_place", false)] {
         let (mut world, mut aided) = without(mechanism);
@@ -157,7 +174,7 @@ fn every_mechanism_is_at_work_in_an_eventful_walk() {
     };
     let idle: Vec<_> = Tuning::MECHANISMS.iter().filter(is_idle).map(|it| it.name).collect();
     // seen elsewhere: below, in `steps`, in `motion`, in tests/host/aided.rs, in `starts`
-    assert_eq!(idle, ["long_up", "plausible"]);
+    assert_eq!(idle, ["recall", "long_up", "plausible"]);
 }
 
 /// Any of them off together, the answers stay finite.

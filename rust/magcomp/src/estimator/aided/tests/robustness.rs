@@ -153,3 +153,31 @@ fn a_field_that_no_place_has_is_told() {
         assert!(if possible { told == 0 } else { told > 1_000 }, "{factor}: told {told} times in 2000");
     }
 }
+
+/// A logger writes a row for each event of any sensor: each second one has no sample of the magnetometer.
+#[test]
+fn rows_without_a_sample_between_those_that_have_one_cost_nothing() {
+    let [all, half] = [false, true].map(|has_gaps| {
+        let (mut world, mut aided) = (World::new(71), Aided::new(Tuning::default(), None));
+        let mut run = |world: &mut World, samples: usize| {
+            for k in 0..samples {
+                let sample = world.sample(0.005);
+                if has_gaps && k % 2 == 1 {
+                    aided.carry(sample.time_ns, &sample.inertial);
+                } else {
+                    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                }
+            }
+            let off_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
+            (off_ut, aided.adaptation.sigma_ut(), aided.event.is_some())
+        };
+        let before = run(&mut world, 4_000);
+        world.hard_iron_ut.x += 20.0;
+        (before, run(&mut world, 3_000))
+    });
+    for ((before_ut, sigma_ut, is_early), (after_ut, _, is_told)) in [all, half] {
+        assert!(before_ut < 1.0 && after_ut < 1.0, "b off by {before_ut}, then by {after_ut} uT");
+        assert!((0.3..0.7).contains(&sigma_ut), "{sigma_ut} uT");
+        assert!(!is_early && is_told);
+    }
+}

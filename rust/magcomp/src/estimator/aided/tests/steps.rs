@@ -45,7 +45,7 @@ fn run_while(world: &mut World, aided: &mut Aided, samples: usize, mut look: imp
 }
 
 #[test]
-fn a_device_step_is_relearned_and_its_undoing_is_named() {
+fn a_device_step_is_relearned_and_its_undoing_recalled() {
     for seed in 40..46 {
         let (mut world, mut aided) = settled(seed);
         world.hard_iron_ut += MAGNET_UT;
@@ -64,10 +64,10 @@ fn a_device_step_is_relearned_and_its_undoing_is_named() {
             world.hard_iron_ut -= MAGNET_UT / f64::from(pieces);
             run(&mut world, &mut aided, 1);
         }
-        run(&mut world, &mut aided, 600);
+        run(&mut world, &mut aided, 300);
         assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStepBack, "seed {seed}");
         let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
-        assert!(error < 1.5, "seed {seed}: offset wrong by {error} uT after the way back");
+        assert!(error < 1.5, "seed {seed}: offset wrong by {error} uT after the recall");
     }
 }
 
