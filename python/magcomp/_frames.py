@@ -18,6 +18,8 @@ _SENSORS = {"magnetometer": "m", "gyroscope": "g", "accelerometer": "a"}
 def _times(frame: pandas.DataFrame) -> np.ndarray:
     import pandas
 
+    if frame.index.name in ("time_ns", "t_s") and frame.index.name not in frame:
+        frame = frame.reset_index()
     if "time_ns" in frame:
         if frame["time_ns"].hasnans:
             raise _magcomp.MagcompError("the column time_ns has a time that is missing; drop that row")
@@ -40,15 +42,15 @@ def _times(frame: pandas.DataFrame) -> np.ndarray:
             # zones are UTC below
             return index.to_numpy(dtype="datetime64[ns]").astype(np.int64)
         return index.to_numpy(dtype="timedelta64[ns]").astype(np.int64)
-    raise _magcomp.MagcompError("there are no times; give a column time_ns (whole nanoseconds) or t_s (seconds), or an index of times")
+    raise _magcomp.MagcompError("there are no times; give a column or an index time_ns (whole nanoseconds) or t_s (seconds), or an index of times")
 
 
 def from_frame(frame: pandas.DataFrame) -> Session:
     """What `Compensator.process` takes, of a table with named columns.
 
-    Times are a column ``time_ns`` (whole nanoseconds) or ``t_s`` (seconds), or an index of times. ``mx, my, mz`` are raw, uT; ``gx, gy, gz`` in rad/s
-    and ``ax, ay, az`` in m/s^2 may be left out. A row without a sensor's values (NaN or NA) is no sample of that sensor; so tables of different rates can
-    be put below one another. Other columns are not read. Raises `MagcompError`.
+    Times are a column or an index ``time_ns`` (whole nanoseconds) or ``t_s`` (seconds), or an index of times. ``mx, my, mz`` are raw, uT;
+    ``gx, gy, gz`` in rad/s and ``ax, ay, az`` in m/s^2 may be left out. A row without a sensor's values (NaN or NA) is no sample of that
+    sensor; so tables of different rates can be put below one another. Other columns are not read. Raises `MagcompError`.
     """
     time_ns = _times(frame)
     found: dict[str, tuple[np.ndarray, np.ndarray] | None] = {}

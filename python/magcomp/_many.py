@@ -54,7 +54,8 @@ def process_many(
     there; a later call takes those whose recording, settings and version are the same. Raises `MagcompError` and `ConfigError`.
     """
     if isinstance(recordings, (str, os.PathLike)) or (isinstance(recordings, Mapping) and "time_ns" in recordings):
-        raise _magcomp.MagcompError("process_many needs a list of recordings, or a mapping of names to them")
+        why = "process_many needs a list of recordings, or a mapping of names to them; all in a folder are sorted(pathlib.Path(folder).iterdir())"
+        raise _magcomp.MagcompError(why)
     if workers is not None and workers < 1:
         raise _magcomp.MagcompError(f"workers is {workers}; it must be 1 or more")
     if isinstance(recordings, Mapping):

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import runpy
 import shutil
 import signal
 import subprocess
@@ -9,7 +10,6 @@ import sys
 import threading
 import time
 
-import dask.dataframe
 import numpy as np
 import pandas
 import polars
@@ -17,8 +17,6 @@ import pyarrow
 import pytest
 
 import magcomp
-import magcomp.dask
-import magcomp.spark
 
 from conftest import ROOT
 from test_borders import TIMES, turned
@@ -173,26 +171,43 @@ def test_a_new_compensator_is_pickled_and_one_that_learned_is_not():
         pickle.loads(other)
 
 
-def engine_rows(found, expected):
+# The engines themselves, local clusters of them: a few generated recordings at each landing, a thousand at night
+ENGINES = runpy.run_path(str(ROOT / "python/examples/engines.py"))
+NIGHT = bool(os.environ.get("MAGCOMP_NIGHT"))
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory):
+    """Paths, of which every seventh is that of no recording, and what `process_many` answers."""
+    folder = tmp_path_factory.mktemp("generated")
+    paths = ENGINES["generate"](folder, 1000 if NIGHT else 12, seconds=12)
+    for path in paths[3::7]:
+        shutil.copy(__file__, path)
+    many = magcomp.process_many([*paths, "nowhere.csv"], progress=False)
+    assert set(many.errors) == {*paths[3::7], "nowhere.csv"} and len(many) == 600 * len(many.recordings)
+    answers = many.to_pandas()
+    assert (answers.groupby("recording", observed=True)["heading_deg"].count() > 300).all()
+    return [*paths, "nowhere.csv"], many.errors, answers
+
+
+def engine_rows(found, generated):
+    _, errors, expected = generated
     failed = found["error"].notna()
-    assert found.loc[failed, "recording"].tolist() == ["nowhere.csv"] and "nowhere.csv" in found.loc[failed, "error"].item()
+    assert dict(zip(found.loc[failed, "recording"], found.loc[failed, "error"])) == errors and failed.sum() == len(errors)
     order = ["recording", "time_ns"]
-    found, expected = found[~failed].sort_values(order), expected.sort_values(order)
-    same(found.astype({"time_ns": np.int64}), expected)
+    expected = expected.astype({"recording": str, "status": str}).sort_values(order)
+    same(found[~failed].sort_values(order).astype({"time_ns": np.int64}), expected)
 
 
-def test_spark_gives_the_same_rows(expected, monkeypatch):
-    sql = pytest.importorskip("pyspark.sql")
-    monkeypatch.setenv("PYSPARK_PYTHON", sys.executable)
-
-    session = sql.SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false").getOrCreate()
+def test_spark_gives_the_same_rows(generated):
+    pytest.importorskip("pyspark.sql")
+    session = ENGINES["spark_session"]()
     try:
-        paths = session.createDataFrame([(str(path),) for path in [*RECORDINGS, "nowhere.csv"]], ["recording"])
-        engine_rows(magcomp.spark.process_many(paths.repartition(2)).toPandas(), expected)
+        engine_rows(ENGINES["on_spark"](generated[0], session).toPandas(), generated)
     finally:
         session.stop()
 
 
-def test_dask_gives_the_same_rows(expected):
-    paths = dask.dataframe.from_pandas(pandas.DataFrame({"recording": [str(path) for path in [*RECORDINGS, "nowhere.csv"]]}), npartitions=2)
-    engine_rows(magcomp.dask.process_many(paths).compute(scheduler="processes"), expected)
+def test_dask_gives_the_same_rows(generated):
+    with ENGINES["dask_client"]() as client:
+        engine_rows(ENGINES["on_dask"](generated[0], client).compute(), generated)

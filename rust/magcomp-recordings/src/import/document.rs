@@ -17,6 +17,9 @@ const START: usize = 1024;
 /// Endings of names that are read from folders and zips; other files there (pictures, sound, databases) are passed over.
 const TEXT: [&str; 6] = [".csv", ".txt", ".csv.gz", ".parquet", ".arrow", ".feather"];
 
+/// About a bag of ROS 2 that is a database.
+const SQLITE: &str = "a bag in SQLite is not read; `ros2 bag convert` makes an mcap file of it";
+
 /// Files of a session, at most.
 const MOST_FILES: usize = 2000;
 /// Lines before a table, at most, and their length, bytes.
@@ -121,7 +124,7 @@ fn not_text(bytes: &[u8]) -> &'static str {
     } else if bytes.starts_with(b"FEA1") {
         "Feather of version 1 is not read; make version 2 of it: in Python, pandas.read_feather(IN).to_feather(OUT)"
     } else if bytes.starts_with(b"SQLite format 3") {
-        "a bag in SQLite is not read; `ros2 bag convert` makes an mcap file of it"
+        SQLITE
     } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         "UTF-16 text is not read; save it as UTF-8"
     } else {
@@ -172,14 +175,39 @@ pub(super) fn documents(inputs: &[Input]) -> Result<Documents, RecordingError> {
         if let Some(why) = found.unreadable.pop() {
             return Err(why);
         }
-        let names: Vec<String> = inputs.iter().map(|input| input.path.display().to_string()).collect();
-        return Err(RecordingError::NoSession(format!(
-            "{}: no file there ends in {}",
-            names.join(", "),
-            TEXT.join(", ")
-        )));
+        return Err(nothing_in(inputs));
     }
     Ok(found)
+}
+
+/// Why there is no file to read: the first thing in a folder that people may have meant, and what to do with it.
+fn nothing_in(inputs: &[Input]) -> RecordingError {
+    let ends = |path: &Path, endings: &[&str]| {
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+        endings.iter().any(|ending| name.ends_with(ending))
+    };
+    for input in inputs.iter().filter(|input| input.is_dir) {
+        let mut within: Vec<PathBuf> =
+            std::fs::read_dir(&input.path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        within.sort();
+        let told = within.iter().find_map(|path| {
+            let why = if ends(path, &[".mcap.zstd", ".db3.zstd"]) {
+                "a bag that is packed as a file is not read; unpack it: zstd -d".to_owned()
+            } else if ends(path, &[".db3"]) {
+                SQLITE.to_owned()
+            } else if path.is_dir() {
+                format!("it is a folder in {}; give each recording's own folder", input.path.display())
+            } else {
+                return None;
+            };
+            Some(RecordingError::NoSession(format!("{}: {why}", path.display())))
+        });
+        if let Some(told) = told {
+            return told;
+        }
+    }
+    let names: Vec<String> = inputs.iter().map(|input| input.path.display().to_string()).collect();
+    RecordingError::NoSession(format!("{}: no file there ends in {}", names.join(", "), TEXT.join(", ")))
 }
 
 /// Adds a text file, or those of a zip; the error is that of an archive that is refused.

@@ -34,7 +34,17 @@ pub(super) fn bags(inputs: &[Input]) -> Result<Vec<(PathBuf, Content)>, Recordin
     for input in inputs {
         if input.is_dir {
             let is_bag = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "mcap");
-            for path in files_of(&input.path)?.into_iter().filter(is_bag) {
+            let (parts, others): (Vec<PathBuf>, Vec<PathBuf>) = files_of(&input.path)?.into_iter().partition(is_bag);
+            if let [first, second, ..] = parts.as_slice()
+                && !others.iter().any(|path| path.ends_with("metadata.yaml"))
+            {
+                let (first, second) = (first.display(), second.display());
+                let why = format!(
+                    "{first} and {second} are bags of their own, for no metadata.yaml beside them says that they are one: give one at a time"
+                );
+                return Err(RecordingError::Several { sessions: 0, why });
+            }
+            for path in parts {
                 let file = File::open(&path).map_err(RecordingError::read(&path))?;
                 found.push((path, file.into()));
             }

@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 /// A record in a packed chunk may have this many bytes, whatever the file has.
 const UNPACKED_BYTES: u64 = 64 << 20;
 const MICROTESLA: f64 = 1e6;
+/// What zstd packed begins so.
+const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 /// Numbers of an Imu before the angular velocity (orientation and its covariance), of a vector with its covariance.
 const ORIENTATION: usize = 4 + 9;
 const VECTOR: usize = 3 + 9;
@@ -61,10 +63,15 @@ pub(super) fn read_bags(
             let Some((stamp_ns, values)) = decode(&message.data, numbers) else {
                 let encoding = &message.channel.encoding;
                 let expected = format!("a CDR message of {} with its covariances", kind.name());
+                let why = if message.data.starts_with(ZSTD) {
+                    "messages that are packed one by one; `ros2 bag convert` unpacks them"
+                } else {
+                    "record with ROS 2 itself"
+                };
                 return Err(RecordingError::Form {
                     place: Place { column: Some((1, topic.clone())), ..place() },
                     expected,
-                    found: format!("{} bytes of encoding '{encoding}'; record with ROS 2 itself", message.data.len()),
+                    found: format!("{} bytes of encoding '{encoding}'; {why}", message.data.len()),
                 });
             };
             // a driver that leaves the stamp empty: the time of the record

@@ -85,10 +85,13 @@ impl Columns {
         }
         let cell = |i: usize| record.get(i).unwrap_or_default();
         let number = |i: usize| -> Result<f64, RecordingError> {
-            let text = String::from_utf8_lossy(cell(i));
-            let found =
-                if text.trim().is_empty() { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
-            text.trim().parse().map_err(|_| wrong(Some(i), "a number".to_owned(), found))
+            let value = std::str::from_utf8(cell(i)).ok().and_then(|text| text.trim().parse().ok());
+            value.ok_or_else(|| {
+                let text = String::from_utf8_lossy(cell(i));
+                let is_empty = text.trim().is_empty();
+                let found = if is_empty { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
+                wrong(Some(i), "a number".to_owned(), found)
+            })
         };
         // a sensor that said nothing at this time leaves all its cells empty
         let silent = |cells: &[usize]| cells.iter().all(|i| cell(*i).trim_ascii().is_empty());
