@@ -18,7 +18,8 @@ _SENSORS = {"magnetometer": "m", "gyroscope": "g", "accelerometer": "a"}
 def _times(frame: pandas.DataFrame) -> np.ndarray:
     import pandas
 
-    if frame.index.name in ("time_ns", "t_s") and frame.index.name not in frame:
+    index = frame.index
+    if index.name in ("time_ns", "t_s") and index.name not in frame and not isinstance(index, (pandas.DatetimeIndex, pandas.TimedeltaIndex)):
         frame = frame.reset_index()
     if "time_ns" in frame:
         if frame["time_ns"].hasnans:
@@ -34,7 +35,6 @@ def _times(frame: pandas.DataFrame) -> np.ndarray:
         if not (np.abs(time_s) < 2.0**62 * 1e-9).all():
             raise _magcomp.MagcompError("the column t_s has a time that is no number, or too far from zero; drop that row")
         return np.round(time_s * 1e9).astype(np.int64)
-    index = frame.index
     if isinstance(index, (pandas.DatetimeIndex, pandas.TimedeltaIndex)):
         if index.hasnans:
             raise _magcomp.MagcompError("the index has a time that is missing; drop that row")

@@ -40,6 +40,8 @@ def test_times_may_be_a_column_of_nanoseconds_or_an_index(table, expected):
     rest = table.drop(columns="t_s")
     for other in (
         rest.assign(time_ns=time_ns),
+        table.set_index("t_s"),
+        rest.set_index(time_ns.rename("time_ns")),
         rest.set_index(pandas.to_timedelta(time_ns, unit="ns")),
         rest.set_index(pandas.to_datetime(time_ns, unit="ns")),
         rest.set_index(pandas.to_datetime(time_ns, unit="ns", utc=True)),

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import re
 import runpy
 import shutil
 import signal
@@ -79,6 +80,50 @@ def test_tables_are_taken_and_what_is_wrong_with_one_is_its_error():
     expected = magcomp.Compensator(method="Adaptive").process(TIMES, h)["field_ut"][:, 0]
     for name in many.recordings:
         np.testing.assert_array_equal(found.loc[found.recording == name, "field_x_ut"], expected)
+
+
+def test_arrays_and_tables_of_any_kind_are_the_same_recording_or_say_why_not():
+    h = turned(2000)
+    rate, up = np.full((2000, 3), 0.1), np.full((2000, 3), [0.0, 0.0, 9.81])
+    session = {"time_ns": TIMES, "field_ut": h, "rotation_rate": (TIMES, rate), "up": (TIMES, up)}
+    names = [letter + axis for letter in "mga" for axis in "xyz"]
+    frame = pandas.DataFrame(np.hstack([h, rate, up]), columns=names).assign(time_ns=TIMES)
+    # gaps: rows in which a sensor says nothing, and rows in which none does
+    gaps = pandas.concat([frame, pandas.DataFrame({"time_ns": TIMES[::10] + 1})]).sort_values("time_ns", ignore_index=True)
+    masked = np.ma.masked_greater(h, h.max() - 1)
+    part = frame.copy()
+    part.loc[1000, "my"] = part.loc[1500, "gz"] = np.nan
+    tables = {
+        "session": session,
+        "uint64": session | {"time_ns": TIMES.astype(np.uint64), "up": (TIMES.astype(np.uint64), up)},
+        "strided": session | {"field_ut": np.repeat(h, 2, axis=1)[:, ::2], "rotation_rate": (np.repeat(TIMES, 2)[::2], np.asfortranarray(rate))},
+        "backwards": session | {"up": (TIMES[::-1], up[::-1])},
+        "nothing masked": session | {"field_ut": np.ma.asarray(h)},
+        "pandas": gaps,
+        "nullable": gaps.convert_dtypes(),
+        "of arrow": gaps.convert_dtypes(dtype_backend="pyarrow"),
+        "polars": polars.from_pandas(gaps),
+        "arrow": pyarrow.Table.from_pandas(gaps),
+        "part": part,
+    }
+    wrong = {
+        "masked field": (session | {"field_ut": masked}, "field_ut has masked values; leave their rows out"),
+        "masked turn": (session | {"rotation_rate": (TIMES, np.ma.masked_equal(rate, 0.1))}, "rotation_rate.* has masked values"),
+        "masked times": (session | {"up": (np.ma.masked_equal(TIMES, 0), up)}, "up.* has masked values"),
+        "far": (session | {"time_ns": TIMES.astype(np.uint64) + 2**63}, "beyond 2\\^63"),
+        "no time": (polars.from_pandas(gaps).with_columns(time_ns=polars.lit(None, polars.Int64)), "time that is missing"),
+        "words": (frame.astype({"mx": str}).assign(mx="north"), "north"),
+    }
+    many = magcomp.process_many(tables | {name: table for name, (table, _) in wrong.items()}, progress=False)
+    assert list(many.errors) == list(wrong) and many.recordings == list(tables)
+    for name, (_, why) in wrong.items():
+        assert re.search(why, many.errors[name]), many.errors[name]
+    found = {name: part.reset_index(drop=True) for name, part in many.to_pandas().groupby("recording", observed=True)}
+    expected = found["session"].drop(columns="recording")
+    for name in tables.keys() - {"part"}:
+        pandas.testing.assert_frame_equal(found[name].drop(columns="recording"), expected, obj=name)
+    # a row with a part of its values is a sample that is refused
+    assert found["part"]["status"].eq("rejected").to_numpy().nonzero()[0].tolist() == [1000] and many.left_out["part"] == 1
 
 
 def test_what_is_no_list_of_recordings_is_refused():

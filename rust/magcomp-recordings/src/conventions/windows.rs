@@ -41,7 +41,8 @@ pub(super) fn windows(vector: &[Event], turns: &Turns, span_s: f64, average_s: f
         return Vec::new();
     }
     let mut sum = Matrix3::zeros();
-    let mut sums = vec![sum];
+    let mut sums = Vec::with_capacity(points.len());
+    sums.push(sum);
     for pair in points.windows(2) {
         sum += (pair[1].3 - pair[0].3) * ((pair[0].2 + pair[1].2) / 2.0).transpose();
         sums.push(sum);
@@ -139,6 +140,7 @@ pub(super) fn fit(windows: &[Window], rates: &Matrix3<f64>, has_offset: bool) ->
         |offset: Vector3<f64>| parts.iter().map(|(left, angle)| (left - angle * offset).norm()).collect::<Vec<_>>();
     if has_offset {
         let mut weights = vec![1.0; parts.len()];
+        let mut solvable = None;
         for _ in 0..ROUNDS {
             let (mut normal, mut right) = (Matrix3::identity() * 1e-9, Vector3::zeros());
             for ((left, angle), weight) in parts.iter().zip(&weights) {
@@ -147,11 +149,14 @@ pub(super) fn fit(windows: &[Window], rates: &Matrix3<f64>, has_offset: bool) ->
             }
             let Some(solved) = normal.try_inverse() else { break };
             offset = solved * right;
-            let eigen = normal.symmetric_eigenvalues();
-            roundness = eigen.min() / eigen.max().max(f64::MIN_POSITIVE);
+            solvable = Some(normal);
             let left = sizes(offset);
             let usual = median(left.clone()).max(1e-9);
             weights = left.iter().map(|size| 1.0 / size.max(usual / 2.0)).collect();
+        }
+        if let Some(normal) = solvable {
+            let eigen = normal.symmetric_eigenvalues();
+            roundness = eigen.min() / eigen.max().max(f64::MIN_POSITIVE);
         }
     }
     let left = sizes(offset);
